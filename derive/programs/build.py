@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from operator import methodcaller
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from derive.errors import QuantityError
 from derive.programs.formulations.choice import Formulation
@@ -20,15 +20,8 @@ from derive.robot.robot import Robot
 if TYPE_CHECKING:
     from derive.programs.inverse import Solved
 
-T = TypeVar("T")
-R = TypeVar("R")
-
-
-class Spread(Protocol):
-    """How pieces of work that do not depend on each other are done at once."""
-
-    def __call__(self, work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
-        """Do the work."""
+# How pieces of work that do not depend on each other are done at once: the work, the pieces and their sizes.
+Spread = Callable[[Callable[[Any], Any], Sequence[Any], Sequence[int]], Sequence[Any]]
 
 
 def build_program(
@@ -47,8 +40,7 @@ def build_program(
     if inverse:
         work.append(_Inverse(trace))
     sizes = [piece.size for piece in work]
-    result: Callable[[_Traced | _Inverse], Function | Solved | None] = methodcaller("result")
-    results = list(spread(result, work, sizes) if spread else map(result, work))
+    results = list(spread(methodcaller("result"), work, sizes) if spread else [piece.result() for piece in work])
     functions = tuple(result for result in results if isinstance(result, Function))
     found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
     closed = found if isinstance(found, Inverse) else None

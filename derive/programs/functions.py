@@ -1,10 +1,8 @@
 """The generated functions, one row each: what it takes and gives, and the ways to compute it.
 
-A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation and the
-yardstick of its errors follow. The oracle of `derive.verification` has its own table, lest a mistake is made twice.
+A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation follows.
+The oracle of `derive.verification` has its own table, lest a mistake is made twice, and the yardstick of its errors.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -16,7 +14,7 @@ from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.program import Column, Interface, Magnitude
+from derive.programs.program import Column, Interface
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
 
@@ -52,37 +50,35 @@ _OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_mar
 
 
 def _row(
-    what: tuple[str, tuple[int | str, ...], Magnitude],
+    what: tuple[str, tuple[int | str, ...]],
     words: tuple[str, str],
     formulations: Callable[[Trace], Iterable[Formulation]],
     **options: Any,
 ) -> FunctionRow:
-    """A row by a call of the function, ``J = jacobian(q)``, shape and magnitude, and words for it and its result."""
-    call, shape, magnitude = what
+    """A row by a call of the function, ``J = jacobian(q)``, and the shape, and words for it and its result."""
+    call, shape = what
     symbol, _, rest = call.partition(" = ")
     name, _, arguments = rest.removesuffix(")").partition("(")
     taken = tuple(arguments.split(", ")) if arguments else ()
-    return FunctionRow(
-        interface=Interface(name, taken, shape, symbol, *words, magnitude), formulations=formulations, **options
-    )
+    return FunctionRow(interface=Interface(name, taken, shape, symbol, *words), formulations=formulations, **options)
 
 
 # In the order in which they are printed.
 ROWS = (
     _row(
-        ("T = forward_kinematics(q)", (4, 4), Magnitude.POSE),
+        ("T = forward_kinematics(q)", (4, 4)),
         ("Pose of the end effector in the world frame.", "base A_1 ... A_n tool, a 4x4 homogeneous transform"),
         kinematics.poses,
         margin=POLICY.kinematics_margin,
     ),
     _row(
-        ("T_i = link_transforms(q)", ("n", 4, 4), Magnitude.POSE),
+        ("T_i = link_transforms(q)", ("n", 4, 4)),
         ("Poses of the DH frames 1..n in the world frame.", "base A_1 ... A_i for i = 1..n, without the tool"),
         kinematics.link_poses,
         margin=POLICY.kinematics_margin,
     ),
     _row(
-        ("J = jacobian(q)", (6, "n"), Magnitude.JACOBIAN),
+        ("J = jacobian(q)", (6, "n")),
         (
             "Geometric Jacobian at the end effector, in the world frame.",
             "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
@@ -91,7 +87,7 @@ ROWS = (
         margin=POLICY.kinematics_margin,
     ),
     _row(
-        ("J_end = jacobian_end(q)", (6, "n"), Magnitude.JACOBIAN),
+        ("J_end = jacobian_end(q)", (6, "n")),
         (
             "Geometric Jacobian at the end effector, in the end effector's axes.",
             "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
@@ -100,59 +96,55 @@ ROWS = (
         margin=POLICY.kinematics_margin,
     ),
     _row(
-        ("dJ/dt = jacobian_dot(q, qd)", (6, "n"), Magnitude.JACOBIAN_RATE),
+        ("dJ/dt = jacobian_dot(q, qd)", (6, "n")),
         (
             "Rate of change of the geometric Jacobian, in the world frame.",
             "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
         ),
         kinematics.jacobian_rates,
     ),
-    _row(
-        ("J_A = analytic_jacobian_rpy(q)", (6, "n"), Magnitude.JACOBIAN),
-        (
-            "Analytic Jacobian for roll, pitch, yaw.",
-            "rows: velocity of the end effector's origin [m/s], then rates of roll, pitch and yaw [rad/s], per unit "
-            "of qd; no finite numbers where cos(pitch) = 0",
-        ),
-        partial(kinematics.analytic_jacobians, "rpy"),
-        is_optional=True,
+    *(
+        _row(
+            (f"J_A = analytic_jacobian_{kind}(q)", (6, "n")),
+            (
+                f"Analytic Jacobian for {angles}.",
+                f"rows: velocity of the end effector's origin [m/s], then rates of {rates} [rad/s], per unit of qd; no "
+                f"finite numbers where {singular} = 0",
+            ),
+            partial(kinematics.analytic_jacobians, kind),
+            is_optional=True,
+        )
+        for kind, angles, rates, singular in (
+            ("rpy", "roll, pitch, yaw", "roll, pitch and yaw", "cos(pitch)"),
+            ("zyz", "Euler angles ZYZ", "phi, theta and psi", "sin(theta)"),
+        )
     ),
     _row(
-        ("J_A = analytic_jacobian_zyz(q)", (6, "n"), Magnitude.JACOBIAN),
-        (
-            "Analytic Jacobian for Euler angles ZYZ.",
-            "rows: velocity of the end effector's origin [m/s], then rates of phi, theta and psi [rad/s], per unit "
-            "of qd; no finite numbers where sin(theta) = 0",
-        ),
-        partial(kinematics.analytic_jacobians, "zyz"),
-        is_optional=True,
-    ),
-    _row(
-        ("B = inertia_matrix(q)", ("n", "n"), Magnitude.INERTIA),
+        ("B = inertia_matrix(q)", ("n", "n")),
         ("Inertia matrix, rotors and armatures included.", "symmetric; kinetic energy is qd^T B qd / 2"),
         dynamics.inertia_matrices,
         **_OF_LINKS,
     ),
     _row(
-        ("C = coriolis_matrix(q, qd)", ("n", "n"), Magnitude.CORIOLIS),
+        ("C = coriolis_matrix(q, qd)", ("n", "n")),
         ("Coriolis and centrifugal matrix in Christoffel form.", "C qd is the velocity torque, and dB/dt = C + C^T"),
         dynamics.coriolis_matrices,
         **_OF_LINKS,
     ),
     _row(
-        ("g = gravity_vector(q)", ("n",), Magnitude.GRAVITY),
+        ("g = gravity_vector(q)", ("n",)),
         ("Torques that hold the arm against gravity.", "dU/dq, U the potential energy"),
         dynamics.gravity_vectors,
         **_OF_LINKS,
     ),
     _row(
-        ("T = kinetic_energy(q, qd)", (), Magnitude.KINETIC_ENERGY),
+        ("T = kinetic_energy(q, qd)", ()),
         ("Kinetic energy, rotors and armatures included.", "qd^T B qd / 2 [J]"),
         dynamics.kinetic_energies,
         **_OF_LINKS,
     ),
     _row(
-        ("U = potential_energy(q)", (), Magnitude.POTENTIAL_ENERGY),
+        ("U = potential_energy(q)", ()),
         (
             "Potential energy of links and rotors in the field of gravity.",
             "the sum of -m g . p [J], which is zero at the origin of the world frame",
@@ -161,7 +153,7 @@ ROWS = (
         **_OF_LINKS,
     ),
     _row(
-        ("tau = inverse_dynamics(q, qd, qdd)", ("n",), Magnitude.TORQUE),
+        ("tau = inverse_dynamics(q, qd, qdd)", ("n",)),
         (
             "Joint torques and forces of a motion, friction included.",
             "B qdd + C qd + g + viscous*qd + coulomb*sign(qd)",
@@ -170,20 +162,20 @@ ROWS = (
         **_OF_LINKS,
     ),
     _row(
-        ("qdd = forward_dynamics(q, qd, tau)", ("n",), Magnitude.OTHER),
+        ("qdd = forward_dynamics(q, qd, tau)", ("n",)),
         ("Joint accelerations under given torques and forces.", "solution of tau = B qdd + C qd + g + friction"),
         dynamics.accelerations,
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
     _row(
-        ("c = coriolis_vector(q, qd)", ("n",), Magnitude.VELOCITY_TORQUE),
+        ("c = coriolis_vector(q, qd)", ("n",)),
         ("Coriolis and centrifugal torques.", "C qd, quadratic in qd"),
         dynamics.coriolis_vectors,
         exists=_has_links,
     ),
     _row(
-        ("dtau/dq = inverse_dynamics_dq(q, qd, qdd)", ("n", "n"), Magnitude.TORQUE_BY_POSITION),
+        ("dtau/dq = inverse_dynamics_dq(q, qd, qdd)", ("n", "n")),
         (
             "Derivatives of the joint torques with respect to q.",
             "row i, column j: d tau_i / d q_j at constant qd and qdd",
@@ -192,7 +184,7 @@ ROWS = (
         exists=_has_links,
     ),
     _row(
-        ("dtau/dqd = inverse_dynamics_dqd(q, qd)", ("n", "n"), Magnitude.TORQUE_BY_VELOCITY),
+        ("dtau/dqd = inverse_dynamics_dqd(q, qd)", ("n", "n")),
         (
             "Derivatives of the joint torques with respect to qd.",
             "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
@@ -201,7 +193,7 @@ ROWS = (
         exists=_has_links,
     ),
     _row(
-        ("Y = regressor(q, qd, qdd)", ("n", "p"), Magnitude.OTHER),
+        ("Y = regressor(q, qd, qdd)", ("n", "p")),
         (
             "Regressor: tau = Y pi for the standard parameters pi, friction included.",
             "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
@@ -213,7 +205,7 @@ ROWS = (
         search=False,  # its entries share little beyond what the recursion shares
     ),
     _row(
-        ("Y_b = base_regressor(q, qd, qdd)", ("n", "p"), Magnitude.OTHER),
+        ("Y_b = base_regressor(q, qd, qdd)", ("n", "p")),
         (
             "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
             "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
@@ -224,7 +216,7 @@ ROWS = (
         search=False,
     ),
     _row(
-        ("beta = base_parameters()", ("p",), Magnitude.OTHER),
+        ("beta = base_parameters()", ("p",)),
         (
             "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
             "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",

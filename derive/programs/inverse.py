@@ -41,8 +41,9 @@ from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import Q, TapeDomain
+from derive.programs.tape.tape import Layer
 from derive.programs.tape.value import Value
-from derive.robot.expression import Expression, Pi
+from derive.robot.expression import Pi
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.options.solution_policy import POLICY
 
@@ -112,16 +113,9 @@ class TapeField:
 
     def __init__(self, domain: TapeDomain) -> None:
         self.domain = domain
+        self.number, self.constant = domain.number, domain.constant
         self._angles: dict[tuple[int, int], tuple[Value, Value, Value]] = {}
         self._as_found: dict[tuple[Ref, Ref], tuple[Value, Value]] = {}
-
-    def number(self, value: int | Fraction) -> Value:
-        """A rational number."""
-        return self.domain.number(value)
-
-    def constant(self, expression: Expression) -> Value:
-        """A parameter, or a constant of the arm."""
-        return self.domain.constant(expression)
 
     def divide(self, a: Value, b: Value) -> Value:
         """The quotient; where the divisor is zero, what floats make of it."""
@@ -133,7 +127,7 @@ class TapeField:
 
     def is_zero(self, a: Value, scale: Value) -> Mask:
         """Whether a coefficient is zero within rounding."""
-        if not a.depends_on_arguments:  # a length of the arm, and no matter of the pose
+        if a.graph.layer[node_of(a.ref)] is not Layer.BODY:  # a length of the arm, and no matter of the pose
             return ~Mask(self.number(0).less(abs(a)))
         return ~Mask((scale * Fraction(ZERO)).less(abs(a)))
 

@@ -11,9 +11,7 @@ move by w x r_j; two such motions have the product 2 w.v, and that with r_j - t_
 three rows of weight 2.
 """
 
-from __future__ import annotations
-
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import reduce
 
@@ -26,6 +24,7 @@ from derive.programs.tape.build import bake, cut
 from derive.programs.tape.scalars import Q
 from derive.programs.tape.value import Value
 
+Row = tuple[Sequence[Value], Value, Value | int]  # of G, with what is off and a weight
 INTERFACE = Interface(
     "inverse_kinematics_step",
     (Q, POSE, DAMPING),
@@ -40,70 +39,57 @@ def newton_step(trace: Trace, graph: SolutionGraph, reach: Value) -> Function:
     """The program of one step."""
     joints = [k for k in range(trace.n) if k not in graph.given]
     unit = trace.domain.number(0).less(reach).select(reach, 1)
-    fit = _Fit(trace, graph.places, unit)
-    damping = trace.domain.argument(DAMPING, 0)
-    rows = fit.rows
-    zero, one = trace.chain.zero, trace.chain.one
-    columns = [[slopes[k] for slopes, _, _ in rows] + [one if k == i else zero for i in joints] for k in joints]
-    weights: list[Value | int] = [weight for _, _, weight in rows]
-    weights += [damping] * len(joints)
-    steps = least_squares(columns, weights, [off for _, off, _ in rows] + [zero] * len(joints))
+    rows, error = _fit(trace, graph, unit)
+    columns = [[slopes[k] for slopes, _, _ in rows] for k in joints]
+    steps = least_squares(columns, [weight for _, _, weight in rows], [off for _, off, _ in rows])
     results = trace.arguments(Q)
     for joint, step in zip(joints, steps, strict=True):
         results[joint] = results[joint] - (step if trace.chain.joints[joint].revolute else unit * step)
-    tape = cut(*bake(trace.graph, [value.ref for value in (*results, fit.error, unit)], trace.choice.numbers))
+    tape = cut(*bake(trace.graph, [value.ref for value in (*results, error(), unit)], trace.choice.numbers))
     return Function(INTERFACE, (trace.n + 2,), tape, "damped Newton", widths={POSE: POSE_ENTRIES, DAMPING: 1})
 
 
-class _Fit:
-    """What the wanted entries of the pose are off, and how they change with the joints."""
+def _fit(trace: Trace, graph: SolutionGraph, unit: Value) -> tuple[list[Row], Callable[[], Value]]:
+    """Rows of G and the damping, whose normal equations are those of all wanted entries; and what these are off."""
+    places = graph.places
+    zero, one = trace.chain.zero, trace.chain.one
+    pose = [[trace.domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
+    wanted: list[Vector[Value]] = [(pose[0][j], pose[1][j], pose[2][j]) for j in range(3)]
+    frame = trace.shortest_pose or forward_kinematics(trace.chain)
+    slopes = trace.shortest_jacobian or jacobian(trace.chain)
+    axes: list[Vector[Value]] = [(slopes[3][k], slopes[4][k], slopes[5][k]) for k in range(trace.n)]
+    whole = sum(j < 3 for _, j in places) == 9
+    rows, turned = list[Row](), set[int]()
+    for i, j in places:
+        if j == 3:
+            off = (frame.position[i] - pose[i][3]) / unit
+            scales = [1 / unit if joint.revolute else one for joint in trace.chain.joints]
+            rows.append(([slopes[i][k] * scales[k] for k in range(trace.n)], off, 1))
+        else:
+            turned.add(j)
+            off = frame.rotation[i][j] - pose[i][j]
+            r = column(frame.rotation, j)
+            rows.append(([zero if whole else cross(w, r)[i] for w in axes], off, 1))
+    # Where R is wanted whole: the torque that turns its columns to those that are wanted.
+    turns = [cross(wanted[j], column(frame.rotation, j)) for j in range(3)] if whole else []
+    torque = [sum((turn[i] for turn in turns), zero) for i in range(3)]
+    damping = trace.domain.argument(DAMPING, 0)
+    taken = rows
+    if whole:
+        taken = [row for row, (_, j) in zip(rows, places, strict=True) if j == 3]
+        taken += [([axis[i] for axis in axes], torque[i] * Fraction(1, 2), 2) for i in range(3)]
 
-    def __init__(self, trace: Trace, places: Sequence[tuple[int, int]], unit: Value) -> None:
-        self._places = places
-        self._pose = [[trace.domain.argument(POSE, 4 * i + j) for j in range(4)] for i in range(3)]
-        frame = trace.shortest_pose or forward_kinematics(trace.chain)
-        rows = trace.shortest_jacobian or jacobian(trace.chain)
-        zero = trace.chain.zero
-        self._axes: list[Vector[Value]] = [(rows[3][k], rows[4][k], rows[5][k]) for k in range(trace.n)]
-        self._off, self._slopes, turned = [], list[list[Value]](), set[int]()
-        whole = sum(j < 3 for _, j in places) == 9
-        for i, j in places:
-            if j == 3:
-                self._off.append((frame.position[i] - self._pose[i][3]) / unit)
-                scales = [1 / unit if joint.revolute else trace.chain.one for joint in trace.chain.joints]
-                self._slopes.append([rows[i][k] * scales[k] for k in range(trace.n)])
-            else:
-                turned.add(j)
-                self._off.append(frame.rotation[i][j] - self._pose[i][j])
-                r = column(frame.rotation, j)
-                self._slopes.append([zero if whole else cross(w, r)[i] for w in self._axes])
-        self._torque = (zero, zero, zero)
-        if whole:
-            turns = [cross(self._wanted(j), column(frame.rotation, j)) for j in range(3)]
-            self._torque = tuple(sum((turn[i] for turn in turns), zero) for i in range(3))  # type: ignore[assignment]
-        self._whole, self._complete = whole, [j for j in turned if sum(column == j for _, column in places) == 3]
-
-    def _wanted(self, j: int) -> Vector[Value]:
-        return (self._pose[0][j], self._pose[1][j], self._pose[2][j])
-
-    @property
-    def rows(self) -> Sequence[tuple[Sequence[Value], Value, int]]:
-        """Rows of G with what is off and a weight, such that the normal equations are those of all wanted entries."""
-        found = [(slopes, off, 1) for slopes, off in zip(self._slopes, self._off, strict=True)]
-        if not self._whole:
-            return found
-        turned = [([axis[i] for axis in self._axes], self._torque[i] * Fraction(1, 2), 2) for i in range(3)]
-        return [row for row, (_, j) in zip(found, self._places, strict=True) if j == 3] + turned
-
-    @property
-    def error(self) -> Value:
+    def _error() -> Value:
         """The square root of the sum of the squares of e, less what T itself is off a pose."""
-        square = sum((off * off for off in self._off), self._torque[0] - self._torque[0])
-        total = square.sqrt()
-        for place, a in enumerate(self._complete):
-            for b in self._complete[place:]:
-                total = total - abs(dot(self._wanted(a), self._wanted(b)) - int(a == b))
+        total = sum((off * off for _, off, _ in rows), torque[0] - torque[0]).sqrt()
+        complete = [j for j in turned if sum(column == j for _, column in places) == 3]
+        for place, a in enumerate(complete):
+            for b in complete[place:]:
+                total = total - abs(dot(wanted[a], wanted[b]) - int(a == b))
         return total.maximum(0)
+
+    free = [i for i in range(trace.n) if i not in graph.given]
+    return [*taken, *(([one if k == i else zero for k in range(trace.n)], zero, damping) for i in free)], _error
 
 
 def least_squares(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from enum import Enum, auto
 from math import prod
 from typing import TYPE_CHECKING
 
@@ -28,24 +27,6 @@ joints are that no equation determines; and of its Newton step, by how much that
 POSE_ENTRIES = 16  # of a pose, a 4x4 matrix row by row
 
 
-class Magnitude(Enum):
-    """What bounds the entries of a result, and so its errors (`derive.verification.tolerance`)."""
-
-    POSE = auto()
-    JACOBIAN = auto()
-    JACOBIAN_RATE = auto()
-    INERTIA = auto()
-    CORIOLIS = auto()
-    GRAVITY = auto()
-    KINETIC_ENERGY = auto()
-    POTENTIAL_ENERGY = auto()
-    TORQUE = auto()
-    VELOCITY_TORQUE = auto()
-    TORQUE_BY_POSITION = auto()
-    TORQUE_BY_VELOCITY = auto()
-    OTHER = auto()  # it is verified in a way of its own
-
-
 @dataclass(frozen=True, slots=True)
 class Interface:
     """What a generated function is, whatever the robot."""
@@ -58,7 +39,6 @@ class Interface:
     symbol: str  # how the notes write the result
     summary: str  # one line
     result: str  # what the entries of the result are, with their units
-    magnitude: Magnitude = Magnitude.OTHER  # what bounds them
 
 
 @dataclass(frozen=True, slots=True)

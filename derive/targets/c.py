@@ -53,10 +53,10 @@ def c_context(source: Source) -> dict[str, Any]:
         "guard": f"DERIVE_{prefix.upper()}MODEL_H",
         "functions": functions,
         "inverse": inverse,
-        "has_angles": any(function.angle_count for function in texts),
+        "has_angles": any(function["angle_count"] for function in texts),
         **case_context(program.all_tapes),
         "has_sign": any(node.op is Op.SIGN for tape in program.all_tapes for node in tape.nodes),
-        "has_batches": any(function.arguments for function in texts),
+        "has_batches": any(function["arguments"] for function in texts),
     }
 
 
@@ -70,9 +70,9 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
     """Inverse kinematics in C."""
     robot, parameters = source.robot, source.program.parameters
     step = c_function(inverse.step, parameters) if isinstance(inverse, Inverse) else None
-    further = step.constant_count if step else 0
+    further = step["constant_count"] if step else 0
     function = c_function(inverse.function, parameters, further)
-    inputs = [*inverse.function.widths, *(hoisted := ["k"] if function.constant_count else [])]
+    inputs = [*inverse.function.widths, *(hoisted := ["k"] if function["constant_count"] else [])]
     limits = [pair or (-inf, inf) for pair in joint_limits(robot)]
     joints, nearest = list(enumerate(robot.joints)), [POSE, NEAR, *hoisted]
     rows = [f"{name} + {width} * row" for name, width in inverse.function.widths.items() if name != NEAR]
@@ -84,7 +84,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
     return {
         "function": function,  # the texts of its program; its constants are followed by those of the step
         "step": step,  # those of its Newton step
-        "step_constants": f", k + {function.constant_count - further}" if further else "",
+        "step_constants": f", k + {function['constant_count'] - further}" if further else "",
         "constants_declaration": ", const double *restrict k" if further else "",
         "constants_argument": ", k" if further else "",
         "branches": inverse.branches,
@@ -93,7 +93,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
         "loads": [  # the arguments that a batch loads into lanes; an optional one may be NULL, which stands for zeros
             {"name": name, "width": inverse.function.widths[name], "is_optional": name == NEAR}
-            for name in function.used
+            for name in function["used"]
         ],
         "declaration": _declared(inputs, "restrict "),  # parameters of the public function
         "batch_declaration": f"size_t count, {_declared(inputs, 'restrict ')}",  # of that of a batch
@@ -115,7 +115,7 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "alone_call": ", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
         "beside_call": ", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
         "row_call": ", ".join([*rows, *hoisted]),  # inputs of a call for one row of a batch
-        "documentation": _inverse_documentation(inverse, robot, function.constant_count),
+        "documentation": _inverse_documentation(inverse, robot, function["constant_count"]),
         "search": c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
     }
 

@@ -4,11 +4,10 @@ A function has three parts: work on parameters alone, the angles, and everything
 the last two: they are taken of all angles at once, which is what lets a compiler vectorise them across configurations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
@@ -45,62 +44,37 @@ class CodePart:
         return tuple(array for array in _ARRAYS if array in used)
 
 
-@dataclass(frozen=True, slots=True)
-class CFunction:
-    """One generated function."""
-
-    name: str  # its name, without the robot's
-    arguments: tuple[str, ...]  # arguments from the user
-    used: tuple[str, ...]  # those that have a say in the result
-    unused: tuple[str, ...]  # the others
-    size: int  # entries of the result
-    lanes: int  # configurations in a block
-    angle_count: int  # angles whose sine or cosine is taken
-    has_sines: bool  # whether a sine is taken of any
-    has_cosines: bool  # whether a cosine is
-    constant_count: int  # constants that come from the parameters
-    constants: dict[str, object]  # from the parameters to the constants
-    angles: dict[str, object]  # from the arguments to the angles
-    lane: dict[str, object]  # from the arguments and sines to the result, for one configuration of a block
-    declaration: str  # parameters of the public function
-    batch_declaration: str  # parameters of the public function of a batch
-    prototype: str  # parameters of the public function in the header
-    batch_prototype: str  # parameters of the public function of a batch in the header
-    block_declaration: str  # parameters of the function of one block
-    block_call: str  # the arguments of its call
-    documentation: tuple[str, ...]  # lines of its comment
-
-
-def c_function(function: Function, parameters: Sequence[str], more_constants: int = 0) -> CFunction:
-    """A function of a program in C."""
+def c_function(function: Function, parameters: Sequence[str], more_constants: int = 0) -> dict[str, Any]:
+    """The texts of a function of a program in C."""
     constants, angles, body = _three_parts(function.tape, parameters)
     read = {*angles.arrays, *body.arrays}
     used = tuple(argument for argument in function.arguments if argument in read)
     hoisted = ["k"] if constants.results or more_constants else []
     inputs = [*function.arguments, *hoisted]
     size = prod(function.shape)
-    return CFunction(
-        name=function.name,
-        arguments=function.arguments,
-        used=used,
-        unused=tuple(argument for argument in function.arguments if argument not in used),
-        size=size,
-        lanes=next((lanes for most, lanes in _LANES if size <= most), 8),
-        angle_count=len(angles.results),
-        has_sines="sines" in read,
-        has_cosines="cosines" in read,
-        constant_count=len(constants.results) + more_constants,
-        constants=_static_function(constants, "k", "", step=False),
-        angles=_static_function(angles, "angles", f"{function.name}_lanes"),
-        lane=_static_function(body, "result", f"{function.name}_lanes"),
-        declaration=pointers(inputs, "result", "restrict "),
-        batch_declaration=f"size_t count, {pointers(inputs, 'result', 'restrict ')}",
-        prototype=pointers(inputs, "result"),
-        batch_prototype=f"size_t count, {pointers(inputs, 'result')}",
-        block_declaration=pointers([*used, *hoisted], "result", "restrict "),
-        block_call=", ".join([*(f"{argument}_block" for argument in used), *hoisted, "result_block"]),
-        documentation=_documentation(function, len(constants.results)),
-    )
+    lanes = f"{function.name}_lanes"
+    return {
+        "name": function.name,  # without the robot's
+        "arguments": function.arguments,  # arguments from the user
+        "used": used,  # those that have a say in the result
+        "unused": tuple(argument for argument in function.arguments if argument not in used),
+        "size": size,  # entries of the result
+        "lanes": next((count for most, count in _LANES if size <= most), 8),  # configurations in a block
+        "angle_count": len(angles.results),  # angles whose sine or cosine is taken
+        "has_sines": "sines" in read,
+        "has_cosines": "cosines" in read,
+        "constant_count": len(constants.results) + more_constants,  # constants that come from the parameters
+        "constants": _static_function(constants, "k", "", step=False),  # from the parameters to the constants
+        "angles": _static_function(angles, "angles", lanes),  # from the arguments to the angles
+        "lane": _static_function(body, "result", lanes),  # from the arguments and sines to the result
+        "declaration": pointers(inputs, "result", "restrict "),  # parameters of the public function
+        "batch_declaration": f"size_t count, {pointers(inputs, 'result', 'restrict ')}",  # of that of a batch
+        "prototype": pointers(inputs, "result"),  # both in the header
+        "batch_prototype": f"size_t count, {pointers(inputs, 'result')}",
+        "block_declaration": pointers([*used, *hoisted], "result", "restrict "),  # of the function of one block
+        "block_call": ", ".join([*(f"{argument}_block" for argument in used), *hoisted, "result_block"]),
+        "documentation": _documentation(function, len(constants.results)),  # lines of its comment
+    }
 
 
 def pointers(inputs: Iterable[str], output: str, qualifier: str = "") -> str:
@@ -159,7 +133,15 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
 def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodePart, CodePart]:
     """From parameters to constants, from arguments and constants to angles, and from all of these to the outputs."""
     joints = {i: n.source.index for i, n in enumerate(tape.nodes) if n.source is not None and n.source.kind == "q"}
-    angles = sorted(_angles(tape), key=lambda angle: (0, joints[angle]) if angle in joints else (1, angle))
+    # What sines and cosines are taken of, except where that depends on a sine or cosine itself.
+    late, found = set[int](), set[int]()
+    for i, node in enumerate(tape.nodes):
+        is_angle_taken = node.op in TRIGONOMETRIC
+        if node.layer is Layer.BODY and (is_angle_taken or late.intersection(node.operands)):
+            if is_angle_taken and not late.intersection(node.operands):
+                found.add(node.operands[0])
+            late.add(i)
+    angles = sorted(found, key=lambda angle: (0, joints[angle]) if angle in joints else (1, angle))
     constants = {i: Read(f"k{place + 1}", "k", place) for place, i in enumerate(tape.hoisted_results)}
     sines: dict[int, Read] = {}
     for i, node in enumerate(tape.nodes):
@@ -174,19 +156,6 @@ def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodeP
         _part(tape, parameters, [Output(i, False) for i in angles], constants),
         _part(tape, parameters, tape.outputs, {**constants, **sines}),
     )
-
-
-def _angles(tape: Tape) -> set[int]:
-    """What sines and cosines are taken of, except where that depends on a sine or cosine itself."""
-    late: set[int] = set()
-    angles: set[int] = set()
-    for i, node in enumerate(tape.nodes):
-        if node.layer is Layer.BODY and late.intersection(node.operands):
-            late.add(i)
-        elif node.layer is Layer.BODY and node.op in TRIGONOMETRIC:
-            late.add(i)
-            angles.add(node.operands[0])
-    return angles
 
 
 def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> CodePart:

@@ -3,8 +3,6 @@
 The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from derive.algebra.constants import to_float

@@ -1,7 +1,5 @@
 """The C compiler of this system: found by ``$CC`` or by its usual names, and run."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """Users' text in generated files: one function per language, after which it is text and nothing else."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

@@ -1,7 +1,5 @@
 """``model.mjs``: the functions of a robot as a JavaScript module, from the same tapes, for browsers and Node alike."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program

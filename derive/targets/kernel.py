@@ -3,8 +3,6 @@
 A value that is used once is written where it is used, unless it is long; any other gets a name in a line of its own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
@@ -65,14 +63,11 @@ class Language:
         """One operation."""
         a, b = operands[0], operands[-1]
         match op:
-            case Op.ADD:
-                return CodePiece(f"{a.inside(SUM)} + {b.inside(PRODUCT)}", SUM)
-            case Op.SUBTRACT:
-                return CodePiece(f"{a.inside(SUM)} - {b.inside(PRODUCT)}", SUM)
-            case Op.MULTIPLY:
-                return CodePiece(f"{a.inside(PRODUCT)}{self.times}{b.inside(ATOM)}", PRODUCT)
-            case Op.DIVIDE:
-                return CodePiece(f"{a.inside(PRODUCT)}{self.over}{b.inside(ATOM)}", PRODUCT)
+            case Op.ADD | Op.SUBTRACT:
+                return CodePiece(f"{a.inside(SUM)} {'+' if op is Op.ADD else '-'} {b.inside(PRODUCT)}", SUM)
+            case Op.MULTIPLY | Op.DIVIDE:
+                sign = self.times if op is Op.MULTIPLY else self.over
+                return CodePiece(f"{a.inside(PRODUCT)}{sign}{b.inside(ATOM)}", PRODUCT)
             case Op.NEGATE:
                 return CodePiece(f"-{a.inside(PRODUCT)}", SUM)
             case Op.LESS if self.has_choice:

@@ -1,13 +1,11 @@
 """``model_native.py``: the C functions of a robot as NumPy generalised ufuncs, compiled when the folder is built."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Function, Inverse, InverseSearch
 from derive.targets.c import c_context, solvable
-from derive.targets.c_function import CFunction
 from derive.targets.numpy import python_context
 from derive.targets.target import Source, Target
 from derive.targets.templating import render
@@ -28,10 +26,10 @@ class Input:
 def render_native(source: Source) -> dict[str, str]:
     """Module and code."""
     code, inverse = c_context(source), solvable(source.program)
-    texts: list[CFunction] = code["functions"]
+    texts = code["functions"]
     loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
     solver = [code["inverse"]["function"]] if inverse else []
-    counts = {text.name: text.constant_count for text in [*texts, *solver]}
+    counts = {text["name"]: text["constant_count"] for text in [*texts, *solver]}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}
     if inverse is None:
         module["inverse"] = None
@@ -65,20 +63,20 @@ def _gather(width: int, place: int, entry: int, block: str, lane: int) -> str:
     return f"gather({width}, {start}, steps[{place}], cores[{place}], rows, {block} + {lane} * width, width);"
 
 
-def _nearest_loop(inverse: Inverse | InverseSearch, text: CFunction) -> dict[str, object]:
-    n, constants = inverse.joints, text.constant_count
+def _nearest_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dict[str, object]:
+    n, constants = inverse.joints, text["constant_count"]
     widths = {POSE: POSE_ENTRIES, NEAR: n} | ({"k": constants} if constants else {})
     inputs = tuple(Input(name, width, i, i) for i, (name, width) in enumerate(widths.items()))
     loads = [_gather(n, 1, 0, "nearby", 0)]
     for place, name in enumerate((POSE, NEAR)):
-        loads += [_gather(widths[name], place, 0, f"{name}_block", 0)] if name in text.used else []
-    if GIVEN in text.used:
+        loads += [_gather(widths[name], place, 0, f"{name}_block", 0)] if name in text["used"] else []
+    if GIVEN in text["used"]:
         loads += [_gather(1, 1, joint, f"{GIVEN}_block", k) for k, joint in enumerate(inverse.given)]
     return {
         "inputs": inputs,
         "count": len(inputs),
         "buffer_count": len(inputs) + 1,
-        "lanes": "1" if isinstance(inverse, InverseSearch) else f"{text.name}_lanes",
+        "lanes": "1" if isinstance(inverse, InverseSearch) else f"{text['name']}_lanes",
         "is_block": "steps[2] == 0" if constants else "1",
         "loads": tuple(loads),
         "row_call": ", ".join(f"{name}_row" for name in widths),
@@ -87,15 +85,15 @@ def _nearest_loop(inverse: Inverse | InverseSearch, text: CFunction) -> dict[str
     }
 
 
-def _inverse_loop(inverse: Inverse | InverseSearch, text: CFunction) -> dict[str, object]:
+def _inverse_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dict[str, object]:
     function = inverse.function
-    widths = dict(function.widths) | ({"k": text.constant_count} if text.constant_count else {})
+    widths = dict(function.widths) | ({"k": text["constant_count"]} if text["constant_count"] else {})
     count, size = len(widths), inverse.branches * inverse.joints
     inputs = tuple(Input(name, width, i, count + 2 + i) for i, (name, width) in enumerate(widths.items()))
     return {
         "inputs": inputs,  # all inputs, the constants included
         "row_call": ", ".join(f"{name}_row" for name in widths),  # inputs of a call for one row
-        "loads": tuple(entry for entry in inputs if entry.name in text.used),  # the inputs that are read
+        "loads": tuple(entry for entry in inputs if entry.name in text["used"]),  # the inputs that are read
         "cores": 2 * count + 2,  # place of the bytes between the entries of the results, among all steps
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count + 1,  # place of the bytes between them
@@ -109,14 +107,20 @@ def _inverse_loop(inverse: Inverse | InverseSearch, text: CFunction) -> dict[str
     }
 
 
-def _loop(function: Function, text: CFunction, joints: int) -> dict[str, object]:
-    constants = ["k"] if text.constant_count else []
+def _loop(function: Function, text: dict[str, Any], joints: int) -> dict[str, object]:
+    constants = ["k"] if text["constant_count"] else []
     inputs = (*function.arguments, *constants)
     count = len(inputs)
-    lengths = [*(joints for _ in function.arguments), *(text.constant_count for _ in constants), prod(function.shape)]
+    lengths = [
+        *(joints for _ in function.arguments),
+        *(text["constant_count"] for _ in constants),
+        prod(function.shape),
+    ]
     return {
         "inputs": inputs,  # names of the inputs, the constants from the parameters included
-        "loads": tuple(Input(a, joints, i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text.used),
+        "loads": tuple(
+            Input(a, joints, i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text["used"]
+        ),
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count,  # place of the bytes between them
         "result_place": count,  # place of the result

@@ -141,6 +141,10 @@ def _inverse(program: Program, robot: Robot) -> dict[str, object] | None:
 
 def _elimination(elimination: Elimination) -> str:
     """A call that makes it anew in the module."""
+
+    def _closure(way: Closure) -> str:
+        return f"_Closure({way.joints}, {way.dropped}, {way.direction}, {way.eliminated})"
+
     ways = [
         f"_Reduction({_closure(each.closure)}, {each.equations}, {each.constant}, {each.linear})"
         for each in elimination.reductions
@@ -148,10 +152,6 @@ def _elimination(elimination: Elimination) -> str:
     rest = (elimination.hidden, elimination.multiplied, elimination.rows, _closure(elimination.finish))
     arguments = (f"({_tuple(ways)})", *map(str, rest), str(elimination.start), str(elimination.straight))
     return f"_Elimination({', '.join(arguments)})"
-
-
-def _closure(way: Closure) -> str:
-    return f"_Closure({way.joints}, {way.dropped}, {way.direction}, {way.eliminated})"
 
 
 def _unpacking(names: Sequence[str], source: str) -> str:

@@ -4,13 +4,12 @@ A configuration is a column and a batch has a column for each, as MATLAB's users
 Octave has no private functions in packages.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
-from itertools import product
-from math import inf
+from math import inf, prod
 from typing import Any
+
+import numpy as np
 
 from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, Program
 from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
@@ -134,14 +133,9 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
 
 def _column_major(shape: Sequence[int]) -> tuple[list[int], tuple[int, ...]]:
     """Where the entries of a result stand among the outputs, column by column, and its shape: a stack has pages."""
-    order = (1, 2, 0) if len(shape) == 3 else tuple(range(len(shape)))
-    extent = tuple(shape[axis] for axis in order)
-    strides = [1] * len(shape)
-    for axis in range(len(shape) - 1, 0, -1):
-        strides[axis - 1] = strides[axis] * shape[axis]
-    weights = [strides[axis] for axis in order]
-    places = product(*(range(length) for length in reversed(extent)))
-    return [sum(k * w for k, w in zip(reversed(place), weights, strict=True)) for place in places], extent
+    places = np.arange(prod(shape)).reshape(shape)
+    places = places.transpose(1, 2, 0) if len(shape) == 3 else places
+    return places.ravel(order="F").tolist(), places.shape
 
 
 def _unpacked(function: Function, joints: int) -> tuple[str, ...]:

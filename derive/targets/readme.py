@@ -1,7 +1,5 @@
 """The README page of a generated folder: what is in it and how to use it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 
@@ -125,8 +123,5 @@ def _formulas(formula: str, robot: Robot) -> tuple[str, str]:
 
 
 TARGET = Target(
-    name="readme",
-    summary="a page about the folder, its functions and their cost",
-    files=("README.md",),
-    render=render,
+    name="readme", summary="a page about the folder, its functions and their cost", files=("README.md",), render=render
 )

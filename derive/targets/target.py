@@ -1,7 +1,5 @@
 """A target, the files that it writes and the function that renders them, and what it is rendered from: a source."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite

@@ -4,8 +4,6 @@ Undefined names are errors, blocks leave no blank lines behind, and lines end wi
 thresholds of inverse kinematics are ``policy`` in all of them.
 """
 
-from __future__ import annotations
-
 import sys
 from contextlib import suppress
 from functools import cache

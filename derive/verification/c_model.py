@@ -1,7 +1,5 @@
 """The C model as a callable: compiled for the occasion, called through ctypes; its header says what there is."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """What a generated function has to return, and how far off a returned value is."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +14,6 @@ from derive.verification.tolerance import (
     TINY,
     TOLERANCE,
     Bounds,
-    bounds,
     largest,
     regressor_size,
     relative_errors,
@@ -65,8 +62,7 @@ class Expectation:
         order = np.argsort(distance, kind="stable")
         farthest = np.empty(count, dtype=int)
         farthest[order % count] = order
-        values: Array = got[farthest]
-        return values
+        return got[farthest]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,8 +131,7 @@ class BaseExpectation(Expectation):
         together = np.abs(self.matrix @ got - self.torques).max()
         weight = np.abs(self.matrix).max(axis=0)
         alone = np.abs(got - self.value) * weight / np.maximum(np.abs(self.value) * weight, self.small)
-        errors: Array = np.maximum(alone, together)
-        return errors
+        return np.asarray(np.maximum(alone, together))
 
 
 def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:
@@ -144,7 +139,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     oracle = sample_set.oracle
     if not arguments:
         return _base_parameters(oracle)
-    limits = bounds(oracle, arguments[0])
+    limits = Bounds(oracle, arguments[0])
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
@@ -191,7 +186,7 @@ def _base_parameters(oracle: Oracle) -> BaseExpectation:
     q, qd, qdd = fitting_states(oracle.identification)
     torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
     rates = largest(qd)
-    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * bounds(oracle, q).torque(rates, rates))
+    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * Bounds(oracle, q).torque(rates, rates))
     size = np.where(size > 0, size, 1.0)
     matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
     flat = matrix.reshape(-1, matrix.shape[-1])

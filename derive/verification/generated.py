@@ -4,14 +4,10 @@ Python is imported by path, without leaving a trace in this process or in its fo
 called through ctypes (`derive.verification.c_model`) or ``casadi.external`` (``model_casadi.c``).
 """
 
-from __future__ import annotations
-
-import importlib.util
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol
@@ -52,13 +48,9 @@ class GeneratedModel(Protocol):
         """The value of a generated function."""
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, of one pose where there is one, else of a batch.
+        """Joint variables, (poses, branches, n), and what the branches are, with variables (poses, k) of given joints.
 
-        Args:
-            given: Variables of the given joints, (poses, k).
-
-        Returns:
-            Joint variables, (poses, branches, n), and what the branches are, (poses, branches).
+        Of one pose where there is one, else of a batch.
         """
 
 
@@ -79,8 +71,7 @@ class NumpyModel:
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function, with ``params`` where symbols are free."""
         options = {"params": dict(parameters)} if parameters else {}
-        value: Array = getattr(self.module, function)(*arguments, **options)
-        return value
+        return np.asarray(getattr(self.module, function)(*arguments, **options))
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
         """Inverse kinematics, see `GeneratedModel`."""
@@ -157,24 +148,12 @@ def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedMod
     return tuple(load(folder / file, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
 
 
-class _Traceless(SourceFileLoader):
-    """Reads and writes no byte code: a stale cache would hide what was just generated."""
-
-    def path_stats(self, path: Any) -> Mapping[str, Any]:
-        """Refuse, which is how the loader learns that there is no cache."""
-        raise OSError("byte code is not wanted")
-
-
 def _import(path: Path) -> ModuleType:
-    """A module that is known to nobody else."""
-    name = f"_derive_verification_of_{path.stem}"
-    loader = _Traceless(name, str(path))
-    spec = importlib.util.spec_from_loader(name, loader)
-    if spec is None:
-        raise VerificationError(f"{path.name} cannot be imported")
-    module = importlib.util.module_from_spec(spec)
+    """A module that is known to nobody else; no byte code is read, a stale cache would hide what was just generated."""
+    module = ModuleType(f"_derive_verification_of_{path.stem}")
+    module.__file__ = str(path)
     try:
-        loader.exec_module(module)
+        exec(compile(path.read_bytes(), str(path), "exec", dont_inherit=True), vars(module))
     except Exception as error:
         raise VerificationError(f"{path.name} cannot be imported: {type(error).__name__}: {error}") from error
     return module

@@ -6,8 +6,6 @@ solutions must differ; and a pose out of reach must have none. One pose and a ba
 without orientation must have the same solutions whatever that is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -114,8 +112,7 @@ def _distance(rows: Array, q: Array, turns: Array) -> Array:
     """How far configurations are from one, modulo full turns."""
     difference = rows - q
     angles = np.abs((difference + np.pi) % (2.0 * np.pi) - np.pi)
-    distance: Array = np.where(turns, angles, np.abs(difference)).max(axis=1)
-    return distance
+    return np.asarray(np.where(turns, angles, np.abs(difference)).max(axis=1))
 
 
 def _reach(poses: Array) -> float:

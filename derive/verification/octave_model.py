@@ -1,7 +1,5 @@
 """The package of MATLAB and Octave as a callable: one process of Octave answers all calls, in numbers through pipes."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 import threading

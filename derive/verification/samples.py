@@ -1,7 +1,5 @@
 """Random configurations, motions and parameters at which generated code is compared."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

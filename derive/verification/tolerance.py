@@ -5,15 +5,10 @@ is not compared with a large shoulder inertia. Where an entry vanishes only roun
 its natural size counts, the bound that masses, lengths and rates give for that entry.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from derive.programs.functions import INTERFACES
-from derive.programs.program import Magnitude
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
@@ -34,63 +29,76 @@ def relative_errors(difference: Array, scale: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(difference) / scale
     exact = np.broadcast_to(difference == 0, ratio.shape)
-    errors: Array = np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
-    return errors
+    return np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
 
 
 def largest(argument: Array) -> Array:
     """The largest size of each joint's entry over a batch."""
-    sizes: Array = np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0)
-    return sizes
+    return np.asarray(np.abs(argument).reshape(-1, argument.shape[-1]).max(axis=0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
     """Bounds of an arm's quantities over a set of configurations."""
 
-    reach: float  # from frame 0 to anything on the arm [m]
-    extent: float  # reach plus base and tool [m]
-    base_defect: float  # largest entry of R'R - 1 of the base, as written in the file
-    revolute: Array  # (n,) whether joint i turns
-    inertia: Array  # (n,) bound of B_ii
-    gravity: Array  # (n,) bound of g_i
-    potential: Array  # () bound of U
-    friction: Array  # (2, n) viscous and Coulomb coefficients, absolute values
+    def __init__(self, oracle: Oracle, q: Array) -> None:
+        arm = oracle.arm
+        # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest mass.
+        travel = np.where(arm.revolute, 0.0, largest(q))
+        lengths = np.abs(arm.a) + np.abs(arm.d) + travel
+        com = np.linalg.norm(arm.com, axis=-1)
+        reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
+        lever = np.maximum(reach, FAR * reach[0])
+        # What joint i carries, and its weight; its own rotor sits on the link before.
+        mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
+        whole, weight = np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum(), np.linalg.norm(arm.gravity)
+        tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
+        # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
+        turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
+        own = arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)
+        farthest = reach[0] + np.linalg.norm(arm.base[:3, 3])
+        self.reach = float(reach[0])  # from frame 0 to anything on the arm [m]
+        # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
+        self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
+        self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
+        self.revolute = arm.revolute  # (n,) whether joint i turns
+        self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
+        self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
+        self.potential: Array = whole * weight * farthest  # () bound of U
+        self.friction = np.abs([arm.viscous, arm.coulomb])  # (2, n) viscous and Coulomb coefficients, absolute values
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
         rates = [largest(argument) for argument in arguments[1:]]
-        size: Array
-        match INTERFACES[function].magnitude:
-            case Magnitude.POSE:
+        match function:
+            case "forward_kinematics" | "link_transforms":
                 size = np.ones((4, 4))
                 size[:3, 3] = self.extent
-            case Magnitude.JACOBIAN:
-                size = self.jacobian
-            case Magnitude.JACOBIAN_RATE:
-                size = self.jacobian * self.turning(rates[0])
-            case Magnitude.INERTIA:
-                size = self.inertia_matrix
-            case Magnitude.CORIOLIS:
-                size = self.coriolis_matrix(rates[0])
-            case Magnitude.VELOCITY_TORQUE:
-                size = self.coriolis_matrix(rates[0]) @ rates[0]
-            case Magnitude.GRAVITY:
-                size = self.gravity
-            case Magnitude.KINETIC_ENERGY:
-                size = 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
-            case Magnitude.POTENTIAL_ENERGY:
-                size = self.potential
-            case Magnitude.TORQUE:
-                size = self.torque(*rates)
-            case Magnitude.TORQUE_BY_POSITION:  # an angle changes no term by more than the term's size
+                return size
+            case "jacobian" | "jacobian_end" | "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
+                return self.jacobian
+            case "jacobian_dot":
+                return self.jacobian * self.turning(rates[0])
+            case "inertia_matrix":
+                return self.inertia_matrix
+            case "coriolis_matrix":
+                return self.coriolis_matrix(rates[0])
+            case "coriolis_vector":
+                return self.coriolis_matrix(rates[0]) @ rates[0]
+            case "gravity_vector":
+                return self.gravity
+            case "kinetic_energy":
+                return 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
+            case "potential_energy":
+                return self.potential
+            case "inverse_dynamics":
+                return self.torque(*rates)
+            case "inverse_dynamics_dq":  # an angle changes no term by more than the term's size
                 rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
-                size = np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
-            case Magnitude.TORQUE_BY_VELOCITY:
-                size = 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
-            case Magnitude.OTHER:
+                return np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
+            case "inverse_dynamics_dqd":
+                return 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
+            case _:  # it is verified in a way of its own
                 raise KeyError(function)
-        return size
 
     @property
     def jacobian(self) -> Array:
@@ -101,19 +109,16 @@ class Bounds:
     @property
     def inertia_matrix(self) -> Array:
         """Bound of B, (n, n): |B_ij| <= sqrt(B_ii B_jj), since B is positive semidefinite."""
-        size: Array = np.sqrt(np.outer(self.inertia, self.inertia))
-        return size
+        return np.asarray(np.sqrt(np.outer(self.inertia, self.inertia)))
 
     def coriolis_matrix(self, rate: Array) -> Array:
         """Bound of C."""
-        size: Array = self.inertia_matrix * self.turning(rate)
-        return size
+        return self.inertia_matrix * self.turning(rate)
 
     def torque(self, rate: Array, acceleration: Array) -> Array:
         """Bound of B qdd + C qd + g + friction."""
         moving: Array = self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate
-        bound: Array = moving + self.gravity + self.friction[0] * rate + self.friction[1]
-        return bound
+        return np.asarray(moving + self.gravity + self.friction[0] * rate + self.friction[1])
 
     def turning(self, rate: Array) -> float:
         """Bound of angular velocities [rad/s]: the sum over all joints, displacements as turns of the whole arm."""
@@ -129,39 +134,9 @@ class Bounds:
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
 
-def bounds(oracle: Oracle, q: Array) -> Bounds:
-    """The bounds of an arm at some configurations."""
-    arm = oracle.arm
-    # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest centre of mass.
-    travel = np.where(arm.revolute, 0.0, largest(q))
-    lengths = np.abs(arm.a) + np.abs(arm.d) + travel
-    com = np.linalg.norm(arm.com, axis=-1)
-    reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
-    lever = np.maximum(reach, FAR * reach[0])
-    # What joint i carries, and its weight; its own rotor sits on the link before.
-    mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
-    force = mass * np.linalg.norm(arm.gravity)
-    tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
-    # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
-    turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
-    return Bounds(
-        reach=float(reach[0]),
-        extent=float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum()),
-        base_defect=float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max()),
-        revolute=arm.revolute,
-        inertia=np.where(arm.revolute, turning, mass) + (arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)),
-        gravity=np.where(arm.revolute, force * lever, force),
-        potential=(np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum())
-        * np.linalg.norm(arm.gravity)
-        * (reach[0] + np.linalg.norm(arm.base[:3, 3])),
-        friction=np.abs([arm.viscous, arm.coulomb]),
-    )
-
-
 def _carried(values: Array) -> Array:
     """Sums over the links from i to the end, of absolute values."""
-    sums: Array = np.cumsum(np.abs(values)[::-1])[::-1]
-    return sums
+    return np.cumsum(np.abs(values)[::-1])[::-1]
 
 
 def regressor_size(limits: Bounds, known: Identification, function: str, motion: Sequence[Array]) -> Array:
@@ -191,5 +166,4 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
             columns.append(shared + np.where(np.arange(arm.n) == i, of_joint[part], 0.0))
         else:
             columns.append(of_link[_PARTS.get(part, "inertia")])
-    size: Array = np.maximum(np.stack(columns, axis=-1), TINY)
-    return size
+    return np.asarray(np.maximum(np.stack(columns, axis=-1), TINY))

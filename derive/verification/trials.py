@@ -1,7 +1,5 @@
 """The ways of calling a generated function, each with the arguments at which the oracle has to answer the same."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial

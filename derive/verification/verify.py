@@ -1,7 +1,5 @@
 """`verify`: compare everything that was generated with the independent recursion, and fail where it differs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -74,12 +72,7 @@ class Report:
 
 
 def verify(
-    robot: Robot,
-    folder: Path,
-    *,
-    samples: int = 24,
-    seed: int = 0,
-    libraries: Callable[[], None] = lambda: None,
+    robot: Robot, folder: Path, *, samples: int = 24, seed: int = 0, libraries: Callable[[], None] = lambda: None
 ) -> Report:
     """Compare every function of every generated module with the independent recursion.
 
@@ -187,12 +180,12 @@ def _difference(function: str, trial: Trial, expected: Expectation, got: Array, 
 def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
     """The module's constants are those of this robot."""
     constants = model.constants
-    found = {"DOF": constants.get("DOF"), "PARAMETERS": tuple(constants.get("PARAMETERS", ()))}
-    wanted = {"DOF": robot.n, "PARAMETERS": free_symbols(robot)}
-    for name, value in wanted.items():
-        if found[name] != value:
+    parameters = tuple(constants.get("PARAMETERS", ()))
+    rows = (("DOF", constants.get("DOF"), robot.n), ("PARAMETERS", parameters, free_symbols(robot)))
+    for name, found, wanted in rows:
+        if found != wanted:
             raise VerificationError(
-                f"{name} of {model.file} is {found[name]!r} instead of {value!r}",
+                f"{name} of {model.file} is {found!r} instead of {wanted!r}",
                 remedy=f"rebuild {folder.name}, it belongs to another robot file",
             )
 

@@ -4,8 +4,6 @@ A table is written as lines ``joint theta d a alpha`` (standard) or ``joint alph
 metres, a joint's own variable left out: ``R 0 0.15 0.4 -90``.
 """
 
-from __future__ import annotations
-
 import json
 import random
 from collections.abc import Callable

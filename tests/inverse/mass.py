@@ -1,22 +1,23 @@
-"""Many arms and many poses, judged cheaply: ``python -m tests.inverse.mass arms | poses | general``.
+"""Many arms and many poses: ``python -m tests.inverse.mass every | arms | poses | general``.
 
 A pose is made of random joint variables, and these must be among its solutions: where a share of all solutions is lost,
 that share of them is missing. Each branch reproduces its pose, none repeats another, there are at most as many as the
-graph says, and by complex conjugation an even number less.
+graph says, and by complex conjugation an even number less. With ``every`` a few poses are judged by all their true
+solutions, and so are singular, boundary and unreachable ones.
 """
-
-from __future__ import annotations
 
 import argparse
 import sys
 import time
+import traceback
 from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 from tests.inverse import truth
-from tests.inverse.arms import CLASSES, PUBLISHED, ArmCase, random_arm
-from tests.inverse.coverage import brief
+from tests.inverse.arms import CLASSES, HARD, PUBLISHED, ArmCase, random_arm
 from tests.inverse.solvers import Refused, generated_solver, solver_of, unbuilt_solver
 from tests.inverse.trial import Trial, Verdict
 
@@ -87,6 +88,41 @@ def with_truth(case: ArmCase, solver, poses: int, seed: int, bar: float = 1e-8) 
     return total, unsure
 
 
+def run_every(options) -> Verdict:
+    """Arms of books, hard ones and random ones, class by class, at poses of every kind."""
+    total = Verdict()
+    for kind in options.kinds or sorted({*CLASSES, *(case.kind for case in PUBLISHED + HARD)}):
+        begin, cases = time.perf_counter(), [case for case in PUBLISHED + HARD if case.kind == kind]
+        numbers = range(options.first, options.first + options.arms) if kind in CLASSES else ()
+        cases += [random_arm(kind, number) for number in numbers]
+        found = [_judged(lambda case=case: _at_every_kind(case, options)) for case in cases]
+        clean = sum(each.is_clean for each in found)
+        total += _reported(f"{kind:<24} {clean}/{len(cases)} arms", sum(found, Verdict()), begin)
+    return total
+
+
+def _at_every_kind(case: ArmCase, options) -> Verdict:
+    trial, solver = Trial(case, options.poses or 10), _solver(case, options)
+    made = (trial.regular(), trial.special(), trial.boundary(), trial.unreachable())
+    return sum((trial.judge(poses, solver) for poses in made), Verdict())
+
+
+def _solver(case: ArmCase, options):
+    return (solver_of if options.walk else generated_solver if options.build else unbuilt_solver)(case)
+
+
+def _judged(judge: Callable[[], Verdict]) -> Verdict:
+    """What is found of an arm; one that raises has lost everything."""
+    try:
+        return judge()
+    except Refused as error:
+        return Verdict(wrong=1, missing=[f"refused: {error}"])
+    except Exception as error:
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        said = f"{type(error).__name__}: {str(error)[:120]} ({Path(frame.filename).name}:{frame.lineno})"
+        return Verdict(wrong=1, missing=[f"raises {said}"])
+
+
 def run_arms(options) -> Verdict:
     """Random arms of every class in turn until the time is over."""
     end = time.monotonic() + options.seconds if options.seconds else np.inf
@@ -106,18 +142,15 @@ def run_arms(options) -> Verdict:
 
 
 def _arm(kind: str, number: int, options) -> Verdict:
-    """One random arm; one that raises has lost everything."""
     case, begin = random_arm(kind, number), time.perf_counter()
     bar, poses = (1e-8, 100) if "general" in kind or "offset" in kind else (1e-10, 1000)
-    try:
-        solver = (solver_of if options.walk else generated_solver if options.build else unbuilt_solver)(case)
+
+    def _found() -> Verdict:
+        solver = _solver(case, options)
         found = tried(case, solver, options.poses or poses, options.seed, bar)
-        if options.truth:
-            found += with_truth(case, solver, options.truth, options.seed + 1, bar)[0]
-    except Refused as error:
-        found = Verdict(wrong=1, missing=[f"refused: {error}"])
-    except Exception as error:
-        found = Verdict(wrong=1, missing=[f"raises {brief(error)}"])
+        return found + with_truth(case, solver, options.truth, options.seed + 1, bar)[0] if options.truth else found
+
+    found = _judged(_found)
     if options.verbose or not found.is_clean:
         _reported(f"{case.name} {'symbols' * bool(case.values)}", found, begin)
     return found
@@ -130,20 +163,23 @@ def _reported(name: str, found: Verdict, begin: float) -> Verdict:
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.inverse.mass", description=__doc__)
-    parser.add_argument("what", choices=["arms", "poses", "general"])
-    parser.add_argument("--class", dest="kinds", action="append", metavar="CLASS", help="arms: only this class; repeat")
-    parser.add_argument("--arms", type=int, default=1000, help="arms: of each class")
+    parser.add_argument("what", choices=["every", "arms", "poses", "general"])
+    parser.add_argument(
+        "--class", dest="kinds", action="append", metavar="CLASS", help="every, arms: only this class; repeat"
+    )
+    parser.add_argument("--arms", type=int, help="every, arms: random ones of each class; 10, 1,000")
     parser.add_argument("--first", type=int, default=0, help="number of the first random arm")
-    parser.add_argument("--poses", type=int, help="of each arm; by default 1,000 (general: 100), 1,000,000, 10,000")
+    parser.add_argument("--poses", type=int, help="of each arm; by default 10, 1,000 (general: 100), 1,000,000, 10,000")
     parser.add_argument("--truth", type=int, default=0, help="at how many poses more all solutions are asked for")
     parser.add_argument("--seconds", type=float, help="arms: when to stop")
     parser.add_argument("--seed", type=int, default=0, help="of the poses")
-    parser.add_argument("--build", action="store_true", help="arms: by `derive build`, all functions, verified")
-    parser.add_argument("--walk", action="store_true", help="arms: `InverseSolver`, nothing is generated")
+    parser.add_argument("--build", action="store_true", help="every, arms: by `derive build`, all functions, verified")
+    parser.add_argument("--walk", action="store_true", help="every, arms: `InverseSolver`, nothing is generated")
     parser.add_argument("--native", action="store_true", help="poses, general: the compiled module, too")
     parser.add_argument("--verbose", action="store_true")
     options = parser.parse_args(arguments)
-    total = {"arms": run_arms, "poses": run_poses, "general": run_general}[options.what](options)
+    options.arms = options.arms or (10 if options.what == "every" else 1000)
+    total = {"every": run_every, "arms": run_arms, "poses": run_poses, "general": run_general}[options.what](options)
     print(f"together: {total}")
     return int(not total.is_clean)
 

@@ -1,8 +1,5 @@
 """Solvers on trial, all under one interface: poses and given joints in, branches out."""
 
-from __future__ import annotations
-
-import importlib.util
 import tempfile
 from dataclasses import replace
 from functools import partial
@@ -16,6 +13,7 @@ from derive.programs.optimise.search_policy import Effort
 from derive.publish.render import Source
 from derive.robot.options.inverse import TASKS
 from derive.targets.numpy import TARGET
+from derive.verification.generated import load_models
 from tests.inverse.arms import ArmCase
 
 
@@ -50,13 +48,8 @@ def generated_solver(case: ArmCase, target: str = "numpy"):
 
 
 def built_modules(robot, folder, *targets: str):
-    targets = dict.fromkeys(["numpy", *targets])
-    built, modules = derive.build(robot, folder, targets=list(targets), only=True, effort="quick"), {}
-    for target in targets:
-        spec = importlib.util.spec_from_file_location(f"model_{target}", built.folder / f"model_{target}.py")
-        modules[target] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(modules[target])
-    return modules
+    built = derive.build(robot, folder, targets=["numpy", *targets], only=True, effort="quick")
+    return {model.target: model.module for model in load_models(built.folder)}
 
 
 def unbuilt_solver(case: ArmCase):

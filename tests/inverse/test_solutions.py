@@ -1,7 +1,5 @@
 """Every arm's solutions against the truth: all of them, none twice, none wrong, none of poses out of reach."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from functools import cache, partial
@@ -17,7 +15,6 @@ from derive.inverse.closed.solve import solve
 from derive.verification.oracle.frames import forward_kinematics
 from tests.inverse import mass, truth
 from tests.inverse.arms import CLASSES, HARD, LOST, PUBLISHED, ArmCase, is_regular, random_arm
-from tests.inverse.coverage import main
 from tests.inverse.mass import GENERAL, tried, with_truth
 from tests.inverse.solvers import built_modules, generated_solver, numeric_solver, solver_of, solver_of_module
 from tests.inverse.trial import Trial
@@ -114,8 +111,8 @@ def test_the_numeric_solver_finds_every_solution_too():
 
 
 def test_the_harness_prints_a_line_for_each_class(capsys):
-    assert main(["--class", "1dof", "--random-only", "--arms", "1", "--poses", "1"]) == 0
-    assert capsys.readouterr().out.split()[:3] == ["1dof", "1/1", "arms,"]
+    assert mass.main(["every", "--class", "1dof", "--arms", "1", "--poses", "1", "--walk"]) == 0
+    assert capsys.readouterr().out.split()[:3] == ["1dof", "3/3", "arms:"]
 
 
 @pytest.fixture(scope="module")
@@ -177,11 +174,7 @@ def test_the_solver_takes_the_nearest_rotation_of_a_rounded_pose():
 
 
 @pytest.mark.parametrize(
-    ("name", "q"),
-    [
-        ("rrrp", [0, 0, 0, 0]),
-        pytest.param("prrr", [0, 0, np.pi / 2, 0], marks=pytest.mark.sweep),
-    ],
+    ("name", "q"), [("rrrp", [0, 0, 0, 0]), pytest.param("prrr", [0, 0, np.pi / 2, 0], marks=pytest.mark.sweep)]
 )
 def test_every_solution_that_stands_alone_is_listed_and_no_more_is_not_claimed(name, q, built):
     case, trial, q = LOST[name], Trial(LOST[name]), np.array([q], dtype=float)

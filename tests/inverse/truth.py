@@ -9,8 +9,6 @@ Sources: Tsai and Morgan, 1985, and Wampler and Morgan, 1991 (continuation for s
 polynomial systems via homotopy continuation and monodromy, 2019.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

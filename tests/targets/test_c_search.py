@@ -192,19 +192,19 @@ def test_work_goes_to_the_part_that_needs_nothing_more() -> None:
     angle, length = Value(graph, graph.input("q", 0)), Value(graph, graph.input(PARAMETER, 0))
     program = small_program(graph, [angle.cos() * length.sqrt(), (angle + length).sin()])
     (text,) = [c_function(function, ["a1"]) for function in program]
-    assert (text.used, text.constant_count, text.angle_count) == (("q",), 2, 2)
-    assert "sqrt" in " ".join(text.constants["body"] + text.constants["results"])
-    assert array_names(text.constants["declaration"]) == ["params", "k"]
-    assert array_names(text.angles["declaration"]) == ["q", "k", "angles"]
-    assert array_names(text.lane["declaration"]) == ["sines", "cosines", "k", "result"]
+    assert (text["used"], text["constant_count"], text["angle_count"]) == (("q",), 2, 2)
+    assert "sqrt" in " ".join(text["constants"]["body"] + text["constants"]["results"])
+    assert array_names(text["constants"]["declaration"]) == ["params", "k"]
+    assert array_names(text["angles"]["declaration"]) == ["q", "k", "angles"]
+    assert array_names(text["lane"]["declaration"]) == ["sines", "cosines", "k", "result"]
 
 
 def test_an_argument_without_a_say_is_declared_and_not_loaded() -> None:
     graph = Graph()
     (text,) = [c_function(f, ()) for f in small_program(graph, [Value(graph, graph.number(Fraction(3)))])]
-    assert (text.used, text.unused) == ((), text.arguments)
-    assert array_names(text.declaration) == [*text.arguments, "result"]
-    assert array_names(text.block_declaration) == ["result"]
+    assert (text["used"], text["unused"]) == ((), text["arguments"])
+    assert array_names(text["declaration"]) == [*text["arguments"], "result"]
+    assert array_names(text["block_declaration"]) == ["result"]
 
 
 def array_names(declaration: str) -> list[str]:

@@ -170,10 +170,7 @@ def test_an_interrupt_at_any_moment_lets_the_work_end() -> None:
 
 
 def test_what_the_work_raises_is_raised_where_its_result_is_asked_for() -> None:
-    with (
-        pytest.raises(ZeroDivisionError),
-        compiling_meanwhile(lambda: 1 // 0) as quotient,
-    ):
+    with pytest.raises(ZeroDivisionError), compiling_meanwhile(lambda: 1 // 0) as quotient:
         quotient()
 
 

@@ -95,9 +95,6 @@ def test_the_module_imports_numpy_and_the_standard_library_alone() -> None:
     assert modules == {"math", "operator", "struct", "dataclasses", "enum", "functools", "numpy"}
 
 
-ROBOTS = ("scara-perugia", "thumb", "kuka-kr5", "puma560-corke")
-
-
 def page(robot: Robot) -> str:
     return render_robot(robot, targets_named(), Effort.QUICK).files["README.md"].decode()
 

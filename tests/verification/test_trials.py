@@ -1,7 +1,9 @@
-"""What is called and with what it is compared; what is wrong with a program or a source is one message."""
+"""What is called and with what it is compared; what is wrong with a program, a source or a solution is one message."""
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +20,16 @@ from derive.targets.target import Source
 from derive.verification import verify as module
 from derive.verification.c_model import CModel, load_c_model
 from derive.verification.expectation import expectation
+from derive.verification.generated import NumpyModel
+from derive.verification.inverse import CLOSED, inverse_errors
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
-from derive.verification.samples import SampleSet, sample_sets
-from derive.verification.tolerance import TOLERANCE, bounds, regressor_size, relative_errors
+from derive.verification.samples import Parameters, SampleSet, sample_sets
+from derive.verification.tolerance import TOLERANCE, Bounds, regressor_size, relative_errors
 from derive.verification.trials import BLOCK_ROWS, trials
 from derive.verification.verify import verify
-from tests.targets.generated_models import needs_compiler, needs_octave, write_package
+from tests.targets.generated_models import needs_compiler, needs_octave, numpy_model, write_package
 
 ARM = """
 name: arm
@@ -130,7 +134,7 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
         arguments = tuple(samples.arguments[argument] for argument in FUNCTIONS[function].arguments)
         if function in NOT_BOUNDED:
             continue
-        limits = bounds(oracle, arguments[0])
+        limits = Bounds(oracle, arguments[0])
         if FUNCTIONS[function].identifies:
             assert oracle.identification is not None
             size = regressor_size(limits, oracle.identification, function, arguments[1:])
@@ -143,7 +147,7 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
 
 def test_a_function_without_a_natural_size_is_no_silent_zero() -> None:
     samples = samples_of("scara-perugia")
-    limits = bounds(samples.oracle, samples.arguments["q"])
+    limits = Bounds(samples.oracle, samples.arguments["q"])
     with pytest.raises(KeyError, match="hovering"):
         limits.natural_size("hovering", (samples.arguments["q"],))
 
@@ -215,3 +219,89 @@ def test_code_that_does_not_compile_is_one_message(tmp_path: Path) -> None:
     (tmp_path / "model.c").write_text("this is no C\n", encoding="utf-8")
     with pytest.raises(VerificationError, match=r"model\.c cannot be compiled"):
         load_c_model(tmp_path / "model.c", require_compiler())
+
+
+Change = Callable[[Array, Array], tuple[Array, Array]]
+PLANAR = Robot.from_text(
+    "name: planar\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
+    "inverse: {task: [x, y]}\n"
+)
+
+
+NAMED = Robot.from_text(
+    "name: named\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
+    "  - {type: revolute, a: 0.2, name: wrist}\ninverse: {task: [x, y], given: [q3]}\n"
+)
+
+
+@cache
+def right_model(robot: Robot = PLANAR) -> NumpyModel:
+    program = build_program(robot, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
+    assert program.inverse is not None
+    assert program.inverse.branches == 2
+    return NumpyModel(numpy_model(robot, program))
+
+
+@dataclass(frozen=True)
+class Faulty:
+    change: Change
+    right: NumpyModel
+    target = "numpy"
+    file = "model_numpy.py"
+    ways = ()
+    constants: dict[str, object] = field(default_factory=dict)
+
+    def call(self, function: str, arguments: list[Array], parameters: Parameters) -> Array:
+        raise NotImplementedError
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        q, status = self.right.inverse(poses, given, parameters)
+        return self.change(q.copy(), status.copy())
+
+
+@pytest.mark.parametrize("robot", [PLANAR, NAMED], ids=["plain", "a given joint with a name"])
+def test_a_right_model_passes(robot: Robot) -> None:
+    sets = sample_sets(robot, 12, np.random.default_rng(2))
+    for poses, worst in inverse_errors(robot, right_model(robot), sets, "report it"):
+        assert poses == 12
+        assert worst < CLOSED / 10
+
+
+def without_second(q: Array, status: Array) -> tuple[Array, Array]:
+    q[:, 1], status[:, 1] = np.nan, 0
+    return q, status
+
+
+def everything(q: Array, status: Array) -> tuple[Array, Array]:
+    found = np.where(np.isnan(q).all(axis=(1, 2), keepdims=True), 0.5, q)
+    return found, np.maximum(status, ~status.any(axis=1)[:, None])
+
+
+def moody(q: Array, status: Array) -> tuple[Array, Array]:
+    """One pose in another order than a batch."""
+    return (q[:, ::-1], status[:, ::-1]) if len(q) == 1 else (q, status)
+
+
+OF_ONE_JOINT = np.array([[[0, 0], [1, 0]]])  # of the second branch
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (without_second, "misses the configuration"),
+        (lambda q, status: (q[:, [0, 0, 1]], status[:, [0, 0, 1]]), "finds a solution twice"),
+        (
+            lambda q, status: (q + 1e-6 * OF_ONE_JOINT, status),
+            r"inverse_kinematics of model_numpy.py leads to a pose that is .* off at q = \[-?\d.*report it",
+        ),
+        (lambda q, status: (np.nan_to_num(q), status), "marks branches that do not exist by other things than nan"),
+        (lambda q, status: (np.full_like(q, np.nan), np.zeros_like(status)), "finds no solution of a reachable pose"),
+        (everything, "finds solutions of poses out of reach"),
+        (moody, "gives one pose other solutions than a batch"),
+        (lambda q, status: (q[..., :1], status), "returns shapes"),
+    ],
+)
+def test_every_fault_is_found(change: Change, message: str) -> None:
+    samples = sample_sets(PLANAR, 12, np.random.default_rng(2))  # the first configuration is singular
+    with pytest.raises(VerificationError, match=message):
+        list(inverse_errors(PLANAR, Faulty(change, right_model()), samples, "report it"))

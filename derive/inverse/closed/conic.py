@@ -8,10 +8,10 @@ and two other roots coincide; so the lines are as exact as the coefficients are,
 Richter-Gebert, Perspectives on Projective Geometry, 2011, chapter 11, has how a conic is split into lines).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
+from operator import add
 
 from derive.inverse.closed.elementary_solver import Field, M, N
 
@@ -32,19 +32,12 @@ ON_CONIC = Fraction(1, 10**9)
 def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The four common points of the unit circle and a conic."""
     f = field
-    scale = f.divide(f.number(1), f.sqrt(_total([k * k for k in coefficients])))
+    scale = f.divide(f.number(1), f.sqrt(reduce(add, [k * k for k in coefficients])))
     unit = [k * scale for k in coefficients]
     found = []
     for line in _lines(f, unit):
         found += _on_line(f, line, unit)
     return found
-
-
-def _total(terms: Sequence[N]) -> N:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
 
 
 def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
@@ -83,9 +76,9 @@ def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
 
 def _largest(f: Field[N, M], rows: Sequence[Vector[N]]) -> Vector[N]:
     """Of multiples of one vector the longest."""
-    best, size = rows[0], _total([k * k for k in rows[0]])
+    best, size = rows[0], reduce(add, [k * k for k in rows[0]])
     for row in rows[1:]:
-        own = _total([k * k for k in row])
+        own = reduce(add, [k * k for k in row])
         longer = f.merges(size - own, f.number(0))
         best = tuple(f.select(longer, new, old) for new, old in zip(row, best, strict=True))  # type: ignore[assignment]
         size = f.select(longer, own, size)

@@ -9,8 +9,6 @@ which is theta = atan2(B, A) + e atan2(h, C) (type 2 of Khalil and Dombre, Model
 Robots, 2002, chapter 4); two such equations determine c and s by Cramer's rule (type 3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction

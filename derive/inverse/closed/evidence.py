@@ -7,8 +7,6 @@ does not change with it does not determine it; else the value is a polynomial in
 coefficients are found by interpolation. All is done at once, for all equations, as arrays of residues.
 """
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Mapping, Sequence
@@ -77,7 +75,10 @@ class Evidence:
         self._layout()
         links = Links(self.robot, self.residues, self._motion, keep_tool, keep_base)
         whole = Pool(links, identity_atoms(links, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
-        self.pose = whole.mapped(self._at_poses)
+        samples, shape = (1, self._samples), (self.poses, self._width)  # at the poses themselves nothing is changed
+        self.pose = whole.mapped(
+            lambda x: Residue(self.prime, np.broadcast_to(x.values, samples).reshape(shape)[None, :, 0])
+        )
         self.end = links.base @ Frame(self.pose.rotation, self.pose.position) @ links.tool
         reached = self._table(links, cuts, self.pose)
         anywhere = reached if special else self._table(links, cuts, self._elsewhere())
@@ -166,16 +167,6 @@ class Evidence:
         (c, s), (d, e) = self.turns[g][u], self.turns[g][v]
         p, direction = self.prime, self.domain.directions[self.domain.groups[g][u]]
         return (c * d % p + s * e % p) % p, direction * ((c * e % p - s * d % p) % p)
-
-    def _at_poses(self, value: Residue) -> Residue:
-        """The value at the poses themselves, nothing changed."""
-        full = np.broadcast_to(value.values, (1, self._samples)).reshape(self.poses, self._width)
-        return Residue(self.prime, full[None, :, 0])
-
-    def complexity(self, equation: int) -> int:
-        """How much there is to an equation besides what it depends on: its entry, and how many joints M has."""
-        cut, entry = self.equations[equation]
-        return cut.last - cut.first + {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}[entry[0]] + 3 * ("." in entry)
 
     def _table(self, links: Links[Residue], cuts: Sequence[Cut], pose: Atoms[Residue]) -> Array:
         """The difference of both sides of every equation in every sample, with W as given at each of the poses."""
@@ -282,8 +273,7 @@ class Evidence:
         return self._numbers[name]
 
     def _plain(self, value: Residue) -> Array:
-        plain: Array = np.broadcast_to(value.values, (1, self.poses))[0]
-        return plain
+        return np.asarray(np.broadcast_to(value.values, (1, self.poses))[0])
 
 
 def _product(a: Array, b: Array, p: int) -> Array:

@@ -1,7 +1,5 @@
 """The numbers over which a graph of solutions is run: floats, complex numbers, integers modulo a prime."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
@@ -135,11 +133,7 @@ class PrimeField(_ArrayMasks):
 
     def __init__(self, residues: ResidueDomain, numbers: Mapping[str, Expression]) -> None:
         self.residues, self.numbers = residues, numbers
-        self.prime = residues.prime
-
-    def number(self, value: int | Fraction) -> Residue:
-        """A rational modulo the prime."""
-        return self.residues.number(value)
+        self.prime, self.number = residues.prime, residues.number  # a rational modulo the prime
 
     def constant(self, expression: Expression) -> Residue:
         """The residue of a parameter or constant."""

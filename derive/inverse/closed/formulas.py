@@ -4,8 +4,6 @@ The search works with numbers modulo a prime; here the equations it chose are ta
 one unknown and what is known, and made the formulas of nodes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -15,7 +13,7 @@ from math import gcd, lcm
 
 import numpy as np
 
-from derive.algebra.generators import Kind as GeneratorKind
+from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.graph import Node, SolutionGraph
@@ -31,13 +29,7 @@ from derive.robot.expression import ZERO, substitute
 from derive.robot.options.inverse import ROWS, Task
 from derive.robot.robot import Robot
 
-_OF_JOINTS = {
-    GeneratorKind.SINE,
-    GeneratorKind.COSINE,
-    GeneratorKind.VARIABLE,
-    GeneratorKind.RATE,
-    GeneratorKind.ACCELERATION,
-}
+_OF_JOINTS = {Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.RATE, Kind.ACCELERATION}
 _ALTERNATIVES = 3  # formulas besides the chosen one that a node has for poses at which that one fails
 _READ = 60  # short equations with two unknowns that are written out
 _PAIRED = 12  # equations with the same two unknowns that are taken two by two

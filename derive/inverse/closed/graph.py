@@ -4,8 +4,6 @@ Every node solves for one unknown (or a few) from equations whose coefficients a
 pose, the geometry, and the cosines, sines and lengths of the nodes before it (run by `derive.inverse.closed.walk`).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod

@@ -6,8 +6,6 @@ the shortest equations. That they say different things is seen from their deriva
 six directions in which it can be left; where an equation needs joints, these follow from the pose by the graph.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction

@@ -6,8 +6,6 @@ finds a slide. A step needs an equation in which nothing else is unknown. The be
 then the simplest steps; of equal ones the one that goes from the base to the tip, then the one of shorter equations.
 """
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -178,7 +176,7 @@ class Search:
 
     @cached_property
     def lengths(self) -> Array:
-        """For each equation how much it is made of: what it depends on, its cut and its dimension."""
+        """For each equation how much it is made of: what it depends on, its entry, and how many joints M has."""
         evidence = self.evidence
         groups = evidence.domain.groups
         touched = np.zeros(len(evidence.equations), dtype=np.int64)
@@ -187,8 +185,9 @@ class Search:
             touched += np.maximum(links - 1, 0)
         for joint in self._slides:
             touched += self._depends[Change(-1, joint)]
-        own = np.array([evidence.complexity(k) for k in range(len(evidence.equations))], dtype=np.int64)
-        return 8 * touched + own
+        kinds = {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}
+        own = [cut.last - cut.first + kinds[entry[0]] + 3 * ("." in entry) for cut, entry in evidence.equations]
+        return 8 * touched + np.array(own, dtype=np.int64)
 
     def others(self, step: SearchStep, first: Choice, special: Evidence) -> Iterator[Choice]:
         """Choices for poses at which the first one fails, the one that helps at most of them first.
@@ -230,11 +229,9 @@ class Search:
         own = [table[k] for k in choice.equations]
         if choice.kind is NodeKind.TYPE_3:
             (a, b), p = own, self.evidence.prime
-            parallel: Array = a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p
-            return parallel
+            return np.asarray(a[:, 1] * b[:, 2] % p == a[:, 2] * b[:, 1] % p)
         leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
-        fails: Array = np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1)
-        return fails
+        return np.asarray(np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1))
 
     def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
         """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""

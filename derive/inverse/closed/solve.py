@@ -7,8 +7,6 @@ the arm reaches, the leaves that lead back to the pose are counted: all of them 
 of the graph has a value, which is so at one of many poses. Graphs with quartics are run over the complex numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -156,13 +154,9 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
         return 0
     closing = []
     for leaf in leaves:
-        again = pose_of(run, leaf.joints)
         closes = everything.copy()
-        for i, j in graph.places:
-            ours = again.position[i] if j == 3 else again.rotation[i][j]
-            closes &= (ours - pose[i][j]).values == 0
-        for excess in _off_circle(leaf):
-            closes &= excess.values == 0
+        for miss in _misses(run, leaf):
+            closes &= miss.values == 0
         flat = [np.broadcast_to(x.values, (_SAMPLES, 1))[:, 0] for own in leaf.joints for x in own]
         closing.append((closes[:, 0], np.stack(flat, axis=1)))
     # Of leaves that lead to the pose each different one counts.
@@ -188,12 +182,7 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     solutions: list[list[Any]] = [[] for _ in range(_COMPLEX)]
     size = max(float(np.max(np.abs(x))) for row in pose for x in row)
     for leaf in run.leaves():
-        again = pose_of(run, leaf.joints)
-        miss = np.zeros(_COMPLEX)
-        for i, j in graph.places:
-            miss = np.maximum(miss, np.abs((again.position[i] if j == 3 else again.rotation[i][j]) - pose[i][j]))
-        for excess in _off_circle(leaf):
-            miss = np.maximum(miss, np.abs(excess))
+        miss = np.maximum.reduce([np.abs(x) + np.zeros(_COMPLEX) for x in _misses(run, leaf)])
         flat = np.stack([np.broadcast_to(x, (_COMPLEX,)) for own in leaf.joints for x in own])
         for k in np.flatnonzero(miss < _CLOSES * size):
             if all(np.abs(flat[:, k] - other).max() > _CLOSES for other in solutions[k]):
@@ -203,9 +192,15 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     return middle if counts.count(middle) > len(counts) // 2 else 0
 
 
-def _off_circle(leaf: Leaf[Any, Any]) -> list[Any]:
-    """By how much c^2 + s^2 of the joints differ from 1: a pose may be right with pairs that are of no angle."""
-    return [pair[0] * pair[0] + pair[1] * pair[1] - 1 for pair in leaf.joints if len(pair) == 2]
+def _misses(run: GraphWalk[Any, Any], leaf: Leaf[Any, Any]) -> list[Any]:
+    """What a leaf's pose misses of the wanted entries, and by how much c^2 + s^2 of its joints differ from 1.
+
+    A pose may be right with pairs that are of no angle.
+    """
+    again = pose_of(run, leaf.joints)
+    rows = [[*again.rotation[i], again.position[i]] for i in range(3)]
+    missed = [rows[i][j] - run.pose[i][j] for i, j in run.graph.places]
+    return missed + [pair[0] * pair[0] + pair[1] * pair[1] - 1 for pair in leaf.joints if len(pair) == 2]
 
 
 class Freedom:

@@ -223,10 +223,7 @@ class Posture(Generic[N, M]):
 
     def __init__(self, run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> None:
         self._run, self._joints = run, joints
-
-    def number(self, value: int | Fraction) -> N:
-        """A rational."""
-        return self._run.field.number(value)
+        self.number = run.field.number  # a rational
 
     def constant(self, expression: Expression) -> N:
         """A cell without joint variables."""

@@ -5,8 +5,6 @@ hold (`derive.inverse.general.elimination`). The joints that were eliminated fol
 them, the middle one first, from linear equations.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ to solutions before Newton's method has had any luck with them. The node of the 
 joint, so that where one leaves a doubt the next is asked.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator, Sequence
@@ -39,7 +37,9 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
         groups.setdefault(way.unknowns, []).append(way)
     for unknowns, group in groups.items():
         # Of the ways around with the same unknowns the one from which the eliminated joints follow best.
-        finish = max(group, key=lambda way: float(f"{_determined(loop, way):.3g}"))  # equal ones differ by rounding
+        worth = [1.0 if loop.tip else np.linalg.svd(finish_forms(loop, way))[1].min() for way in group]
+        rounded = [float(f"{value:.3g}") for value in worth]  # equal ones differ by rounding
+        finish = group[rounded.index(max(rounded))]
         for hidden in unknowns:
             straight = tuple(joint for joint in unknowns if _is_straight(loop, pose, group, joint))
             reductions = [_reduction(loop, way, hidden, straight) for way in group]
@@ -54,13 +54,6 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
                     )
                     if rows is not None:
                         yield Elimination(chosen, hidden, multiplied, rows, finish, start, straight)
-
-
-def _determined(loop: Loop, way: Closure) -> float:
-    """How well the eliminated joints follow from the others by linear equations."""
-    if loop.tip:
-        return 1.0
-    return float(np.linalg.svd(finish_forms(loop, way))[1].min())
 
 
 def _rank(matrix: Array) -> int:

@@ -80,12 +80,8 @@ class Loop:
             frames += [motion, gap]
         return self.product(*frames)
 
-    def locked(self, motions: Sequence[Array | None]) -> Loop:
-        """The loop of the joints that are left when some have known positions.
-
-        Args:
-            motions: Z of each known joint, None for the others.
-        """
+    def locked(self, motions: Sequence[Array | None]) -> Loop:  # Z of each known joint, None for the others
+        """The loop of the joints that are left when some have known positions."""
         gaps = [self.gaps[0]]
         for motion, gap in zip(motions, self.gaps[1:], strict=True):
             if motion is None:
@@ -185,11 +181,7 @@ class Closure:
     def unknown_part(self, loop: Loop, features: Array) -> Array:
         """The same numbers as multilinear forms of the unknown joints, for each pose: linear in its features.
 
-        Args:
-            features: (poses, 35) those of T.
-
-        Returns:
-            (poses, numbers, 3, 3, ...) with an axis for each unknown joint, in their order.
+        (poses, numbers, 3, 3, ...) with an axis for each unknown joint, in their order, of features (poses, 35).
         """
         # The other way around the loop, from the dropped joint over all unknown ones and over the pose.
         carried, count = loop.carried(self.dropped), len(features)

@@ -7,8 +7,6 @@ Their greatest common divisor with g has the solutions as its roots. Everything 
 of an arm whose free parameters are random, modulo a prime: the number is the same for all generic poses.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterator, Sequence

@@ -143,12 +143,8 @@ class Equations:
     def rows(self, forms: Array, turn: Array, turns: bool) -> tuple[Array, Array, Array]:
         """Coefficients of t^0, t^1 and t^2 of the rows of degree 0, 1 and 2.
 
-        Args:
-            forms: (poses, equations, 3, products), the second last axis for the hidden joint.
-            turn: (poses,) where the hidden joint is counted from, as `EigenProblem.position` has it.
-
-        Returns:
-            (poses, rows of the degree, degree + 1, products) for each degree.
+        (poses, rows of the degree, degree + 1, products) for each degree, of forms (poses, equations, 3, products), the
+        second last axis for the hidden joint; turn (poses,) is where that is counted from (`EigenProblem.position`).
         """
         fixed, one, two = forms[:, :, 0], forms[:, :, 1], forms[:, :, 2]
         # A slide is substituted projectively, so that its infinity is turned away from t = infinity:
@@ -198,11 +194,7 @@ class EigenProblem:
     def matrices(self, forms: Sequence[Array], turn: Array) -> tuple[Array, Array, Array]:
         """The rows of M by degree, each as coefficients of powers of t.
 
-        Args:
-            turn: (poses,) where the hidden joint is counted from, as `position` has it.
-
-        Returns:
-            (poses, rows of the degree, degree + 1, columns) for each degree.
+        (poses, rows of the degree, degree + 1, columns) for each degree, the hidden joint counted from turn (poses,).
         """
         turns = self.loop.revolute[self.elimination.hidden]
         parts = [each.rows(form, turn, turns) for each, form in zip(self.equations, forms, strict=True)]
@@ -256,8 +248,7 @@ class EigenProblem:
     def multiplied(self, rows: Array) -> Array:
         """The rows times what the multiplied joint contributes.
 
-        Returns:
-            (poses, 2 * rows, powers, columns); the rows themselves where nothing is multiplied.
+        (poses, 2 * rows, powers, columns); the rows themselves where nothing is multiplied.
         """
         joint, (n, count, powers) = self.elimination.multiplied, rows.shape[:3]
         if joint is None:
@@ -273,9 +264,8 @@ class EigenProblem:
     def eigen(self, pose: Array) -> tuple[Array, Array, Array, Array]:
         """Eigenvalues and vectors.
 
-        Returns:
-            t (poses, k), v (poses, columns, k), both complex, the turn that t is counted from (poses,), and where M is
-            singular for every t (poses,): where solutions are infinitely many.
+        t (poses, k), v (poses, columns, k), both complex, the turn that t is counted from (poses,), and where M is
+        singular for every t (poses,): where solutions are infinitely many.
         """
         forms, count = self.forms(pose), len(pose)
         turns = self.loop.revolute[self.elimination.hidden]

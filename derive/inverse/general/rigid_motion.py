@@ -13,8 +13,6 @@ a frame (x, y, z) at p leaves alone (`frame_action`),
 All of it runs over floats and over integers modulo a prime alike.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -146,12 +144,7 @@ FRAME = Carried(
 )
 
 POINT = Carried(
-    start=np.array([1, 0, 0, 0, 0]),
-    linear=point_action,
-    heights=(3, 4),
-    crosswise=(1,),
-    along=(1, 2),
-    shifted=(3,),
+    start=np.array([1, 0, 0, 0, 0]), linear=point_action, heights=(3, 4), crosswise=(1,), along=(1, 2), shifted=(3,)
 )
 
 

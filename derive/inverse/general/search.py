@@ -48,11 +48,8 @@ class GeneralSolution:
     def solve(self, chain: NumericChain, poses: Array, given: Array | None = None) -> Array:
         """Every real solution for each pose.
 
-        Args:
-            given: (poses, given joints) their variables.
-
-        Returns:
-            (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met.
+        (poses, k, n), those that exist first and NaN after them; k is the largest number of solutions met. Of given
+        joints there are the variables, (poses, given joints).
         """
         # By eliminations; then from poses a little beside; where still none is found by damped steps from anywhere.
         q, open_ = self._eliminated(chain, poses, given)
@@ -110,11 +107,7 @@ class GeneralSolution:
         return _distinct(_table(place[good], q[good], len(poses)), chain, self.given)
 
     def attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> Attempt:
-        """The solutions that one elimination finds.
-
-        Args:
-            given: (poses, given joints) their variables.
-        """
+        """The solutions that one elimination finds."""
         place, q, goal, doubtful = self._starts(index, chain, poses, given, POLICY.real)
         first = goal.residual(q)
         q, residual = _refined(goal, q)
@@ -184,11 +177,7 @@ def scaled(poses: Array, unit: float) -> Array:
 def free_loop(
     chain: NumericChain, given: Sequence[int], values: Array | None, entries: Entries = POSE
 ) -> tuple[Loop, Array]:
-    """The loop of the joints that are solved for, in units of the reach, and their indices.
-
-    Args:
-        values: (poses, given joints) their variables; None where there are none.
-    """
+    """The loop of the joints that are solved for, in units of the reach, and their indices."""
     gaps = tuple(scaled(gap, chain.reach) for gap in (*chain.fixed, chain.tool))
     loop = Loop(tuple(bool(turns) for turns in chain.revolute), gaps)
     free = np.array([i for i in range(chain.n) if i not in given])

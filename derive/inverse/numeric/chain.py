@@ -63,11 +63,7 @@ class NumericChain:
         return float(links) or 1.0
 
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """T and its derivatives by the joint variables, along the recursion.
-
-        Args:
-            q: (..., n) configurations [rad, m].
-        """
+        """T and its derivatives by the joint variables, along the recursion."""
         pose = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
         axes, places = [], []
         for i in range(self.n):

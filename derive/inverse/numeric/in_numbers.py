@@ -1,7 +1,5 @@
 """An arm and its solutions in numbers: with fifty digits to prove, as arrays of floats to look at."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction

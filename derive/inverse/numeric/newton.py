@@ -9,8 +9,6 @@ Sources: J. More, The Levenberg-Marquardt algorithm, 1978; A. Chao, Nonparametri
 1984 (when to stop); B. Siciliano et al., Robotics, section 3.7 (inverse kinematics algorithms).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -163,10 +161,8 @@ def solve(
 ) -> NumericSolutions:
     """All configurations that reach a pose, found from many starts; the same starts for the same arm.
 
-    The search ends when solutions known have been met again so often that another one would have been seen.
-
-    Args:
-        near: (n,) what free joints take at singular poses; zero unless given.
+    The search ends when solutions known have been met again so often that another one would have been seen. Free joints
+    take at singular poses what they have in ``near``, else zero.
     """
     goal, given = np.asarray(pose, dtype=float), dict(given or {})
     if goal.shape != (4, 4) or not np.isfinite(goal).all():

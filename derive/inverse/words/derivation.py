@@ -5,8 +5,6 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 ``d6`` the wrist centre, ``wx = px - d6*r13``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ arc cosine, and every choice of a sign stands in one line. The types are those o
 Identification and Control of Robots, 2002, chapter 4; the forms are those of Craig, Spong and Siciliano.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction

@@ -5,8 +5,6 @@ what is left of T when the other matrices are brought to its side. Both are the 
 between cut and frame do no more than turn by right angles; else the equation is said by axes.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -57,15 +55,23 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
                 found = replace(found, form=OriginForm.ENTRY, entries=((row, column),))
         case "m" | "k":
             found = Origin(OriginForm.MOMENT, source.first, source.last, (places,))
-        case "p":
-            found = _position(robot, source, places, to_end, in_world)
-        case _:
-            found = _back(robot, source, places, in_world)
+        case kind:
+            form = OriginForm.COMPONENT if places else OriginForm.DISTANCE
+            found = Origin(form, source.first, source.last, (places,), inverse=kind != "p")
+            asked = robot, source, places, in_world
+            seen = _position(*asked, to_end) if kind == "p" else _back(*asked)
+            if seen is not None and all(seen[1]):
+                form = OriginForm.ENTRY if places else OriginForm.SQUARES
+                found = replace(found, form=form, last=seen[0], entries=tuple((row, 4) for row in seen[1]))
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
 
 
-def _position(robot: Robot, source: Provenance, places: tuple[int, ...], to_end: bool, in_world: bool) -> Origin:
-    """The origin of an equation of the position at which M ends, seen from where it begins."""
+# The last matrix of a product, and the rows of its fourth column that are meant; None where there is no such product.
+Seen = tuple[int, tuple[int, ...]] | None
+
+
+def _position(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool, to_end: bool) -> Seen:
+    """The position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
     last = _end(robot, source, to_end, along=places == (3,))
     start, squares = robot.joints[first - 1], source.entry == "p.p"
@@ -76,10 +82,7 @@ def _position(robot: Robot, source: Provenance, places: tuple[int, ...], to_end:
     if not standard and not in_world:
         exact &= start.a == ZERO or (not squares and source.entry != "p.xy")
         rows = tuple(_turned(start.alpha, row) for row in rows)
-    if not exact or not all(rows) or last is None:
-        form = OriginForm.COMPONENT if places else OriginForm.DISTANCE
-        return Origin(form, first, source.last, (places,))
-    return Origin(OriginForm.ENTRY if places else OriginForm.SQUARES, first, last, tuple((row, 4) for row in rows))
+    return (last, rows) if exact and last is not None else None
 
 
 def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int | None:
@@ -104,22 +107,18 @@ def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int 
     return last
 
 
-def _back(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool) -> Origin:
-    """The origin of an equation of the position at which M begins, seen from where it ends."""
+def _back(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool) -> Seen:
+    """The position at which M begins, seen from where it ends."""
     first, last, standard = source.first, source.last, robot.convention is Convention.STANDARD
     begin, end = robot.joints[first - 1], robot.joints[last - 1]
-    cuts_off = not in_world and begin.is_revolute and begin.d != ZERO and (source.outer_left or first == 1)
+    exact = in_world or not begin.is_revolute or begin.d == ZERO or not (source.outer_left or first == 1)
     rows = places or (1, 2)
     if standard:
-        exact = not cuts_off and (end.a == ZERO or bool(places))
+        exact &= end.a == ZERO or bool(places)
         rows = tuple(_turned(end.alpha, row) for row in rows)
     else:
-        exact = not cuts_off and (begin.a == ZERO or in_world)
-    if not exact or not all(rows):
-        return Origin(OriginForm.COMPONENT if places else OriginForm.DISTANCE, first, last, (places,), inverse=True)
-    return Origin(
-        OriginForm.ENTRY if places else OriginForm.SQUARES, first, last, tuple((row, 4) for row in rows), inverse=True
-    )
+        exact &= begin.a == ZERO or in_world
+    return (last, rows) if exact else None
 
 
 def _turned(angle: Expression, index: int) -> int:

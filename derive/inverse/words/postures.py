@@ -11,8 +11,6 @@ a singularity (cuspidal arms, Wenger, 2007) have no such words.
 - wrist: flipped where the angle from the axis before to the axis behind its middle joint is negative.
 """
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from collections.abc import Sequence
@@ -203,8 +201,7 @@ def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
     square = float(normal @ normal)
     if square < SMALL:
         return p
-    found: Vector = p + (_cross(q - p, b) @ normal) / square * a
-    return found
+    return p + (_cross(q - p, b) @ normal) / square * a
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

@@ -8,8 +8,6 @@ Sources: Siciliano et al., Robotics, section 2.12 (inverse kinematics of arms an
 Robotics, section 4.2 (existence of solutions).
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Inverse kinematics as a quantity of a model: how textbooks derive it, every branch, and the proof."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -8,8 +8,6 @@ depends on what else is needed, so all ways are offered, beside cross products o
 that other columns need; `derive.programs.formulations.choice` takes the combination that shares most.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import product

@@ -9,8 +9,6 @@ outputs has options, and what two choices have in common is computed once, so a 
 nodes costs that its options need.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce

@@ -4,8 +4,6 @@ For small arms, or where most inertial parameters vanish, the expanded polynomia
 common parts are found. For others it grows out of bounds, so only short ones are offered.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
@@ -26,6 +24,7 @@ from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
 _ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
+_LATE = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)  # what depends on the arguments
 
 Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents, ascending
 
@@ -58,54 +57,23 @@ class ClosedForm:
             return None
         if sum(len(entry) for entry in found) > POLICY.closed_form_terms:
             return None
-        writer = PolynomialTape(self._domain, self._tape)
-        return [writer.value(entry) for entry in found]
-
-
-Polynomials = Sequence[Polynomial]
-
-# The functions that have one, from the chain and the joints' rates; a half and accelerations come from the domain.
-CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial], Polynomials], Polynomials]] = {
-    "inertia_matrix": lambda domain, chain, qd: [b for row in inertia_matrix(chain) for b in row],
-    "coriolis_matrix": lambda domain, chain, qd: [c for row in coriolis_matrix(chain, qd, _half(domain)) for c in row],
-    "gravity_vector": lambda domain, chain, qd: gravity_vector(chain),
-    "kinetic_energy": lambda domain, chain, qd: [kinetic_energy(chain, qd, _half(domain))],
-    "potential_energy": lambda domain, chain, qd: [potential_energy(chain)],
-    "inverse_dynamics": lambda domain, chain, qd: inverse_dynamics(
-        chain, qd, [domain.acceleration(i) for i in range(chain.n)]
-    ),
-}
-
-
-def _half(domain: PolynomialDomain) -> Polynomial:
-    return domain.number(Fraction(1, 2))
-
-
-class PolynomialTape:
-    """Writes the polynomials of one domain on the graph of a tape domain of the same robot.
-
-    They become sums of products of sines, cosines, variables and rates. What stands beside such a product, parameters
-    and numbers, is gathered first, so that it is hoisted.
-    """
-
-    def __init__(self, polynomials: PolynomialDomain, tape: TapeDomain) -> None:
-        self._polynomials = polynomials
-        self._tape = tape
-        arguments = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)
-        self._late = [generator.kind in arguments for generator in polynomials.generators]
+        return [self._value(entry) for entry in found]
 
     @cached_property
     def _values(self) -> list[Value]:
-        return [self._generator(generator) for generator in self._polynomials.generators]
+        return [self._generator(generator) for generator in self._domain.generators]
 
-    def value(self, p: Polynomial) -> Value:
-        """A polynomial, expanded."""
+    def _value(self, p: Polynomial) -> Value:
+        """A polynomial, expanded: a sum of products of sines, cosines, variables and rates.
+
+        What stands beside such a product, parameters and numbers, is gathered first, so that it is hoisted.
+        """
         zero, one = self._tape.number(0), self._tape.number(1)
         groups: dict[Monomial, Value] = {}
         for exponents, coefficient in p.terms():
             used = tuple((i, e) for i, e in enumerate(exponents) if e)
-            late = tuple((i, e) for i, e in used if self._late[i])
-            early = self._product(tuple((i, e) for i, e in used if not self._late[i]), self._tape.number(coefficient))
+            late = tuple((i, e) for i, e in used if self._domain.generators[i].kind in _LATE)
+            early = self._product(tuple(pair for pair in used if pair not in late), self._tape.number(coefficient))
             groups[late] = groups.get(late, zero) + early
         return sum((factor * self._product(late, one) for late, factor in groups.items()), zero)
 
@@ -136,8 +104,25 @@ class PolynomialTape:
 
     def _angle(self, joint: int) -> Value:
         """The sum of joint variables of which a generator is the sine or cosine."""
-        polynomials = self._polynomials
-        members = polynomials.angles[joint]
-        first = polynomials.directions[members[0]]
-        turns = (first * polynomials.directions[m] * self._tape.argument(Q, m) for m in members)
+        members, directions = self._domain.angles[joint], self._domain.directions
+        turns = (directions[members[0]] * directions[m] * self._tape.argument(Q, m) for m in members)
         return sum(turns, self._tape.number(0))
+
+
+Polynomials = Sequence[Polynomial]
+
+# The functions that have one, from the chain and the joints' rates; a half and accelerations come from the domain.
+CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial], Polynomials], Polynomials]] = {
+    "inertia_matrix": lambda domain, chain, qd: [b for row in inertia_matrix(chain) for b in row],
+    "coriolis_matrix": lambda domain, chain, qd: [c for row in coriolis_matrix(chain, qd, _half(domain)) for c in row],
+    "gravity_vector": lambda domain, chain, qd: gravity_vector(chain),
+    "kinetic_energy": lambda domain, chain, qd: [kinetic_energy(chain, qd, _half(domain))],
+    "potential_energy": lambda domain, chain, qd: [potential_energy(chain)],
+    "inverse_dynamics": lambda domain, chain, qd: inverse_dynamics(
+        chain, qd, [domain.acceleration(i) for i in range(chain.n)]
+    ),
+}
+
+
+def _half(domain: PolynomialDomain) -> Polynomial:
+    return domain.number(Fraction(1, 2))

@@ -4,8 +4,6 @@ Where a recursion leaves frames to choose, each of the cheapest choices is a for
 like the recursion of C takes the choices that were found for that.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial

@@ -14,8 +14,6 @@ The others are made inside recursions (`derive.mechanics.newton_euler`). The che
 robot are found by a short search (`FrameChoiceSearch`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

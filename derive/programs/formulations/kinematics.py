@@ -1,7 +1,5 @@
 """Formulations of poses and Jacobians."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 

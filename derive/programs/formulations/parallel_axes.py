@@ -7,8 +7,6 @@ Rot(z, phi_i) C_i with phi_i = t_1 +- t_2 ... and C_i constant, and origins are 
 phi each: a_1 c_1 + a_2 c_12.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,10 +1,9 @@
 """One robot's graph, and what all functions that are traced on it start from."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property
+from itertools import product
 
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.vectors import Frame
@@ -23,7 +22,6 @@ from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.value import Value
-from derive.robot.description import Matrix
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols, number_of, robot_symbols
 from derive.robot.robot import Robot
@@ -41,18 +39,15 @@ def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
     for first in _TRIALS:
         values = fixed | {name: first + 0.071 * k for k, name in enumerate(free_symbols(robot))}
-        if not all(_is_rotation(frame, values, tolerance) for frame in (robot.base, robot.tool)):
-            return False
+        for matrix in (robot.base, robot.tool):
+            try:
+                rows = [[evaluate(cell, values) for cell in row[:3]] for row in matrix[:3]]
+            except ArithmeticError:
+                return False
+            for i, j in product(range(3), repeat=2):
+                if abs(sum(a * b for a, b in zip(rows[i], rows[j], strict=True)) - (i == j)) > tolerance:
+                    return False
     return True
-
-
-def _is_rotation(matrix: Matrix, values: Mapping[str, float], tolerance: float) -> bool:
-    try:
-        rows = [[evaluate(cell, values) for cell in row[:3]] for row in matrix[:3]]
-    except ArithmeticError:
-        return False
-    products = ((i, j, sum(a * b for a, b in zip(rows[i], rows[j], strict=True))) for i in range(3) for j in range(3))
-    return all(abs(product - (i == j)) <= tolerance for i, j, product in products)
 
 
 class Trace:

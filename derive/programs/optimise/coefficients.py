@@ -5,8 +5,6 @@ prime. Polynomials of degree d that differ agree there with probability d / 2**6
 and products in another order are recognised without being expanded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 

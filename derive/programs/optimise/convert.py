@@ -1,7 +1,5 @@
 """From an interned graph to a network of polynomials, and back."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from functools import reduce

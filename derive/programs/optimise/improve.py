@@ -3,8 +3,6 @@
 The hoisted part of a program is improved like a body, with the parameters for arguments.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from derive.programs.optimise.convert import graph_of, network_of
@@ -17,10 +15,10 @@ from derive.programs.tape.tape import LEAVES, Layer
 from derive.programs.tape.value import Value
 
 
-def improve(graph: Graph, outputs: Sequence[Ref], work: int = POLICY.search_work) -> tuple[Graph, tuple[Ref, ...]]:
+def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
     """The same values for fewer operations."""
     improvement = Improvement(graph, outputs)
-    improvement.search(work)
+    improvement.search()
     return improvement.result()
 
 

@@ -5,8 +5,6 @@ depends on run-time parameters alone) times a product of variables, and a variab
 definition costs less than writing it out. What is no sum or product (a sine, a quotient) is a function of variables.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol

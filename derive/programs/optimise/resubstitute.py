@@ -8,30 +8,25 @@ with v, or a length a thousand times larger. So a difference is allowed only bet
 what v depends on and that are not much larger than v at some random points.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import reduce
 from operator import or_
 from random import Random
 
-from derive.algebra.constants import Constant
 from derive.programs.optimise.coefficients import PRIME
 from derive.programs.optimise.network import Monomial, Network, Opaque, Operand, Polynomial
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import ONE, Ref, is_negative, node_of, ref_to, signed
-from derive.programs.tape.tape import Op
+from derive.programs.tape.tape import ARITHMETIC, Op
 
 _POINTS = 3
 
 _FLOATS: dict[Op, Callable[..., float]] = {
-    Op.ADD: lambda a, b: a + b,
-    Op.SUBTRACT: lambda a, b: a - b,
-    Op.MULTIPLY: lambda a, b: a * b,
+    **ARITHMETIC,
     Op.DIVIDE: lambda a, b: a / b if b else math.nan,
-    Op.NEGATE: lambda a: -a,
     Op.SINE: math.sin,
     Op.COSINE: math.cos,
     Op.ROOT: lambda a: math.sqrt(abs(a)),
@@ -89,8 +84,7 @@ class Scale:
 
     def _term(self, monomial: Monomial, coefficient: Ref) -> Size:
         return _combined(
-            [self._coefficient(coefficient), *(self._variables[v] for v in monomial)],
-            lambda *values: math.prod(values),
+            [self._coefficient(coefficient), *(self._variables[v] for v in monomial)], lambda *values: math.prod(values)
         )
 
     def _input(self, key: object) -> Size:
@@ -105,7 +99,9 @@ class Scale:
             if source is not None:
                 found = self._input((source.kind, source.index))
             elif value is not None:
-                found = 0, (_float(value),) * _POINTS
+                with suppress(OverflowError):  # of a number that is too large for a float nothing is known
+                    found = 0, (float(value),) * _POINTS
+                found = found or (0, (math.nan,) * _POINTS)
             else:
                 operands = [self._coefficient(ref_to(k)) for k in self._graph.operands[node]]
                 found = _combined(operands, _FLOATS[self._graph.op[node]])
@@ -116,13 +112,6 @@ class Scale:
 def _combined(parts: Sequence[Size], operation: Callable[..., float]) -> Size:
     support = reduce(or_, [part for part, _ in parts], 0)
     return support, tuple(operation(*values) for values in zip(*(values for _, values in parts), strict=True))
-
-
-def _float(value: Constant) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.nan
 
 
 class Resubstitution:

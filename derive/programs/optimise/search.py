@@ -8,8 +8,6 @@ Sums are also rewritten by s^2 + c^2 = 1, the squares of a sine and a cosine of 
 out (`Circle`).
 """
 
-from __future__ import annotations
-
 import random
 from itertools import pairwise
 

@@ -3,8 +3,6 @@
 Effort is counted in work, never in seconds, so that programs depend on the robot file alone.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 

@@ -5,8 +5,6 @@ multi-level logic synthesis (Rajski and Vasudevamurthy 1992; for polynomials Hos
 coefficients: a*x + b*x*y is x*(a + b*y), and with numbers 2*x + 6*y is 2*(x + 3*y).
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable
 from dataclasses import dataclass
 from heapq import heappop, heappush

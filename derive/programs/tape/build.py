@@ -1,7 +1,5 @@
 """From a traced graph to a tape: numbers put in and folded, unneeded nodes left out, the rest put in order."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -26,8 +24,7 @@ _OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
     Op.ARCTANGENT: Graph.arctangent,
     Op.LESS: cases.less,
     Op.SELECT: cases.select,
-    Op.MAXIMUM: cases.maximum,
-    Op.MINIMUM: cases.minimum,
+    **{op: lambda graph, a, b, op=op: cases.extreme(graph, op, a, b) for op in (Op.MAXIMUM, Op.MINIMUM)},
     Op.ABSOLUTE: Graph.absolute,
 }
 
@@ -62,11 +59,7 @@ def apply(graph: Graph, op: Op, operands: Sequence[Ref]) -> Ref:
 
 
 def copy(
-    graph: Graph,
-    outputs: Sequence[Ref],
-    fresh: Graph,
-    known: dict[int, Ref],
-    parameters: Replacements | None = None,
+    graph: Graph, outputs: Sequence[Ref], fresh: Graph, known: dict[int, Ref], parameters: Replacements | None = None
 ) -> tuple[Ref, ...]:
     """Make values again in another graph, folded there as if they were written anew."""
     for i in reachable(graph, outputs, known):

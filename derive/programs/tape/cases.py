@@ -4,8 +4,6 @@ A case is 1 or 0, so *and* is a product or a minimum, *or* a maximum, and *not* 
 as sums and products are: choices between opposites are opposite, and known cases leave no trace.
 """
 
-from __future__ import annotations
-
 from derive.algebra import constants
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import Layer, Op
@@ -62,16 +60,6 @@ def select(graph: Graph, case: Ref, a: Ref, b: Ref) -> Ref:
     return signed(graph.intern(Op.SELECT, index, graph.plain(a), graph.plain(b)), negative)
 
 
-def maximum(graph: Graph, a: Ref, b: Ref) -> Ref:
-    """The larger of two values."""
-    return _extreme(graph, Op.MAXIMUM, Op.MINIMUM, a, b)
-
-
-def minimum(graph: Graph, a: Ref, b: Ref) -> Ref:
-    """The smaller of two values."""
-    return _extreme(graph, Op.MINIMUM, Op.MAXIMUM, a, b)
-
-
 def is_nowhere_negative(graph: Graph, a: Ref) -> bool:
     """Whether a value is at least 0 by the way in which it is written: squares, roots, their sums and the like."""
     stack = [a]
@@ -88,7 +76,8 @@ def is_nowhere_negative(graph: Graph, a: Ref) -> bool:
     return True
 
 
-def _extreme(graph: Graph, op: Op, dual: Op, a: Ref, b: Ref) -> Ref:
+def extreme(graph: Graph, op: Op, a: Ref, b: Ref) -> Ref:
+    """The larger or the smaller of two values."""
     left, right = graph.constant_of(a), graph.constant_of(b)
     if left is not None and right is not None:
         return b if constants.less(left, right) == (op is Op.MAXIMUM) else a
@@ -101,4 +90,5 @@ def _extreme(graph: Graph, op: Op, dual: Op, a: Ref, b: Ref) -> Ref:
         return a if b == ZERO else b
     negative = (is_negative(a) or a == ZERO) and (is_negative(b) or b == ZERO)
     first, second = sorted(graph.plain(negated(ref) if negative else ref) for ref in (a, b))
+    dual = Op.MINIMUM if op is Op.MAXIMUM else Op.MAXIMUM
     return signed(graph.intern(dual if negative else op, first, second), negative)

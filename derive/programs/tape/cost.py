@@ -4,8 +4,6 @@
 (`derive.programs.tape.tape.Operations`). Additions and multiplications are the unit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -5,8 +5,6 @@ not depend on the input costs nothing. The graph is differentiated as it stands;
 has fewer nodes to differentiate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from derive.programs.tape.build import reachable

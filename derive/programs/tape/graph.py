@@ -5,8 +5,6 @@ node, products and quotients pass signs on, and a sum of two negatives is a nega
 the order of their creation; numbering depends on nothing else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, NewType

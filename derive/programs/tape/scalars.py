@@ -6,8 +6,6 @@ the numbers: a multiple of pi/2 exchanges sine and cosine, any other offset goes
 costs less than the addition theorem.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 

@@ -4,8 +4,6 @@ Candidates: depth first from the outputs, with either operand first; and each of
 a further live value moved forward. The order with the lowest peak is taken, the lowest sum of live values among equals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from heapq import heappop, heappush
 
@@ -13,6 +11,8 @@ from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import LEAVES, Layer
 
 Operands = Sequence[Sequence[int]]  # what each node takes, by its number
+# Of each operation of the body the operands that are such operations too, each once; None for any other node.
+Work = Sequence[Sequence[int] | None]
 
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
@@ -23,7 +23,11 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     number = {node: k for k, node in enumerate(nodes)}  # from here on, nodes are numbered in this order
     roots = [number[root] for root in roots]
     operands = [[number[k] for k in graph.operands[node]] for node in nodes]
-    work = _work(graph, nodes, operands)
+    # The operations of the body: nodes whose values are kept in a local variable.
+    is_work = [graph.layer[node] is Layer.BODY and graph.op[node] not in LEAVES for node in nodes]
+    work: Work = [
+        [k for k in dict.fromkeys(taken) if is_work[k]] if is_work[i] else None for i, taken in enumerate(operands)
+    ]
     # Who of the body waits for whom.
     users: list[list[int]] = [[] for _ in nodes]
     for k, taken in enumerate(operands):
@@ -40,23 +44,6 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
     # Each order also with harmless operations moved forward; the least peak wins, then the least sum.
     orders += [_eager(order, work, users) for order in orders]
     return [nodes[k] for k in min(orders, key=lambda order: _live(work, order))]
-
-
-def live(graph: Graph, order: Sequence[int]) -> tuple[int, int]:
-    """How many values of the body an order keeps alive."""
-    number = {node: k for k, node in enumerate(order)}
-    operands = [[number[k] for k in graph.operands[node]] for node in order]
-    return _live(_work(graph, order, operands), range(len(order)))
-
-
-# Of each operation of the body the operands that are such operations too, each once; None for any other node.
-Work = Sequence[Sequence[int] | None]
-
-
-def _work(graph: Graph, nodes: Sequence[int], operands: Operands) -> Work:
-    """The operations of the body: nodes whose values are kept in a local variable."""
-    is_work = [graph.layer[node] is Layer.BODY and graph.op[node] not in LEAVES for node in nodes]
-    return [[k for k in dict.fromkeys(taken) if is_work[k]] if is_work[i] else None for i, taken in enumerate(operands)]
 
 
 def _live(work: Work, order: Sequence[int]) -> tuple[int, int]:

@@ -6,10 +6,9 @@ done once per call) and the body (depends on the arguments). A change of sign is
 beside the operand, and only outputs, square roots and the choice among cases ever need one.
 """
 
-from __future__ import annotations
-
+import operator
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from functools import cached_property
@@ -81,6 +80,14 @@ BRANCHING_NAMES = {
 """
 
 ALL_NAMES = FUNCTION_NAMES | BRANCHING_NAMES  # all of them
+# What languages have as operators.
+ARITHMETIC: Mapping[Op, Callable[..., Any]] = {
+    Op.ADD: operator.add,
+    Op.SUBTRACT: operator.sub,
+    Op.MULTIPLY: operator.mul,
+    Op.DIVIDE: operator.truediv,
+    Op.NEGATE: operator.neg,
+}
 # Kind of the inputs that are run-time parameters; any other kind is the name of an argument, such as ``q``.
 PARAMETER = "parameter"
 
@@ -210,26 +217,14 @@ class Tape:
 
 def evaluate(tape: Tape, inputs: Mapping[str, Sequence[Any]], arithmetic: Mapping[str, Any]) -> list[Any]:
     """Run a tape on any numbers."""
+    functions = {**ARITHMETIC, **{op: arithmetic[name] for op, name in ALL_NAMES.items() if name in arithmetic}}
     values: list[Any] = []
     for node in tape.nodes:
-        operands = [values[i] for i in node.operands]
-        match node.op:
-            case Op.CONSTANT:
-                value = arithmetic["number"](node.value)
-            case Op.INPUT:
-                assert node.source is not None
-                value = inputs[node.source.kind][node.source.index]
-            case Op.ADD:
-                value = operands[0] + operands[1]
-            case Op.SUBTRACT:
-                value = operands[0] - operands[1]
-            case Op.MULTIPLY:
-                value = operands[0] * operands[1]
-            case Op.DIVIDE:
-                value = operands[0] / operands[1]
-            case Op.NEGATE:
-                value = -operands[0]
-            case _:
-                value = arithmetic[ALL_NAMES[node.op]](*operands)
+        if node.op is Op.CONSTANT:
+            value = arithmetic["number"](node.value)
+        elif node.source is not None:
+            value = inputs[node.source.kind][node.source.index]
+        else:
+            value = functions[node.op](*(values[i] for i in node.operands))
         values.append(value)
     return [-values[o.node] if o.negative else values[o.node] for o in tape.outputs]

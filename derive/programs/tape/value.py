@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from derive.programs.tape import cases
 from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, node_of
-from derive.programs.tape.tape import Layer
+from derive.programs.tape.tape import Op
 
 
 class Value:
@@ -105,16 +105,11 @@ class Value:
 
     def maximum(self, other: Value | int | Fraction) -> Value:
         """The larger of two values."""
-        return Value(self.graph, cases.maximum(self.graph, self.ref, self._other(other)))
+        return Value(self.graph, cases.extreme(self.graph, Op.MAXIMUM, self.ref, self._other(other)))
 
     def minimum(self, other: Value | int | Fraction) -> Value:
         """The smaller of two values."""
-        return Value(self.graph, cases.minimum(self.graph, self.ref, self._other(other)))
-
-    @property
-    def depends_on_arguments(self) -> bool:
-        """Whether it is computed anew in every evaluation."""
-        return self.graph.layer[self.ref >> 1] is Layer.BODY
+        return Value(self.graph, cases.extreme(self.graph, Op.MINIMUM, self.ref, self._other(other)))
 
     def __abs__(self) -> Value:
         return Value(self.graph, self.graph.absolute(self.ref))

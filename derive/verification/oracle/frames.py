@@ -7,8 +7,6 @@ Every function takes configurations ``(..., n)``, real or complex: complex ones 
 so nothing here conjugates. Inside, everything is in frame 0; the base transform is applied last.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -56,8 +54,7 @@ class NumericArm:
     @property
     def gravity_in_frame_0(self) -> Array:
         """Acceleration of gravity in the axes of frame 0, R_base^T g [m/s^2]."""
-        gravity: Array = self.base[:3, :3].T @ self.gravity
-        return gravity
+        return self.base[:3, :3].T @ self.gravity
 
 
 def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> NumericArm:
@@ -159,20 +156,17 @@ def rotor_places(arm: NumericArm, frames: Array) -> Array:
         return carriers[..., :3, 3]
     # Column 4 of A_i at q_i = 0: where frame i would be, seen from frame i-1
     at_rest = np.stack([row_transform(arm, i, np.zeros(()))[:, 3] for i in range(arm.n)])
-    places: Array = np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3]
-    return places
+    return np.asarray(np.einsum("...kab,kb->...ka", carriers, at_rest)[..., :3])
 
 
 def forward_kinematics(arm: NumericArm, q: Array) -> Array:
     """T = base A_1 ... A_n tool."""
-    transform: Array = arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
-    return transform
+    return arm.base @ chain_frames(arm, q)[..., -1, :, :] @ arm.tool
 
 
 def link_transforms(arm: NumericArm, q: Array) -> Array:
     """Base A_1 ... A_i for i = 1..n."""
-    transforms: Array = arm.base @ chain_frames(arm, q)[..., 1:, :, :]
-    return transforms
+    return arm.base @ chain_frames(arm, q)[..., 1:, :, :]
 
 
 def jacobian(arm: NumericArm, q: Array) -> Array:

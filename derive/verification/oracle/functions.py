@@ -34,8 +34,7 @@ class Definition:
 def forward_dynamics(arm: NumericArm, q: Array, qd: Array, tau: Array) -> Array:
     """Accelerations B^-1 (tau - C qd - g - friction)."""
     bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
-    acceleration: Array = np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
-    return acceleration
+    return np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
 
 
 FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
@@ -79,10 +78,7 @@ class Oracle:
 
     @classmethod
     def of(
-        cls,
-        robot: Robot,
-        parameters: Mapping[str, float] | None = None,
-        base: tuple[Parameter, ...] | None = None,
+        cls, robot: Robot, parameters: Mapping[str, float] | None = None, base: tuple[Parameter, ...] | None = None
     ) -> Oracle:
         """The oracle of ``robot``."""
         arm = numeric_arm(robot, parameters)

@@ -4,8 +4,6 @@ Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control
 configurations ``(..., n)``.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from derive.verification.oracle.frames import (
@@ -39,14 +37,12 @@ def inertia_matrix(arm: NumericArm, q: Array) -> Array:
     spin = np.einsum("...ka,...kaj->...kj", axis, angular)
     moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
     rotors = moving.sum(axis=-3) + np.einsum("k,...ki,...kj->...ij", arm.rotor_inertia, spin, spin)
-    total: Array = links + rotors + np.diag(arm.armature)
-    return total
+    return np.asarray(links + rotors + np.diag(arm.armature))
 
 
 def coriolis_matrix(arm: NumericArm, q: Array, qd: Array) -> Array:
     """C with C_ij = sum_k c_ijk qd_k."""
-    matrix: Array = np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd)
-    return matrix
+    return np.asarray(np.einsum("...ijk,...k->...ij", christoffel_symbols(arm, q), qd))
 
 
 def christoffel_symbols(arm: NumericArm, q: Array) -> Array:
@@ -55,8 +51,7 @@ def christoffel_symbols(arm: NumericArm, q: Array) -> Array:
     # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
     by_k = np.moveaxis(slope, -3, -1)
     by_j = np.swapaxes(by_k, -1, -2)
-    symbols: Array = 0.5 * (by_k + by_j - slope)
-    return symbols
+    return 0.5 * (by_k + by_j - slope)
 
 
 def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
@@ -78,8 +73,7 @@ def gravity_vector(arm: NumericArm, q: Array) -> Array:
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
     down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
-    gradient: Array = -down_links - down_rotors
-    return gradient
+    return np.asarray(-down_links - down_rotors)
 
 
 def potential_energy(arm: NumericArm, q: Array) -> Array:
@@ -89,14 +83,12 @@ def potential_energy(arm: NumericArm, q: Array) -> Array:
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
     rotors = rotor_places(arm, frames) @ turn.T + origin
-    energy: Array = -(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass
-    return energy
+    return np.asarray(-(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass)
 
 
 def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
     """T = 1/2 qd' B qd."""
-    energy: Array = 0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd)
-    return energy
+    return np.asarray(0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd))
 
 
 def com_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
@@ -134,8 +126,7 @@ def _mass_centres(arm: NumericArm, frames: Array) -> Array:
     """(..., n, 3) in frame 0."""
     links = frames[..., 1:, :, :]
     turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)
-    centres: Array = links[..., :3, 3] + turned
-    return centres
+    return np.asarray(links[..., :3, 3] + turned)
 
 
 def _transpose(matrix: Array) -> Array:

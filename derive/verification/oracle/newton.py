@@ -74,8 +74,7 @@ def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
 
 def dot(u: Array, v: Array) -> Array:
     """Scalar product over the last axis."""
-    product: Array = (u * v).sum(axis=-1)
-    return product
+    return np.asarray((u * v).sum(axis=-1))
 
 
 def link_motions(arm: NumericArm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:

@@ -4,8 +4,6 @@ The angles' rates come from those of the rotation's entries, d atan2(y, x) = (x 
 closed forms of roll, pitch, yaw and Euler ZYZ (Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -20,8 +18,7 @@ TILTED = {"rpy": 0, "zyz": 2}  # column of R whose first two entries vanish wher
 
 def jacobian_dot(arm: NumericArm, q: Array, qd: Array) -> Array:
     """dJ/dt along qd."""
-    rate: Array = jacobian(arm, q + 1j * STEP * qd).imag / STEP
-    return rate
+    return jacobian(arm, q + 1j * STEP * qd).imag / STEP
 
 
 def analytic_jacobian_rpy(arm: NumericArm, q: Array) -> Array:
@@ -54,8 +51,7 @@ def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
     """Sine of the angle by which the second turn misses its singular values."""
     # |(r11, r21)| = |cos(pitch)|, |(r13, r23)| = |sin(theta)|
     column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
-    distance: Array = np.sqrt((column**2).sum(axis=-1))
-    return distance
+    return np.asarray(np.sqrt((column**2).sum(axis=-1)))
 
 
 def coriolis_vector(arm: NumericArm, q: Array, qd: Array) -> Array:
@@ -84,8 +80,7 @@ def _each(argument: Array) -> Array:
 
 def _columns(arm: NumericArm, function: Callable[[Array], Array]) -> Array:
     values = function(1j * STEP * np.eye(arm.n)).imag / STEP
-    matrix: Array = np.swapaxes(values, -1, -2)
-    return matrix
+    return np.swapaxes(values, -1, -2)
 
 
 def _pose_and_slope(arm: NumericArm, q: Array) -> tuple[Array, Array]:
@@ -96,8 +91,7 @@ def _pose_and_slope(arm: NumericArm, q: Array) -> tuple[Array, Array]:
 
 def _angle_rate(y: Array, x: Array, dy: Array, dx: Array) -> Array:
     """The derivative of atan2(y, x)."""
-    rate: Array = (x * dy - y * dx) / (x * x + y * y)
-    return rate
+    return np.asarray((x * dy - y * dx) / (x * x + y * y))
 
 
 def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
@@ -109,5 +103,4 @@ def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
 def _rows(slope: Array, *angles: Array) -> Array:
     """Rows of velocity, then of the angles."""
     position = [slope[..., k, 3] for k in range(3)]
-    matrix: Array = np.stack([*position, *angles], axis=-2)
-    return matrix
+    return np.stack([*position, *angles], axis=-2)

@@ -1,7 +1,5 @@
 """The pool of equations, what is solved from equations in one or two unknowns, conditions, and graphs of solutions."""
 
-from __future__ import annotations
-
 from collections import Counter
 from fractions import Fraction
 from functools import cache

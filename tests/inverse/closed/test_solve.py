@@ -1,7 +1,5 @@
 """Arms from books: the order of the joints, the number of solutions, and all of them in floats, at batches of poses."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

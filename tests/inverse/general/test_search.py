@@ -1,7 +1,5 @@
 """General arms: closure, elimination and candidates, the search of all solutions, and their number."""
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess
@@ -22,12 +20,7 @@ from derive.inverse.general.choice import eliminations, find_general
 from derive.inverse.general.closure import Loop, closures, middle_part
 from derive.inverse.general.count import count_solutions
 from derive.inverse.general.elimination import EigenProblem
-from derive.inverse.general.rigid_motion import (
-    BESIDE,
-    beside,
-    motion_by,
-    pose_features,
-)
+from derive.inverse.general.rigid_motion import BESIDE, beside, motion_by, pose_features
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled
 from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
 from tests.inverse.arms import PUBLISHED, arm_of, random_arm
@@ -174,10 +167,7 @@ def distance(chain, a, b):
     return np.where(chain.revolute, np.minimum(apart, np.abs(2 * math.pi - apart)), apart).max(axis=-1)
 
 
-ARMS = [
-    "jaco",
-    *swept("manseur-doty", "crx-10ia", "5R1P-general 0", "4R2P-general 1", "6R-wrist-middle 0", "panda"),
-]
+ARMS = ["jaco", *swept("manseur-doty", "crx-10ia", "5R1P-general 0", "4R2P-general 1", "6R-wrist-middle 0", "panda")]
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -1,7 +1,5 @@
 """Arms in numbers, and inverse kinematics by Newton's method."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

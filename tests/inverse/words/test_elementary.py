@@ -1,7 +1,5 @@
 """Elementary equations, their origins and solutions in words."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from dataclasses import replace

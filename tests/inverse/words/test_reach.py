@@ -1,7 +1,5 @@
 """Branches, postures and reach in words."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

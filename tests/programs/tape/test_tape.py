@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
@@ -79,44 +79,53 @@ def test_numbers_put_in_later_give_the_same_as_symbols(program: RandomProgram, p
 
 @given(program=programs())
 @settings(max_examples=150, deadline=None)
-def test_a_tape_is_in_order_complete_and_without_waste(program: RandomProgram) -> None:
+def test_improving_costs_nothing_and_a_tape_is_in_order_complete_and_without_waste(
+    program: RandomProgram,
+) -> None:
     graph = Graph()
-    tape = cut(*improve(graph, program.trace(graph)))
+    results = program.trace(graph)
+    better = improve(graph, results)
+    assert program_cost(*better) <= program_cost(graph, results)
+    tape = cut(*better)
     assert all(k < i for i, node in enumerate(tape.nodes) for k in node.operands)
     assert all(tape.use_counts)
     keys = [(n.op, n.operands, n.source, n.value) for n in tape.nodes]
     assert len(set(keys)) == len(keys)
 
 
-@given(program=programs())
-@settings(max_examples=150, deadline=None)
-def test_improving_never_costs_operations(program: RandomProgram) -> None:
-    graph = Graph()
-    results = program.trace(graph)
-    assert program_cost(*improve(graph, results)) <= program_cost(graph, results)
+SAME: list[Callable[[Value, Value, Value], tuple[Value, ...]]] = [
+    lambda x, y, z: (Value(x.graph, ZERO), x * 0, x - x, 0 * y, x.less(x)),
+    lambda x, y, z: (Value(x.graph, ONE), x / x, x**0),
+    lambda x, y, z: (x, x + 0, x * 1, x - 0),
+    lambda x, y, z: (x * y, y * x, -x * -y),
+    lambda x, y, z: (x + y, y + x, -(-y - x)),
+    lambda x, y, z: (x - y, -(y - x)),
+    lambda x, y, z: ((-x).sin(), -(x.sin())),
+    lambda x, y, z: (x.cos(), (-x).cos()),
+    lambda x, y, z: ((x - y).cos(), (y - x).cos()),
+    lambda x, y, z: ((-y).arctangent(x), -(y.arctangent(x))),
+    lambda x, y, z: ((-y).arctangent(-x), -(y.arctangent(-x))),
+    lambda x, y, z: (x, (x / x).select(x, y), (x - x).select(y, x), z.select(x, x)),
+    lambda x, y, z: ((x * x).sqrt(), abs((x * x).sqrt())),
+    lambda x, y, z: ((-x).maximum(-y), -(x.minimum(y))),
+    lambda x, y, z: ((1 - z).select(x, y), z.select(y, x)),
+]
 
 
-def test_zero_and_one_leave_no_trace() -> None:
-    x, y, _ = variables()
-    assert (x * 0).ref == (x - x).ref == (0 * y).ref == ZERO
-    assert (x + 0).ref == (x * 1).ref == (x - 0).ref == x.ref
-    assert (x / x).ref == ONE
+@pytest.mark.parametrize("values", SAME)
+def test_equal_values_are_one_whatever_their_order_and_sign(
+    values: Callable[[Value, Value, Value], tuple[Value, ...]],
+) -> None:
+    first, *others = (value.ref for value in values(*variables()))
+    assert others == [first] * len(others)
 
 
-def test_equal_values_are_one_whatever_their_order_and_sign() -> None:
+def test_signs_and_values_that_are_there_cost_nothing_and_powers_square_repeatedly() -> None:
     x, y, z = variables()
-    assert (x * y).ref == (y * x).ref == (-x * -y).ref
-    assert (x + y).ref == (y + x).ref == (-(-y - x)).ref
-    assert (x - y).ref == (-(y - x)).ref
     assert operations(x * y + z, y * -x, (x - y) * z, (y - x) * z) == Operations(mul=2, add=2)
-
-
-def test_signs_are_free_and_functions_know_their_symmetry() -> None:
-    x, y, _ = variables()
-    assert (-x).sin().ref == (-(x.sin())).ref
-    assert (-x).cos().ref == x.cos().ref
-    assert (x - y).cos().ref == (y - x).cos().ref
     assert operations(-(x * y), x.sin(), (-x).sin(), x.cos()) == Operations(mul=1, sin=1, cos=1)
+    assert operations(*((e * y).arctangent(f * x) for e in (1, -1) for f in (1, -1))).atan2 == 2
+    assert (operations(x**8), operations(x**-2)) == (Operations(mul=3), Operations(mul=1, div=1))
 
 
 def test_like_terms_merge_and_common_factors_come_out() -> None:
@@ -157,13 +166,6 @@ def test_constant_factors_go_into_sums_that_have_some() -> None:
     assert cut(*improve(x.graph, [value.ref])).operations == Operations(mul=2, add=1)
 
 
-def test_powers_square_repeatedly() -> None:
-    x, _, _ = variables()
-    assert operations(x**8) == Operations(mul=3)
-    assert (x**0).ref == ONE
-    assert operations(x**-2) == Operations(mul=1, div=1)
-
-
 def test_division_by_the_constant_zero_is_refused_where_no_argument_enters() -> None:
     graph = Graph()
     parameter = Value(graph, graph.input(PARAMETER, 0))
@@ -190,29 +192,12 @@ def test_deep_programs_need_no_recursion() -> None:
     assert tape.operations.sin == 3000
 
 
-def test_arctangents_are_odd() -> None:
-    x, y, _ = variables()
-    angles = [y.arctangent(x), (-y).arctangent(x), y.arctangent(-x), (-y).arctangent(-x)]
-    assert operations(*angles).atan2 == 2
-    assert (angles[1].ref, angles[3].ref) == ((-angles[0]).ref, (-angles[2]).ref)
-
-
 def test_choices_between_opposites_are_opposite() -> None:
     x, y, z = variables()
     case = x.less(y)
     for a, b in ((x, z), (1, z), (0, z), (x, 1), (x, 0), (-x, z), (1, -1)):
         value, opposite = case.select(a, b), case.select(-a, -b)
         assert value.ref == (-opposite).ref
-
-
-def test_cases_that_are_known_leave_no_trace() -> None:
-    x, y, z = variables()
-    one = Value(x.graph, ONE)
-    assert (one.select(x, y).ref, (one - one).select(x, y).ref, z.select(x, x).ref) == (x.ref, y.ref, x.ref)
-    assert x.less(x).ref == ZERO
-    assert (x * x).sqrt().ref == abs((x * x).sqrt()).ref
-    assert (-x).maximum(-y).ref == (-(x.minimum(y))).ref
-    assert (1 - z).select(x, y).ref == z.select(y, x).ref
 
 
 def test_constants_of_every_kind_are_compared() -> None:
@@ -374,21 +359,21 @@ def test_quarter_turns_exchange_sine_and_cosine(theta: str, cosine_is: str, nega
     assert cut(graph, [cosine.ref, sine.ref]).operations == Operations(sin=1, cos=1)
 
 
-def test_other_offsets_go_into_the_angle() -> None:
-    program = build_program(robot("q1 + beta + pi/2", parameters="{beta: 0.3}"))
-    assert program["forward_kinematics"].operations == Operations(add=1, sin=1, cos=1)
-
-
-def test_a_parameter_that_is_a_quarter_turn_is_one() -> None:
-    program = build_program(robot("q1 + beta", parameters="{beta: pi/2}"))
-    assert program["forward_kinematics"].operations == Operations(sin=1, cos=1)
-
-
-@pytest.mark.parametrize("alpha", ["pi/2", "-pi/2", "pi", "3*pi/2", "2*pi", "beta"])
-def test_twists_by_quarter_turns_cost_nothing(alpha: str) -> None:
-    extra = {"parameters": "{beta: -pi/2}"} if alpha == "beta" else {}
-    program = build_program(robot("q1", alpha, **extra))
-    assert program["forward_kinematics"].operations == Operations(sin=1, cos=1)
+@pytest.mark.parametrize(
+    ("theta", "alpha", "beta", "additions"),
+    [
+        ("q1 + beta + pi/2", "0", "0.3", 1),
+        ("q1 + beta", "0", "pi/2", 0),
+        ("q1", "beta", "-pi/2", 0),
+        *(("q1", alpha, "", 0) for alpha in ("pi/2", "-pi/2", "pi", "3*pi/2", "2*pi")),
+    ],
+)
+def test_quarter_turns_cost_nothing_and_other_offsets_go_into_the_angle(
+    theta: str, alpha: str, beta: str, additions: int
+) -> None:
+    extra = {"parameters": f"{{beta: {beta}}}"} if beta else {}
+    program = build_program(robot(theta, alpha, **extra))
+    assert program["forward_kinematics"].operations == Operations(add=additions, sin=1, cos=1)
 
 
 def test_special_angles_are_algebraic_numbers() -> None:
@@ -433,9 +418,6 @@ def test_division_in_cells_is_one_operation() -> None:
     program = build_program(robot("q1", a="x/y + y**-2"))
     hoisted = program["forward_kinematics"].hoisted_operations
     assert hoisted == Operations(mul=1, add=1, div=2)
-    sources = [node.source for node in _nodes(program) if node.layer is Layer.BODY and node.source]
+    nodes = [node for function in program for node in function.tape.nodes]
+    sources = [node.source for node in nodes if node.layer is Layer.BODY and node.source]
     assert {source.kind for source in sources} == {"q", "qd"}
-
-
-def _nodes(program: object) -> list[object]:
-    return [node for function in program for node in function.tape.nodes]  # type: ignore[attr-defined]
