@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from math import prod
+from typing import Generic, TypeVar
 
 from derive.algebra.angles import composed, contracted_groups, decompose, printed_offsets
 from derive.algebra.generators import (
@@ -28,6 +29,8 @@ from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Po
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
+
+Value = TypeVar("Value")
 
 
 class PolynomialDomain:
@@ -294,6 +297,36 @@ class PolynomialDomain:
                 direction = self.directions[members[0]] * self.directions[joint]
                 total = total + direction * (by_sine * cosine - by_cosine * sine)
         return total
+
+
+class MappedDomain(Generic[Value]):
+    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm."""
+
+    def __init__(self, domain: PolynomialDomain, value: Callable[[Polynomial], Value]) -> None:
+        self.domain = domain
+        self._value = value
+
+    def number(self, value: int | Fraction) -> Value:
+        """A rational."""
+        return self._value(self.domain.number(value))
+
+    def constant(self, expression: Expression) -> Value:
+        """A cell without joint variables."""
+        return self._value(self.domain.constant(expression))
+
+    def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
+        """Cosine and sine of a constant angle."""
+        cosine, sine = self.domain.cosine_sine(angle)
+        return self._value(cosine), self._value(sine)
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
+        """Cosine and sine of ``sign*q + theta`` of a revolute joint."""
+        cosine, sine = self.domain.joint_cosine_sine(index, joint)
+        return self._value(cosine), self._value(sine)
+
+    def joint_offset(self, index: int, joint: Joint) -> Value:
+        """``sign*q + d`` of a prismatic joint."""
+        return self._value(self.domain.joint_offset(index, joint))
 
 
 def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:

@@ -39,7 +39,7 @@ from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.inertia_matrix import Wrench, unit_wrench, wrench_to_parent
+from derive.mechanics.inertia_matrix import unit_wrench
 from derive.mechanics.joint_motion import (
     along_axes,
     axis,
@@ -49,7 +49,7 @@ from derive.mechanics.joint_motion import (
     origin,
     to_parent,
 )
-from derive.mechanics.newton_euler import PLAIN, FrameChoice, LinkMotion, body_wrench, link_motions, rotor_moment
+from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
 from derive.mechanics.vectors import (
     Matrix,
     S,
@@ -164,7 +164,7 @@ def torque_position_derivative(
     """d tau / d q."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices)
-    wrenches = _carried_wrenches(chain, motions, rates, accelerations, choices)
+    wrenches = dict(carried_wrenches(chain, motions, rates, accelerations, choices))
     omegas = [motion.omega for motion in motions]
     bodies = _moving_composites(chain, rates, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
@@ -194,26 +194,6 @@ def torque_position_derivative(
             same = joint.sign == inner.sign
             matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
     return matrix
-
-
-def _carried_wrenches(
-    chain: Chain[S],
-    motions: Sequence[LinkMotion[S]],
-    rates: Sequence[S],
-    accelerations: Sequence[S],
-    choices: Sequence[FrameChoice],
-) -> list[Wrench[S]]:
-    """For each joint, the wrench that moves all that it carries, at the origin of its frame."""
-    force = moment = chain.null
-    found: list[Wrench[S]] = []
-    for i in range(chain.n - 1, -1, -1):
-        choice = choices[i] if choices else PLAIN
-        own_force, own_moment = body_wrench(chain.bodies[i], motions[i + 1], choice.second_moments)
-        force, moment = add(force, own_force), add(moment, own_moment)
-        found.append((force, moment))
-        force, moment = wrench_to_parent(chain.joints[i], (force, moment))
-        moment = add(moment, rotor_moment(chain.joints[i], motions[i].omega, rates[i], accelerations[i]))
-    return found[::-1]
 
 
 def _moving_composites(
