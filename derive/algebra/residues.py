@@ -35,18 +35,13 @@ class NoPointError(DeriveError):
 
 
 class Residue:
-    """An array of integers modulo ``prime`` with the operations of a scalar.
+    """An array of integers modulo ``prime`` with the operations of a scalar."""
 
-    Products with one and sums with zero are the other operand itself, and a product with zero is that zero: half of the
-    numbers in the frames of an arm are of this kind. So shapes are those of broadcasting, but for what does not vary.
-    """
-
-    __slots__ = ("_single", "prime", "values")
+    __slots__ = ("prime", "values")
 
     def __init__(self, prime: int, values: Any) -> None:
         self.prime = prime
         self.values: Array = np.asarray(values, dtype=np.int64) % prime
-        self._single = self.values.item() if self.values.size == 1 else None
 
     def _other(self, other: Any) -> Any:
         if isinstance(other, Residue):
@@ -54,29 +49,17 @@ class Residue:
         return fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue):
-            if other._single == 0:
-                return self
-            if self._single == 0:
-                return other
         return Residue(self.prime, self.values + self._other(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue) and other._single == 0:
-            return self
         return Residue(self.prime, self.values - self._other(other))
 
     def __rsub__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self._other(other) - self.values)
 
     def __mul__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue):
-            if self._single == 0 or other._single == 1:
-                return self
-            if other._single == 0 or self._single == 1:
-                return other
         return Residue(self.prime, self.values * self._other(other))
 
     __rmul__ = __mul__

@@ -44,9 +44,10 @@ from derive.mechanics.vectors import (
 from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
+from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, is_constant, number
 from derive.robot.names import number_of, without_lost_symbols
 from derive.robot.robot import Robot
+from derive.robot.units import turned_angles
 from derive.robot.writer import cell_text
 
 ROUND = 180  # a constant angle of a base or tool is recognised where it is a multiple of pi by this
@@ -136,16 +137,8 @@ def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
         turns = atan2(evaluate(sine, {}), evaluate(cosine, {})) / pi * ROUND
         if abs(turns - round(turns)) < NEAR:
             yield tree.multiply(number(Fraction(round(turns), ROUND)), Pi())
-    for angle in dict.fromkeys([*_arguments(cosine), *_arguments(sine)]):
+    for angle in dict.fromkeys([*turned_angles(cosine), *turned_angles(sine)]):
         yield from (angle, tree.negate(angle), tree.add(angle, Pi()), tree.add(Pi(), tree.negate(angle)))
-
-
-def _arguments(cell: Expression) -> Iterator[Expression]:
-    """The angles in a cell."""
-    if isinstance(cell, Call) and cell.function in ("cos", "sin"):
-        yield cell.arguments[0]
-    for part in children(cell):
-        yield from _arguments(part)
 
 
 def _is_zero(robot: Description, cell: Expression) -> bool:
@@ -189,7 +182,8 @@ class _Cells:
         """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
         # A cell of the file that has this value, or minus it, is kept as it is written.
         for cell in known:
-            for written in (cell, _negated(cell)):
+            negated = tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
+            for written in (cell, negated):
                 if self.domain.constant(written) == value:
                     return written
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
@@ -197,11 +191,6 @@ class _Cells:
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
         bases = [self.domain.generators[place].expression for place in self._order]
         return tree.add(*(tree.multiply(number(factor), *map(tree.power, bases, powers)) for powers, factor in ordered))
-
-
-def _negated(cell: Expression) -> Expression:
-    """Minus a cell, term by term."""
-    return tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,23 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
+from derive.robot import expression as tree
 from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import (
-    ONE,
-    ZERO,
-    Expression,
-    Name,
-    add,
-    is_constant,
-    linear_terms,
-    multiply,
-    names,
-    negate,
-    number,
-    to_text,
-)
+from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names, to_text
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.reading.size_limits import FILE_LIMITS
 
@@ -114,12 +102,12 @@ class _Row:
         expression = self._cells.raw(path, own)
         coefficient = Fraction(0)  # cell = coefficient q + rest
         rest: list[Expression] = []
-        for factor, term in linear_terms(expression):
+        for factor, term in tree.linear_terms(expression):
             moved = next((name for name in names(term) if name in self._variables), None)
             if term == own:
                 coefficient += factor
             elif moved is None:
-                rest.append(multiply(number(factor), term))
+                rest.append(tree.multiply(tree.number(factor), term))
             elif moved == self._variable:
                 raise self._document.error(
                     path,
@@ -135,7 +123,7 @@ class _Row:
                 )
         if abs(coefficient) != 1:
             raise self._wrong_factor(coefficient, expression)
-        return int(coefficient), add(*rest)
+        return int(coefficient), tree.add(*rest)
 
     def _wrong_factor(self, coefficient: Fraction, expression: Expression) -> RobotFileError:
         path, name = (*self._path, self._moving), self._variable
@@ -281,4 +269,4 @@ def read_gravity(document: Document, cells: Cells) -> Vector | None:
             "write the vector, for instance gravity: [0, 0, -9.81]",
         )
     cells.first_use[DEFAULT_GRAVITY_SYMBOL] = document.location(("links",))
-    return ZERO, ZERO, negate(Name(DEFAULT_GRAVITY_SYMBOL))
+    return ZERO, ZERO, tree.negate(Name(DEFAULT_GRAVITY_SYMBOL))
