@@ -56,19 +56,14 @@ _REMEDIES = {
     "π": "write pi",
     "°": "write 'units: {angle: deg}' in the file and plain numbers in the cells",
     "√": "write sqrt(...)",
-    "·": "write * for products",
-    "\u00d7": "write * for products",
+    **dict.fromkeys("·\u00d7", "write * for products"),
     "÷": "write / for quotients",
-    "\u2212": "write the ASCII minus sign -",
-    "\u2013": "write the ASCII minus sign -",
-    "\u2014": "write the ASCII minus sign -",
-    "[": "use parentheses ( )",
-    "{": "use parentheses ( )",
+    **dict.fromkeys("\u2212\u2013\u2014", "write the ASCII minus sign -"),
+    **dict.fromkeys("[{", "use parentheses ( )"),
     "_": "a name begins with a letter; write numbers without _",
     "=": "write only the right-hand side",
-    "'": "remove the quotation mark",
     "\u2019": "remove the prime",
-    '"': "remove the quotation mark",
+    **dict.fromkeys("'\"", "remove the quotation mark"),
 }
 _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin cos tan sqrt"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
-from enum import StrEnum
 from typing import TypeVar
 
 from derive.errors import QuantityError, listed, near_miss, quoted
@@ -25,13 +24,12 @@ from derive.robot.options.handout import (
     chosen_parts,
 )
 from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, chosen_task
-from derive.robot.options.style import DEFAULT_STYLE, Style, choice_named
+from derive.robot.options.style import DEFAULT_STYLE, Choice, Style, choice_named
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
 # How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated.
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 
-Choice = TypeVar("Choice", bound=StrEnum)
 Some = TypeVar("Some", bound=Description)
 
 
