@@ -7,21 +7,9 @@ from fractions import Fraction
 from math import prod
 from typing import Generic, TypeVar
 
+from derive.algebra import generators
 from derive.algebra.angles import composed, contracted_groups, decompose, printed_offsets
-from derive.algebra.generators import (
-    MAX_MULTIPLE,
-    SPECIAL,
-    Generator,
-    Kind,
-    bundled,
-    canonical,
-    collect,
-    robot_cells,
-    scaled,
-    sine_and_cosine,
-    split_pi,
-    square_free,
-)
+from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, canonical, scaled, sine_and_cosine
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
 from derive.robot.description import Joint
@@ -69,8 +57,8 @@ class PolynomialDomain:
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
         self._revolute = {joint.variable: i for i, joint in enumerate(robot.joints) if joint.is_revolute}
-        values, angles = robot_cells(robot)
-        self.atoms = collect([*values, *extra], angles, frozenset(self._revolute))
+        values, angles = generators.robot_cells(robot)
+        self.atoms = generators.collect([*values, *extra], angles, frozenset(self._revolute))
         self.generators = tuple(self._needed_generators(rates))
         self.places = {(g.kind, g.joint): i for i, g in enumerate(self.generators) if g.joint >= 0}
         self.ring = Ring([g.name for g in self.generators], max_terms)
@@ -208,7 +196,7 @@ class PolynomialDomain:
             case Call("sqrt", (Number(value),)):
                 if value < 0:
                     raise ExpressionError("square root of a negative number", allowed="allowed: real values")
-                factor, primes = square_free(value)
+                factor, primes = generators.square_free(value)
                 return prod((self.ring.generator(f"sqrt {p}") for p in primes), start=self.ring.number(factor))
             case Call("sqrt", (argument,)):
                 return self.ring.generator(f"sqrt {canonical(argument)!r}")
@@ -229,7 +217,7 @@ class PolynomialDomain:
 
     def cosine_sine(self, angle: Expression) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of an angle made of constants and joint variables."""
-        exact = bundled(decompose(canonical(angle)), frozenset(self._revolute))
+        exact = generators.bundled(decompose(canonical(angle)), frozenset(self._revolute))
         pair = self._pi_multiple(exact.pi_multiple)
         for unit, k in exact.terms:
             pair = _add_angles(pair, self._unit_multiple(unit, k))
@@ -238,7 +226,7 @@ class PolynomialDomain:
     def _pi_multiple(self, multiple: Fraction) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of multiple*pi: those of the rest below an eighth turn, turned by right angles."""
         ring, half = self.ring, Fraction(1, 2)
-        quarter, signed_rest = split_pi(multiple)
+        quarter, signed_rest = generators.split_pi(multiple)
         rest = abs(signed_rest)
         if rest == 0:
             cosine, sine = ring.one, ring.zero
@@ -331,10 +319,9 @@ class MappedDomain(Generic[Value]):
 
 def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:
     """The polynomial as an expression tree, term by term."""
-    generators = domain.generators
     terms = []
     for exponents, coefficient in p.terms():
-        factors = (power(g.expression, e) for g, e in zip(generators, exponents, strict=True) if e)
+        factors = (power(g.expression, e) for g, e in zip(domain.generators, exponents, strict=True) if e)
         terms.append(multiply(Number(coefficient), *factors))
     return add(*terms)
 

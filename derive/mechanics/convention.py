@@ -25,22 +25,10 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, robot_cells
 from derive.algebra.ring import Polynomial
+from derive.mechanics import vectors
 from derive.mechanics.chain import build_chain, central_inertia, constant_frame, constant_vector, link_factor
 from derive.mechanics.forward_kinematics import forward_kinematics
-from derive.mechanics.vectors import (
-    Frame,
-    Matrix,
-    Vector,
-    add,
-    add_matrices,
-    column,
-    conjugate,
-    from_matrix,
-    multiply,
-    scale,
-    steiner,
-    subtract,
-)
+from derive.mechanics.vectors import Frame, Matrix, Vector
 from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
@@ -204,8 +192,8 @@ class _Body:
     def through(self, frame: Frame[Polynomial]) -> _Body:
         """The body, known in some frame, seen from the frame in which that one is given."""
         turn = frame.rotation
-        com = add(frame.position, multiply(turn, self.com))
-        return _Body(self.mass, com, conjugate(turn, self.inertia))
+        com = vectors.add(frame.position, vectors.multiply(turn, self.com))
+        return _Body(self.mass, com, vectors.conjugate(turn, self.inertia))
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
@@ -235,7 +223,7 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
         body = body if to_modified else body.through(behind.inverse)
         # Cells that keep their value are kept as they are written.
-        names, entries = [part.name for part in fields(Inertia)], from_matrix(body.inertia)
+        names, entries = [part.name for part in fields(Inertia)], vectors.from_matrix(body.inertia)
         known = [getattr(link.inertia, name) for name in names]
         inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
         x, y, z = (cells.cell(entry, link.com) for entry in body.com)
@@ -253,10 +241,10 @@ def _made_up(
     """
     to_modified = robot.convention is Convention.STANDARD
     joint, mu = robot.joints[i + 1], domain.constant(motor.mass)
-    axis = column(behind.rotation, 2)
-    along = scale(domain.constant(joint.d), axis)
+    axis = vectors.column(behind.rotation, 2)
+    along = vectors.scale(domain.constant(joint.d), axis)
     # o_{i-1}, and d_i further on the axis of the rotor's joint.
-    places = (behind.position, add(behind.position, along))
+    places = (behind.position, vectors.add(behind.position, along))
     old, new = places if to_modified else places[::-1]
     way = f"{cell_text(joint.d)} {'further' if to_modified else 'less far'} along its axis in this convention"
     if _is_zero(robot, body.mass):
@@ -264,12 +252,12 @@ def _made_up(
         return _Body(motor.mass, old, body.inertia), note
     m = domain.constant(body.mass)
     # m c + mu r stays: c' = c - mu/m (r' - r).
-    back = scale(mu * domain.constant(tree.power(body.mass, -1)), subtract(new, old))
-    com = subtract(body.com, back)
+    back = vectors.scale(mu * domain.constant(tree.power(body.mass, -1)), vectors.subtract(new, old))
+    com = vectors.subtract(body.com, back)
     # I' = I + St(m, c) + St(mu, r) - St(m, c') - St(mu, r')
-    before = (steiner(m, body.com).matrix, steiner(mu, old).matrix)
-    after = (steiner(-m, com).matrix, steiner(-mu, new).matrix)
-    inertia = reduce(add_matrices, (*before, *after), body.inertia)
+    before = (vectors.steiner(m, body.com).matrix, vectors.steiner(mu, old).matrix)
+    after = (vectors.steiner(-m, com).matrix, vectors.steiner(-mu, new).matrix)
+    inertia = reduce(vectors.add_matrices, (*before, *after), body.inertia)
     note = f"the rotor of joint {i + 2} stands {way}: com and inertia of link {i + 1} make up for its mass"
     return _Body(body.mass, com, inertia), note
 

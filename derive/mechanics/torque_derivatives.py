@@ -37,34 +37,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
+from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.inertia_matrix import unit_wrench
-from derive.mechanics.joint_motion import (
-    along_axes,
-    axis,
-    body_to_parent,
-    generalized_force,
-    matrix_to_parent,
-    origin,
-    to_parent,
-)
+from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
 from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Vector,
-    add,
-    add_matrices,
-    column,
-    cross,
-    dot,
-    hat,
-    multiply,
-    outer,
-    scale,
-    transpose,
-)
+from derive.mechanics.vectors import Matrix, S, Vector, add, add_matrices, column, cross, dot, multiply, scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +58,9 @@ class _MovingBody(Generic[S]):
         """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
         p = origin(joint)
         first_rate = to_parent(joint, self.first_rate)
-        body = body_to_parent(joint, self.body)
-        second_rate = add_matrices(matrix_to_parent(joint, self.second_rate), outer(first_rate, p))
-        second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
+        body = joint_motion.body_to_parent(joint, self.body)
+        second_rate = add_matrices(joint_motion.matrix_to_parent(joint, self.second_rate), vectors.outer(first_rate, p))
+        second_rate = add_matrices(second_rate, vectors.outer(origin_rate, body.first_moment))
         return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
 
     def response(self, chain: Chain[S], joint: ChainJoint[S], motion: LinkMotion[S]) -> _Response[S]:
@@ -207,11 +186,11 @@ def _moving_composites(
         total = half * (t.xx + t.yy + t.zz)
         second = ((total - t.xx, -t.xy, -t.xz), (-t.xy, total - t.yy, -t.yz), (-t.xz, -t.yz, total - t.zz))
         x, y, z = (cross(omega, row) for row in second)
-        bodies.append(_MovingBody(body, cross(omega, body.first_moment), transpose((x, y, z))))
+        bodies.append(_MovingBody(body, cross(omega, body.first_moment), vectors.transpose((x, y, z))))
     for i in range(chain.n - 1, 0, -1):
         # The rotor of joint i spins on link i-1: c rate/2 u^ in E.
         joint, inner = chain.joints[i], bodies[i - 1]
-        spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
+        spin = vectors.hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
         moved = bodies[i].to_parent(joint, _origin_rate(joint, omegas[i], rates[i]))
         bodies[i - 1] = _MovingBody(
             inner.body + moved.body,

@@ -226,25 +226,18 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
             f"allowed: exactly {joints}",
             "write one row per joint; a massless link is {mass: 0}",
         )
-    return tuple(_link(document, cells, ("links", row)) for row in range(rows))
-
-
-def _link(document: Document, cells: Cells, path: KeyPath) -> Link:
-    mass = cells.plain((*path, "mass"))
-    x, y, z = (cells.length((*path, "com", index)) for index in range(3))
-    inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
-    motor = None
-    if document.find((*path, "motor")) is not None:
-        motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
-    return Link(
-        mass=mass,
-        com=(x, y, z),
-        inertia=inertia,
-        motor=motor,
-        armature=cells.plain((*path, "armature")),
-        viscous=cells.plain((*path, "friction", "viscous")),
-        coulomb=cells.plain((*path, "friction", "coulomb")),
-    )
+    links = []
+    for path in (("links", row) for row in range(rows)):
+        mass = cells.plain((*path, "mass"))
+        x, y, z = (cells.length((*path, "com", index)) for index in range(3))
+        inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
+        motor = None
+        if document.find((*path, "motor")) is not None:
+            motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
+        armature = cells.plain((*path, "armature"))
+        viscous, coulomb = (cells.plain((*path, "friction", key)) for key in ("viscous", "coulomb"))
+        links.append(Link(mass, (x, y, z), inertia, motor, armature, viscous, coulomb))
+    return tuple(links)
 
 
 def read_gravity(document: Document, cells: Cells) -> Vector | None:
