@@ -12,6 +12,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, Location
 from derive.lecture.form import LectureForm, SymbolRoles
+from derive.lecture.matrices import columns_matrix
 from derive.lecture.plan import (
     LARGE_FACTOR,
     Plan,
@@ -152,6 +153,10 @@ def test_users_names_are_symbols_and_constant_angles_stay_as_they_are_written() 
     domain = PolynomialDomain(robot)
     shown = {str(factor_to_sympy(domain, factor)) for factor in FactorTable(domain).factors}
     assert {"sin(q1)", "cos(q1)", "a1", "sin(pi/5)", "cos(pi/5)"} <= shown
+
+
+def test_linear_rows_stand_above_angular_ones() -> None:
+    assert columns_matrix([(1, 2, 3)], [(4, 5, 6)], write=sympy.Integer) == sympy.Matrix([1, 2, 3, 4, 5, 6])
 
 
 NUMBERS = [Fraction(n) for n in (2, 3, 5, 7, 11)]
