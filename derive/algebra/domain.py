@@ -5,22 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from math import prod
+from typing import Generic, TypeVar
 
+from derive.algebra import generators
 from derive.algebra.angles import composed, contracted_groups, decompose, printed_offsets
-from derive.algebra.generators import (
-    MAX_MULTIPLE,
-    SPECIAL,
-    Generator,
-    Kind,
-    bundled,
-    canonical,
-    collect,
-    robot_cells,
-    scaled,
-    sine_and_cosine,
-    split_pi,
-    square_free,
-)
+from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, canonical, scaled, sine_and_cosine
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
 from derive.robot.description import Joint
@@ -28,6 +17,8 @@ from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Po
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
+
+Value = TypeVar("Value")
 
 
 class PolynomialDomain:
@@ -66,8 +57,8 @@ class PolynomialDomain:
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
         self._revolute = {joint.variable: i for i, joint in enumerate(robot.joints) if joint.is_revolute}
-        values, angles = robot_cells(robot)
-        self.atoms = collect([*values, *extra], angles, frozenset(self._revolute))
+        values, angles = generators.robot_cells(robot)
+        self.atoms = generators.collect([*values, *extra], angles, frozenset(self._revolute))
         self.generators = tuple(self._needed_generators(rates))
         self.places = {(g.kind, g.joint): i for i, g in enumerate(self.generators) if g.joint >= 0}
         self.ring = Ring([g.name for g in self.generators], max_terms)
@@ -205,7 +196,7 @@ class PolynomialDomain:
             case Call("sqrt", (Number(value),)):
                 if value < 0:
                     raise ExpressionError("square root of a negative number", allowed="allowed: real values")
-                factor, primes = square_free(value)
+                factor, primes = generators.square_free(value)
                 return prod((self.ring.generator(f"sqrt {p}") for p in primes), start=self.ring.number(factor))
             case Call("sqrt", (argument,)):
                 return self.ring.generator(f"sqrt {canonical(argument)!r}")
@@ -226,7 +217,7 @@ class PolynomialDomain:
 
     def cosine_sine(self, angle: Expression) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of an angle made of constants and joint variables."""
-        exact = bundled(decompose(canonical(angle)), frozenset(self._revolute))
+        exact = generators.bundled(decompose(canonical(angle)), frozenset(self._revolute))
         pair = self._pi_multiple(exact.pi_multiple)
         for unit, k in exact.terms:
             pair = _add_angles(pair, self._unit_multiple(unit, k))
@@ -235,7 +226,7 @@ class PolynomialDomain:
     def _pi_multiple(self, multiple: Fraction) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of multiple*pi: those of the rest below an eighth turn, turned by right angles."""
         ring, half = self.ring, Fraction(1, 2)
-        quarter, signed_rest = split_pi(multiple)
+        quarter, signed_rest = generators.split_pi(multiple)
         rest = abs(signed_rest)
         if rest == 0:
             cosine, sine = ring.one, ring.zero
@@ -296,12 +287,41 @@ class PolynomialDomain:
         return total
 
 
+class MappedDomain(Generic[Value]):
+    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm."""
+
+    def __init__(self, domain: PolynomialDomain, value: Callable[[Polynomial], Value]) -> None:
+        self.domain = domain
+        self._value = value
+
+    def number(self, value: int | Fraction) -> Value:
+        """A rational."""
+        return self._value(self.domain.number(value))
+
+    def constant(self, expression: Expression) -> Value:
+        """A cell without joint variables."""
+        return self._value(self.domain.constant(expression))
+
+    def cosine_sine(self, angle: Expression) -> tuple[Value, Value]:
+        """Cosine and sine of a constant angle."""
+        cosine, sine = self.domain.cosine_sine(angle)
+        return self._value(cosine), self._value(sine)
+
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
+        """Cosine and sine of ``sign*q + theta`` of a revolute joint."""
+        cosine, sine = self.domain.joint_cosine_sine(index, joint)
+        return self._value(cosine), self._value(sine)
+
+    def joint_offset(self, index: int, joint: Joint) -> Value:
+        """``sign*q + d`` of a prismatic joint."""
+        return self._value(self.domain.joint_offset(index, joint))
+
+
 def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:
     """The polynomial as an expression tree, term by term."""
-    generators = domain.generators
     terms = []
     for exponents, coefficient in p.terms():
-        factors = (power(g.expression, e) for g, e in zip(generators, exponents, strict=True) if e)
+        factors = (power(g.expression, e) for g, e in zip(domain.generators, exponents, strict=True) if e)
         terms.append(multiply(Number(coefficient), *factors))
     return add(*terms)
 

@@ -16,12 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from flint import fmpz, nmod_mat
 
-from derive.algebra.domain import PolynomialDomain
+from derive.algebra.domain import MappedDomain, PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import DeriveError
-from derive.robot.description import Joint
-from derive.robot.expression import Expression, Number
+from derive.robot.expression import Number
 
 Array = npt.NDArray[np.int64]
 
@@ -36,18 +35,13 @@ class NoPointError(DeriveError):
 
 
 class Residue:
-    """An array of integers modulo ``prime`` with the operations of a scalar.
+    """An array of integers modulo ``prime`` with the operations of a scalar."""
 
-    Products with one and sums with zero are the other operand itself, and a product with zero is that zero: half of the
-    numbers in the frames of an arm are of this kind. So shapes are those of broadcasting, but for what does not vary.
-    """
-
-    __slots__ = ("_single", "prime", "values")
+    __slots__ = ("prime", "values")
 
     def __init__(self, prime: int, values: Any) -> None:
         self.prime = prime
         self.values: Array = np.asarray(values, dtype=np.int64) % prime
-        self._single = self.values.item() if self.values.size == 1 else None
 
     def _other(self, other: Any) -> Any:
         if isinstance(other, Residue):
@@ -55,29 +49,17 @@ class Residue:
         return fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue):
-            if other._single == 0:
-                return self
-            if self._single == 0:
-                return other
         return Residue(self.prime, self.values + self._other(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue) and other._single == 0:
-            return self
         return Residue(self.prime, self.values - self._other(other))
 
     def __rsub__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self._other(other) - self.values)
 
     def __mul__(self, other: Any, /) -> Residue:
-        if isinstance(other, Residue):
-            if self._single == 0 or other._single == 1:
-                return self
-            if other._single == 0 or self._single == 1:
-                return other
         return Residue(self.prime, self.values * self._other(other))
 
     __rmul__ = __mul__
@@ -86,11 +68,11 @@ class Residue:
         return Residue(self.prime, -self.values)
 
 
-class ResidueDomain:
+class ResidueDomain(MappedDomain[Residue]):
     """A `derive.mechanics.chain.Domain` of residues: a polynomial domain at random configurations (samples, 1)."""
 
     def __init__(self, domain: PolynomialDomain, samples: int, seed: int = 0) -> None:
-        self.domain = domain
+        super().__init__(domain, self.value)
         self.samples = samples
         self._random = random.Random(seed)
         # the largest prime p = 4k + 3 of 31 bits modulo which the square roots of the ring's primes exist (Euler's
@@ -112,32 +94,8 @@ class ResidueDomain:
         """A polynomial at the points: (samples, 1), or (1, 1) where no joint variable is in it."""
         key = p.key()
         if key not in self._cache:
-            self._cache[key] = Residue(self.prime, self._value(p, self._point))
+            self._cache[key] = Residue(self.prime, self._residue(p, self._point))
         return self._cache[key]
-
-    # -- scalars of the mechanics
-
-    def number(self, value: int | Fraction) -> Residue:
-        """A rational modulo the prime."""
-        return Residue(self.prime, [[fraction_residue(Fraction(value), self.prime)]])
-
-    def constant(self, expression: Expression) -> Residue:
-        """The value of a cell without joint variables."""
-        return self.value(self.domain.constant(expression))
-
-    def cosine_sine(self, angle: Expression) -> tuple[Residue, Residue]:
-        """Cosine and sine of a constant angle."""
-        cosine, sine = self.domain.cosine_sine(angle)
-        return self.value(cosine), self.value(sine)
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Residue, Residue]:
-        """Cosine and sine of the angle of a revolute joint, ``sign*q + theta``."""
-        cosine, sine = self.domain.joint_cosine_sine(index, joint)
-        return self.value(cosine), self.value(sine)
-
-    def joint_offset(self, index: int, joint: Joint) -> Residue:
-        """The displacement of a prismatic joint, ``sign*q + d``."""
-        return self.value(self.domain.joint_offset(index, joint))
 
     # -- points
 
@@ -160,7 +118,7 @@ class ResidueDomain:
         while pending:
             arguments = {i: self.domain.constant(g.argument) for i, g in pending.items()}
             ready = next(i for i, v in arguments.items() if not any(v.degrees()[k] for k in pending))
-            value = self._value(arguments[ready], point)
+            value = self._residue(arguments[ready], point)
             if pending.pop(ready).kind is Kind.INVERSE:
                 point[ready] = _power(value, p - 2, p)  # Fermat: x^(p-2) = 1/x
                 exists = value.all()
@@ -175,7 +133,7 @@ class ResidueDomain:
         drawn = [[self._random.randrange(2, self.prime - 1)] for _ in range(count)]
         return np.array(drawn, dtype=np.int64)
 
-    def _value(self, p: Polynomial, point: list[Array]) -> Array:
+    def _residue(self, p: Polynomial, point: list[Array]) -> Array:
         total: Array = np.zeros((1, 1), dtype=np.int64)
         for exponents, coefficient in p.terms():
             term: Array = np.full((1, 1), fraction_residue(coefficient, self.prime), dtype=np.int64)

@@ -17,35 +17,12 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
-from derive.lecture.plan import (
-    Level,
-    Plan,
-    Plus,
-    Term,
-    Times,
-    Writer,
-    cheapest,
-    factored,
-    flat,
-    grouped,
-    joined,
-    nested,
-    product_form,
-    with_plain_numbers,
-)
+from derive.lecture import plan as planning
+from derive.lecture.plan import Level, Plan, Plus, Term, Times, Writer, factored, flat, grouped, joined
 from derive.lecture.sympy_conversion import Expr, ProductBuilder
 from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
-from derive.robot.options.style import (
-    Brackets,
-    CommonFactors,
-    GravityPlace,
-    Grouping,
-    LengthOrder,
-    Order,
-    Products,
-    ShortSums,
-    Style,
-)
+from derive.robot.options import style as options
+from derive.robot.options.style import CommonFactors, GravityPlace, Grouping, LengthOrder, Order, ShortSums, Style
 from derive.robot.rounding import is_given_in_decimals
 
 MOST_SHORT_TERMS = 3  # a kinematic sum with at most so many terms is short, see `ShortSums`
@@ -194,7 +171,7 @@ class LectureForm:
                 levels = [*outwards[:1], self._lengths, *outwards[1:]]
             case Order.TOOL:
                 levels = [*outwards[::-1], self._lengths]
-        return cheapest([nested(terms, levels), flat(terms)])
+        return planning.cheapest([planning.nested(terms, levels), flat(terms)])
 
     def _stays_flat(self, terms: Terms, *styles: ShortSums) -> bool:
         """Whether a sum is short and left expanded, in these styles or because the whole arm is short."""
@@ -205,7 +182,9 @@ class LectureForm:
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one."""
         terms = self.terms(p)
-        return self.sympy(product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms))
+        return self.sympy(
+            planning.product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms)
+        )
 
     def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
         """An inertia, Christoffel symbol or energy."""
@@ -223,7 +202,7 @@ class LectureForm:
         groupings = [self.style.inertia]
         if self.style.inertia is Grouping.USUAL:
             groupings.append(Grouping.GEOMETRY)
-        return self.sympy(cheapest(self._dynamic_plan(self.terms(p), grouping) for grouping in groupings))
+        return self.sympy(planning.cheapest(self._dynamic_plan(self.terms(p), grouping) for grouping in groupings))
 
     def gravity(self, p: Polynomial) -> Expr:
         """A torque of gravity."""
@@ -254,7 +233,7 @@ class LectureForm:
 
     def _by_body(self, terms: Terms) -> Plan:
         """``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``: geometry collected for each mass and moment of inertia."""
-        if self.style.brackets is Brackets.LONG and not any(project(m, self._gravity) for m in terms):
+        if self.style.brackets is options.Brackets.LONG and not any(project(m, self._gravity) for m in terms):
             # coefficients of one or two terms stay multiplied out, longer ones get a bracket behind their mass
             bodies = partition(terms, self.inertial)
             short = [flat(_whole(body, part)) for body, part in bodies.items() if len(part) < 3]
@@ -300,7 +279,7 @@ class LectureForm:
 
     def _products_of_bodies(self, terms: Terms) -> tuple[list[Plan], Terms]:
         """The bodies whose coefficient is a product of sums, ``m3*(a2*c2 + l3*c23)**2``, and the others' terms."""
-        if self.style.products is Products.EXPANDED:
+        if self.style.products is options.Products.EXPANDED:
             return [], terms
         products, rest = list[Plan](), Terms()
         for body, part in partition(terms, self.inertial).items():
@@ -316,9 +295,9 @@ class LectureForm:
 
     def _geometry_inside(self, terms: Terms) -> Plan:
         """The coefficient of a mass: a product of sums where it is one, else its terms, gravity in front."""
-        kept = self.style.products is Products.KEPT and len(terms) <= MAX_CANDIDATE_TERMS
-        if kept and (product := product_form(terms)) is not None:
-            return cheapest([product, flat(terms)])
+        kept = self.style.products is options.Products.KEPT and len(terms) <= MAX_CANDIDATE_TERMS
+        if kept and (product := planning.product_form(terms)) is not None:
+            return planning.cheapest([product, flat(terms)])
         gravity = frozenset[int]() if self.style.g is GravityPlace.TERM else self._gravity
         # which factors that all terms share may come out of the bracket
         in_front = {
@@ -330,7 +309,7 @@ class LectureForm:
 
     def sympy(self, plan: Plan) -> Expr:
         """The plan as a SymPy expression."""
-        match with_plain_numbers(plan) if self._in_decimals else plan:
+        match planning.with_plain_numbers(plan) if self._in_decimals else plan:
             case Term(coefficient, monomial):
                 return self._products.term(coefficient, monomial)
             case Times(coefficient, monomial, inner):

@@ -13,9 +13,8 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from derive.algebra.ring import fraction
 from derive.lecture.terms import Monomial, Terms, common_factor, divide, multiply, partition, project
 
-MAX_TRIED_AS_PRODUCT = (
-    120  # sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer
-)
+# Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer.
+MAX_TRIED_AS_PRODUCT = 120
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,8 @@ from fractions import Fraction
 from functools import lru_cache
 
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Sum,
-    add,
-    expanded_terms,
-    names,
-    rebuilt,
-    substitute,
-    to_text,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Name, Sum, names, to_text
 from derive.robot.names import acceleration_name, joint_label, own_names, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
 from derive.robot.reading.size_limits import FORMULA_LIMITS
@@ -71,8 +61,8 @@ def read_formula(
                 meanings[token.text] = vocabulary.meaning(token.text)
             except CheckError as error:
                 raise error.at(place(text, token.offset, start)) from None
-    found, limit = substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
-    if expanded_terms(found, limit) > limit:  # abbreviations may have made it long
+    found, limit = tree.substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
+    if tree.expanded_terms(found, limit) > limit:  # abbreviations may have made it long
         raise CheckError(
             "formula has too many terms when multiplied out", allowed=f"allowed: at most {limit}", location=start
         )
@@ -85,7 +75,7 @@ def resolve_tokens(
     """An expression with the tokens of lecture notes replaced by what they stand for."""
     vocabulary = _vocabulary(robot, abbreviations)
     meanings = {name: vocabulary.meaning(name) for name in dict.fromkeys(names(expression))}
-    return substitute(expression, meanings)
+    return tree.substitute(expression, meanings)
 
 
 @dataclass(frozen=True)
@@ -132,7 +122,7 @@ class _Vocabulary:
                 raise CheckError(f"{token} can be read in two ways, {shown}", remedy="write the function out")
         if readings:
             (reading,) = readings.values()
-            return Call(function, (add(*(Name(variable) for variable in reading)),))
+            return Call(function, (tree.add(*(Name(variable) for variable in reading)),))
         if sliding := self.prismatic.get(digits):
             raise UnknownNameError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
         raise UnknownNameError(
@@ -211,4 +201,4 @@ def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
         found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
         if all(found) and len(set(found)) == len(found):
             return Name(_LETTER[e.function] + "".join(sorted(found)))
-    return rebuilt(e, lambda part: _with_tokens(part, labels))
+    return tree.rebuilt(e, lambda part: _with_tokens(part, labels))

@@ -17,21 +17,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, quoted
 from derive.lecture.terms import FactorTable, Monomial, PrintedFactor
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    add,
-    multiply,
-    number,
-    power,
-)
+from derive.robot import expression as exact
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, number
 from derive.robot.reading.size_limits import CELL_LIMITS
 
 Expr = Any  # a SymPy expression; SymPy comes without types
@@ -125,19 +112,19 @@ def _tree(e: Any, known: dict[Any, Expression]) -> Expression:
     elif e is sympy.pi:
         found = Pi()
     elif e.is_Add:
-        found = add(*(_tree(part, known) for part in e.args))
+        found = exact.add(*(_tree(part, known) for part in e.args))
     elif e.is_Mul:
-        found = multiply(*(_tree(part, known) for part in e.args))
+        found = exact.multiply(*(_tree(part, known) for part in e.args))
     elif e.is_Pow:
         found = _power(e, known)
     elif isinstance(e, sympy.Abs):
-        found = Call("sqrt", (power(_tree(e.args[0], known), 2),))
+        found = Call("sqrt", (exact.power(_tree(e.args[0], known), 2),))
     else:
         name = getattr(e.func, "__name__", "")
         if name not in _PLAIN and name not in _RECIPROCAL:
             raise _refused(e, "sums, products, powers, sin, cos, tan, sqrt, atan2 and sign")
         arguments = tuple(_tree(part, known) for part in e.args)
-        found = Call(name, arguments) if name in _PLAIN else power(Call(_RECIPROCAL[name], arguments[:1]), -1)
+        found = Call(name, arguments) if name in _PLAIN else exact.power(Call(_RECIPROCAL[name], arguments[:1]), -1)
     known[e] = found
     return found
 
@@ -151,7 +138,7 @@ def _power(e: Any, known: dict[Any, Expression]) -> Expression:
         inner = Call("sqrt", (inner,))
     if inner == ZERO and exponent < 0:
         raise ExpressionError(f"division by zero in {quoted(str(e), 80)}")
-    return power(inner, int(exponent.p))
+    return exact.power(inner, int(exponent.p))
 
 
 def _refused(e: Any, allowed: str) -> ExpressionError:

@@ -18,23 +18,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Generic, Protocol, TypeVar
 
-from derive.mechanics.vectors import (
-    Frame,
-    S,
-    Symmetric,
-    Vector,
-    add,
-    axial_tensor,
-    column,
-    conjugate,
-    dot,
-    from_matrix,
-    identity,
-    multiply,
-    scale,
-    steiner,
-    transpose,
-)
+from derive.mechanics import vectors
+from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, conjugate, identity, multiply, scale, steiner
 from derive.robot.description import Convention, Joint, Link, Motor
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -170,7 +155,7 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     gravity, drop = (zero, zero, zero), zero
     if robot.gravity is not None:
         in_world = constant_vector(robot.gravity, domain)
-        gravity, drop = multiply(transpose(base.rotation), in_world), dot(in_world, base.position)
+        gravity, drop = multiply(vectors.transpose(base.rotation), in_world), vectors.dot(in_world, base.position)
     return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
 
 
@@ -235,13 +220,13 @@ def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], d
         mass = domain.constant(link.mass)
         r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
         turned = conjugate(end.rotation, central_inertia(link, domain).matrix)
-        bodies.append(Body(mass, scale(mass, r), from_matrix(turned) + steiner(mass, r)))
+        bodies.append(Body(mass, scale(mass, r), vectors.from_matrix(turned) + steiner(mass, r)))
     for i, link in enumerate(robot.links):
         if (motor := link.motor) is None:
             continue
-        u, place = column(fixed[i].rotation, 2), fixed[i].position
+        u, place = vectors.column(fixed[i].rotation, 2), fixed[i].position
         if robot.convention is Convention.MODIFIED:
             place = add(place, scale(domain.constant(robot.joints[i].d), u))
         mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
-        bodies[i] = bodies[i] + Body(mass, scale(mass, place), axial_tensor(inertia, u) + steiner(mass, place))
+        bodies[i] = bodies[i] + Body(mass, scale(mass, place), vectors.axial_tensor(inertia, u) + steiner(mass, place))
     return bodies

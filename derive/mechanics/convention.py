@@ -25,28 +25,17 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, robot_cells
 from derive.algebra.ring import Polynomial
+from derive.mechanics import vectors
 from derive.mechanics.chain import build_chain, central_inertia, constant_frame, constant_vector, link_factor
 from derive.mechanics.forward_kinematics import forward_kinematics
-from derive.mechanics.vectors import (
-    Frame,
-    Matrix,
-    Vector,
-    add,
-    add_matrices,
-    column,
-    conjugate,
-    from_matrix,
-    multiply,
-    scale,
-    steiner,
-    subtract,
-)
+from derive.mechanics.vectors import Frame, Matrix, Vector
 from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, children, is_constant, number
+from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, is_constant, number
 from derive.robot.names import number_of, without_lost_symbols
 from derive.robot.robot import Robot
+from derive.robot.units import turned_angles
 from derive.robot.writer import cell_text
 
 ROUND = 180  # a constant angle of a base or tool is recognised where it is a multiple of pi by this
@@ -136,16 +125,8 @@ def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
         turns = atan2(evaluate(sine, {}), evaluate(cosine, {})) / pi * ROUND
         if abs(turns - round(turns)) < NEAR:
             yield tree.multiply(number(Fraction(round(turns), ROUND)), Pi())
-    for angle in dict.fromkeys([*_arguments(cosine), *_arguments(sine)]):
+    for angle in dict.fromkeys([*turned_angles(cosine), *turned_angles(sine)]):
         yield from (angle, tree.negate(angle), tree.add(angle, Pi()), tree.add(Pi(), tree.negate(angle)))
-
-
-def _arguments(cell: Expression) -> Iterator[Expression]:
-    """The angles in a cell."""
-    if isinstance(cell, Call) and cell.function in ("cos", "sin"):
-        yield cell.arguments[0]
-    for part in children(cell):
-        yield from _arguments(part)
 
 
 def _is_zero(robot: Description, cell: Expression) -> bool:
@@ -189,7 +170,8 @@ class _Cells:
         """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
         # A cell of the file that has this value, or minus it, is kept as it is written.
         for cell in known:
-            for written in (cell, _negated(cell)):
+            negated = tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
+            for written in (cell, negated):
                 if self.domain.constant(written) == value:
                     return written
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
@@ -197,11 +179,6 @@ class _Cells:
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))
         bases = [self.domain.generators[place].expression for place in self._order]
         return tree.add(*(tree.multiply(number(factor), *map(tree.power, bases, powers)) for powers, factor in ordered))
-
-
-def _negated(cell: Expression) -> Expression:
-    """Minus a cell, term by term."""
-    return tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,8 +192,8 @@ class _Body:
     def through(self, frame: Frame[Polynomial]) -> _Body:
         """The body, known in some frame, seen from the frame in which that one is given."""
         turn = frame.rotation
-        com = add(frame.position, multiply(turn, self.com))
-        return _Body(self.mass, com, conjugate(turn, self.inertia))
+        com = vectors.add(frame.position, vectors.multiply(turn, self.com))
+        return _Body(self.mass, com, vectors.conjugate(turn, self.inertia))
 
 
 def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
@@ -246,7 +223,7 @@ def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
         body = body if to_modified else body.through(behind.inverse)
         # Cells that keep their value are kept as they are written.
-        names, entries = [part.name for part in fields(Inertia)], from_matrix(body.inertia)
+        names, entries = [part.name for part in fields(Inertia)], vectors.from_matrix(body.inertia)
         known = [getattr(link.inertia, name) for name in names]
         inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
         x, y, z = (cells.cell(entry, link.com) for entry in body.com)
@@ -264,10 +241,10 @@ def _made_up(
     """
     to_modified = robot.convention is Convention.STANDARD
     joint, mu = robot.joints[i + 1], domain.constant(motor.mass)
-    axis = column(behind.rotation, 2)
-    along = scale(domain.constant(joint.d), axis)
+    axis = vectors.column(behind.rotation, 2)
+    along = vectors.scale(domain.constant(joint.d), axis)
     # o_{i-1}, and d_i further on the axis of the rotor's joint.
-    places = (behind.position, add(behind.position, along))
+    places = (behind.position, vectors.add(behind.position, along))
     old, new = places if to_modified else places[::-1]
     way = f"{cell_text(joint.d)} {'further' if to_modified else 'less far'} along its axis in this convention"
     if _is_zero(robot, body.mass):
@@ -275,12 +252,12 @@ def _made_up(
         return _Body(motor.mass, old, body.inertia), note
     m = domain.constant(body.mass)
     # m c + mu r stays: c' = c - mu/m (r' - r).
-    back = scale(mu * domain.constant(tree.power(body.mass, -1)), subtract(new, old))
-    com = subtract(body.com, back)
+    back = vectors.scale(mu * domain.constant(tree.power(body.mass, -1)), vectors.subtract(new, old))
+    com = vectors.subtract(body.com, back)
     # I' = I + St(m, c) + St(mu, r) - St(m, c') - St(mu, r')
-    before = (steiner(m, body.com).matrix, steiner(mu, old).matrix)
-    after = (steiner(-m, com).matrix, steiner(-mu, new).matrix)
-    inertia = reduce(add_matrices, (*before, *after), body.inertia)
+    before = (vectors.steiner(m, body.com).matrix, vectors.steiner(mu, old).matrix)
+    after = (vectors.steiner(-m, com).matrix, vectors.steiner(-mu, new).matrix)
+    inertia = reduce(vectors.add_matrices, (*before, *after), body.inertia)
     note = f"the rotor of joint {i + 2} stands {way}: com and inertia of link {i + 1} make up for its mass"
     return _Body(body.mass, com, inertia), note
 

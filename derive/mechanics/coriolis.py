@@ -27,34 +27,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
+from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Chain, ChainJoint
-from derive.mechanics.joint_motion import (
-    along_axes,
-    angular_velocities,
-    axis,
-    generalized_force,
-    origin,
-    to_parent,
-    turn_about_z,
-    turn_matrix,
-    turn_tensor,
-    turn_vector,
-)
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Symmetric,
-    Vector,
-    add,
-    add_matrices,
-    conjugate,
-    cross,
-    hat,
-    multiply,
-    outer,
-    scale,
-    subtract,
-)
+from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
+from derive.mechanics.vectors import Matrix, S, Symmetric, Vector, add, add_matrices, cross, multiply, scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +47,11 @@ class _Composite(Generic[S]):
         """Seen from link i-1, in joint frame i-1."""
         c, s, fixed, p, mass = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint), self.mass
         # In the axes before the joint's turn: h and h' as vectors, P and E as R P R^T.
-        first, (x, y, z) = turn_vector(c, s, self.first), turn_vector(c, s, self.first_rate)
-        second, second_rate = turn_about_z(c, s, self.second), turn_matrix(c, s, self.second_rate)
+        first, (x, y, z) = joint_motion.turn_vector(c, s, self.first), joint_motion.turn_vector(c, s, self.first_rate)
+        second, second_rate = (
+            joint_motion.turn_about_z(c, s, self.second),
+            joint_motion.turn_matrix(c, s, self.second_rate),
+        )
         # The turn adds rate z x x to every x': rate z x h to h' and rate z^ P to E, whose third row stays.
         if joint.revolute:
             x, y = x - rate * first[1], y + rate * first[0]
@@ -83,8 +62,8 @@ class _Composite(Generic[S]):
         # in the axes, and then seen from the origin, of joint frame i-1: P + h p^T + p h^T + m p p^T
         first, first_rate = multiply(fixed, first), multiply(fixed, (x, y, z))
         # E + h' p^T: every place x grows by p, and no x' does.
-        second_rate = add_matrices(conjugate(fixed, second_rate), outer(first_rate, p))
-        second, moved = turn_tensor(fixed, second), add(first, scale(mass, p))
+        second_rate = add_matrices(vectors.conjugate(fixed, second_rate), vectors.outer(first_rate, p))
+        second, moved = joint_motion.turn_tensor(fixed, second), add(first, scale(mass, p))
         shifted = Symmetric(
             second.xx + (first[0] + moved[0]) * p[0],
             second.yy + (first[1] + moved[1]) * p[1],
@@ -97,7 +76,7 @@ class _Composite(Generic[S]):
         if not joint.revolute:
             slide = scale(rate, axis(joint))
             first_rate = add(first_rate, scale(mass, slide))
-            second_rate = add_matrices(second_rate, outer(slide, moved))
+            second_rate = add_matrices(second_rate, vectors.outer(slide, moved))
         return _Composite(mass, moved, shifted, first_rate, second_rate)
 
     def column(self, joint: ChainJoint[S], omega: Vector[S], zero: S) -> _ColumnWrench[S]:
@@ -156,7 +135,7 @@ class _ColumnWrench(Generic[S]):
 def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     """C(q, qd) in Christoffel form: C + C^T = dB/dt, C qd is the velocity torque."""
     rates = along_axes(chain, qd)
-    omegas = angular_velocities(chain, rates)
+    omegas = joint_motion.angular_velocities(chain, rates)
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
@@ -170,7 +149,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
                 k = axis(joint)
                 turn = scale(half * joint.coupling, cross(omega, k))
                 eta = add(column.eta, scale(joint.coupling, k))
-                moment, kappa = add(column.moment, turn), subtract(column.kappa, turn)
+                moment, kappa = add(column.moment, turn), vectors.subtract(column.kappa, turn)
                 column = replace(column, moment=moment, eta=eta, kappa=kappa)
             # C_ij = wrench . z_i; C_ji = kappa . z_i, or u . (omega x z_i) where joint i slides.
             upper = generalized_force(inner, column.force, column.moment)
@@ -193,7 +172,7 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
     for k in range(chain.n - 1, 0, -1):
         joint, own = chain.joints[k], composites[k - 1]
         moved = composites[k].to_parent(joint, rates[k])
-        spin = hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
+        spin = vectors.hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
         composites[k - 1] = _Composite(
             own.mass + moved.mass,
             add(own.first, moved.first),

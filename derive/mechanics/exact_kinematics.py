@@ -8,7 +8,8 @@ from functools import cached_property
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Chain, build_chain, constant_vector
-from derive.mechanics.vectors import Frame, Vector, add, column, cross, dot, multiply, scale, subtract
+from derive.mechanics.energy import potential_energy
+from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, subtract
 from derive.robot.description import Convention, Motor
 from derive.robot.robot import Robot
 
@@ -100,15 +101,7 @@ class Kinematics:
     @cached_property
     def potential(self) -> Polynomial:
         """U = -sum m g0.p over links and rotors, g0 in the world."""
-        robot, constant, total = self.robot, self.domain.constant, self.chain.zero
-        if robot.gravity is None:
-            return total
-        g = constant_vector(robot.gravity, self.domain)
-        for i, link in enumerate(robot.links, start=1):
-            total = total - constant(link.mass) * dot(g, self.com(i))
-            if link.motor is not None:
-                total = total - constant(link.motor.mass) * dot(g, self.motor_place(i))
-        return total
+        return potential_energy(self.chain)
 
     @cached_property
     def gravity_vector(self) -> list[Polynomial]:

@@ -20,35 +20,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, Self, TypeVar
 
+from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Chain, ChainJoint
-from derive.mechanics.joint_motion import (
-    along_axes,
-    axis,
-    generalized_force,
-    matrix_to_parent,
-    origin,
-    tensor_to_parent,
-    to_child,
-    to_parent,
-)
+from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child, to_parent
 from derive.mechanics.newton_euler import FrameChoice, body_wrench, link_motions
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Scalar,
-    Symmetric,
-    Vector,
-    add,
-    add_matrices,
-    column,
-    cross,
-    dot,
-    hat,
-    outer,
-    scale,
-    subtract,
-    transpose,
-)
+from derive.mechanics.vectors import Matrix, S, Scalar, Symmetric, Vector, add, cross, dot, scale, subtract
 
 
 class Field(Scalar, Protocol):
@@ -100,7 +76,7 @@ class _Articulated(Generic[F]):
     def __add__(self, other: _Articulated[F]) -> _Articulated[F]:
         return _Articulated(
             self.mass + other.mass,
-            add_matrices(self.coupling, other.coupling),
+            vectors.add_matrices(self.coupling, other.coupling),
             self.inertia + other.inertia,
             add(self.force, other.force),
             add(self.moment, other.moment),
@@ -110,11 +86,14 @@ class _Articulated(Generic[F]):
         """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
         # In the axes of frame i-1 first, then about its origin.
         p = origin(joint)
-        mass, inertia = tensor_to_parent(joint, self.mass), tensor_to_parent(joint, self.inertia)
-        turned = matrix_to_parent(joint, self.coupling)
+        mass, inertia = (
+            joint_motion.tensor_to_parent(joint, self.mass),
+            joint_motion.tensor_to_parent(joint, self.inertia),
+        )
+        turned = joint_motion.matrix_to_parent(joint, self.coupling)
         m = mass.matrix
         # H' = H + p^ M: p x the columns of M, which is symmetric.
-        moved = add_matrices(turned, transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
+        moved = vectors.add_matrices(turned, vectors.transpose((cross(p, m[0]), cross(p, m[1]), cross(p, m[2]))))
         force = to_parent(joint, self.force)
         moment = add(to_parent(joint, self.moment), cross(p, force))
         # I' = I + p^ H^T - H' p^, its upper triangle alone.
@@ -130,7 +109,7 @@ class _Articulated(Generic[F]):
         if joint.revolute:
             upper, lower = coupling[2], inertia[2]
         else:
-            upper, lower = mass[2], column(coupling, 2)
+            upper, lower = mass[2], vectors.column(coupling, 2)
         # D = s . U + armature; the rotor's coupling belongs to U and not to D.
         pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
         lower = (lower[0], lower[1], lower[2] + joint.coupling)
@@ -138,7 +117,7 @@ class _Articulated(Generic[F]):
         low: Vector[F] = (lower[0] / pivot, lower[1] / pivot, lower[2] / pivot)
         # The acceleration of the joint if its link's origin did not accelerate: (tau - s . p) / D.
         rest = (torque - generalized_force(joint, self.force, self.moment)) / pivot
-        mass_left, taken = _less(self.mass, upper, up), outer(low, upper)
+        mass_left, taken = _less(self.mass, upper, up), vectors.outer(low, upper)
         # As the link before feels it: I_A - U U^T / D and p + U (tau - s . p) / D.
         free = _Articulated(
             mass_left,
@@ -192,7 +171,7 @@ def _releases(
         wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(choices) and choices[i].second_moments)
         body, m, zero = chain.bodies[i], chain.bodies[i].mass, chain.zero
         # A single rigid link: M = m 1, H = h^, I about the origin.
-        mass, coupling = Symmetric(m, m, m, zero, zero, zero), hat(body.first_moment, zero)
+        mass, coupling = Symmetric(m, m, m, zero, zero, zero), vectors.hat(body.first_moment, zero)
         link = _Articulated(mass, coupling, body.inertia, *wrench)
         link = link if beyond is None else link + beyond
         # Of its torque the joint spends c u . alpha on its own rotor.

@@ -8,22 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.mechanics import vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.vectors import (
-    Frame,
-    Matrix,
-    S,
-    Symmetric,
-    Vector,
-    add,
-    column,
-    conjugate,
-    from_matrix,
-    matmul,
-    multiply,
-    scale,
-    transpose,
-)
+from derive.mechanics.vectors import Frame, Matrix, S, Symmetric, Vector, add, column, conjugate, multiply, scale
 
 
 def along_axes(chain: Chain[S], values: Sequence[S]) -> list[S]:
@@ -33,7 +20,7 @@ def along_axes(chain: Chain[S], values: Sequence[S]) -> list[S]:
 
 def to_child(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
     """A vector of joint frame i-1 in the axes of joint frame i."""
-    x, y, z = multiply(transpose(joint.fixed.rotation), v)
+    x, y, z = multiply(vectors.transpose(joint.fixed.rotation), v)
     c, s = joint.cosine, joint.sine
     return (c * x + s * y, c * y - s * x, z)
 
@@ -64,7 +51,7 @@ def origin(joint: ChainJoint[S]) -> Vector[S]:
 
 def advance(pose: Frame[S], joint: ChainJoint[S]) -> Frame[S]:
     """The pose of joint frame i from that of joint frame i-1."""
-    fixed = Frame(matmul(pose.rotation, joint.fixed.rotation), pose.position)
+    fixed = Frame(vectors.matmul(pose.rotation, joint.fixed.rotation), pose.position)
     moved = add(pose.position, multiply(pose.rotation, joint.fixed.position))
     moved = add(moved, scale(joint.offset, column(fixed.rotation, 2)))
     c, s = joint.cosine, joint.sine
@@ -104,7 +91,7 @@ def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
 
 def turn_tensor(rotation: Matrix[S], tensor: Symmetric[S]) -> Symmetric[S]:
     """R I R^T."""
-    return from_matrix(conjugate(rotation, tensor.matrix))
+    return vectors.from_matrix(conjugate(rotation, tensor.matrix))
 
 
 def tensor_to_parent(joint: ChainJoint[S], tensor: Symmetric[S]) -> Symmetric[S]:

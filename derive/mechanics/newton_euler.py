@@ -18,7 +18,7 @@ ratio^2 I rate_dot, with u its axis and omega of link i-1 (Siciliano et al., Rob
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Generic
@@ -190,20 +190,35 @@ def torques_and_wrench(
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices, base)
     torques: list[S] = []
+    for i, wrench in carried_wrenches(chain, motions, rates, accelerations, choices):
+        if i >= 0:
+            joint = chain.joints[i]
+            own_rotor = joint.coupling * dot(axis(joint), motions[i].alpha) + joint.armature * accelerations[i]
+            torque = generalized_force(joint, *wrench) + own_rotor
+            torques.append(torque if joint.sign > 0 else -torque)
+    return torques[::-1], wrench
+
+
+def carried_wrenches(
+    chain: Chain[S],
+    motions: Sequence[LinkMotion[S]],
+    rates: Sequence[S],
+    accelerations: Sequence[S],
+    choices: Sequence[FrameChoice],
+) -> Iterator[tuple[int, Wrench[S]]]:
+    """From the tip inward, by joint (from 0) the wrench that moves all that it carries; at -1 that on the base."""
     force = moment = chain.null
     for i in range(chain.n - 1, -1, -1):
-        joint, motion, before = chain.joints[i], motions[i + 1], motions[i]
+        joint, motion = chain.joints[i], motions[i + 1]
         own_force, own_moment = body_wrench(chain.bodies[i], motion, (choices[i] if choices else PLAIN).second_moments)
         if chain.axial:
             along_z = own_force[2] + chain.axial[i] * motion.acceleration[2]
             own_force = (own_force[0], own_force[1], along_z)
         force, moment = add(force, own_force), add(moment, own_moment)
-        own_rotor = joint.coupling * dot(axis(joint), before.alpha) + joint.armature * accelerations[i]
-        torque = generalized_force(joint, force, moment) + own_rotor
-        torques.append(torque if joint.sign > 0 else -torque)
+        yield i, (force, moment)
         force, moment = wrench_to_parent(joint, (force, moment))
-        moment = add(moment, rotor_moment(joint, before.omega, rates[i], accelerations[i]))
-    return torques[::-1], (force, moment)
+        moment = add(moment, rotor_moment(joint, motions[i].omega, rates[i], accelerations[i]))
+    yield -1, (force, moment)
 
 
 def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = False) -> Wrench[S]:

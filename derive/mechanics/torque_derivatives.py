@@ -37,34 +37,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
 
+from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.inertia_matrix import Wrench, unit_wrench, wrench_to_parent
-from derive.mechanics.joint_motion import (
-    along_axes,
-    axis,
-    body_to_parent,
-    generalized_force,
-    matrix_to_parent,
-    origin,
-    to_parent,
-)
-from derive.mechanics.newton_euler import PLAIN, FrameChoice, LinkMotion, body_wrench, link_motions, rotor_moment
-from derive.mechanics.vectors import (
-    Matrix,
-    S,
-    Vector,
-    add,
-    add_matrices,
-    column,
-    cross,
-    dot,
-    hat,
-    multiply,
-    outer,
-    scale,
-    transpose,
-)
+from derive.mechanics.inertia_matrix import unit_wrench
+from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
+from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
+from derive.mechanics.vectors import Matrix, S, Vector, add, add_matrices, column, cross, dot, multiply, scale
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +58,9 @@ class _MovingBody(Generic[S]):
         """Seen from the origin of joint frame i-1: x' = x + p, x'dot = xdot + pdot."""
         p = origin(joint)
         first_rate = to_parent(joint, self.first_rate)
-        body = body_to_parent(joint, self.body)
-        second_rate = add_matrices(matrix_to_parent(joint, self.second_rate), outer(first_rate, p))
-        second_rate = add_matrices(second_rate, outer(origin_rate, body.first_moment))
+        body = joint_motion.body_to_parent(joint, self.body)
+        second_rate = add_matrices(joint_motion.matrix_to_parent(joint, self.second_rate), vectors.outer(first_rate, p))
+        second_rate = add_matrices(second_rate, vectors.outer(origin_rate, body.first_moment))
         return _MovingBody(body, add(first_rate, scale(body.mass, origin_rate)), second_rate)
 
     def response(self, chain: Chain[S], joint: ChainJoint[S], motion: LinkMotion[S]) -> _Response[S]:
@@ -164,7 +143,7 @@ def torque_position_derivative(
     """d tau / d q."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices)
-    wrenches = _carried_wrenches(chain, motions, rates, accelerations, choices)
+    wrenches = dict(carried_wrenches(chain, motions, rates, accelerations, choices))
     omegas = [motion.omega for motion in motions]
     bodies = _moving_composites(chain, rates, omegas, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
@@ -196,26 +175,6 @@ def torque_position_derivative(
     return matrix
 
 
-def _carried_wrenches(
-    chain: Chain[S],
-    motions: Sequence[LinkMotion[S]],
-    rates: Sequence[S],
-    accelerations: Sequence[S],
-    choices: Sequence[FrameChoice],
-) -> list[Wrench[S]]:
-    """For each joint, the wrench that moves all that it carries, at the origin of its frame."""
-    force = moment = chain.null
-    found: list[Wrench[S]] = []
-    for i in range(chain.n - 1, -1, -1):
-        choice = choices[i] if choices else PLAIN
-        own_force, own_moment = body_wrench(chain.bodies[i], motions[i + 1], choice.second_moments)
-        force, moment = add(force, own_force), add(moment, own_moment)
-        found.append((force, moment))
-        force, moment = wrench_to_parent(chain.joints[i], (force, moment))
-        moment = add(moment, rotor_moment(chain.joints[i], motions[i].omega, rates[i], accelerations[i]))
-    return found[::-1]
-
-
 def _moving_composites(
     chain: Chain[S], rates: Sequence[S], omegas: Sequence[Vector[S]], half: S
 ) -> list[_MovingBody[S]]:
@@ -227,11 +186,11 @@ def _moving_composites(
         total = half * (t.xx + t.yy + t.zz)
         second = ((total - t.xx, -t.xy, -t.xz), (-t.xy, total - t.yy, -t.yz), (-t.xz, -t.yz, total - t.zz))
         x, y, z = (cross(omega, row) for row in second)
-        bodies.append(_MovingBody(body, cross(omega, body.first_moment), transpose((x, y, z))))
+        bodies.append(_MovingBody(body, cross(omega, body.first_moment), vectors.transpose((x, y, z))))
     for i in range(chain.n - 1, 0, -1):
         # The rotor of joint i spins on link i-1: c rate/2 u^ in E.
         joint, inner = chain.joints[i], bodies[i - 1]
-        spin = hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
+        spin = vectors.hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
         moved = bodies[i].to_parent(joint, _origin_rate(joint, omegas[i], rates[i]))
         bodies[i - 1] = _MovingBody(
             inner.body + moved.body,

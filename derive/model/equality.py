@@ -61,28 +61,6 @@ class CounterExample:
     right: float  # value of the derived one
 
 
-def _compare_at_points(robot: Robot, ours: Expression, theirs: Expression) -> tuple[int, CounterExample | None]:
-    """At how many random points both formulas have real values, and where they differ most visibly; deterministic."""
-    wanted = sorted({*names(ours), *names(theirs)})
-    found: list[tuple[Real, CounterExample]] = []
-    points = 0
-    with mpmath.workdps(DIGITS):
-        for values in samples(robot, wanted):
-            right, printed = evaluate(ours, values), evaluate(theirs, values)
-            if right is None or printed is None:
-                continue
-            points += 1
-            # Relative to both, so that formulas of any size are judged alike.
-            gap = abs(right - printed) / (1 + abs(right) + abs(printed))
-            if gap > CLOSE:
-                example = CounterExample(tuple(values.items()), float(printed), float(right))
-                found.append((min(gap, VISIBLE), example))
-            if points == POINTS:
-                break
-    worst = max(found, key=lambda pair: pair[0], default=None)
-    return points, worst[1] if worst else None
-
-
 def evaluate(expression: Expression, values: Values) -> Real | None:
     """The value of a formula with the working precision of mpmath; None where it is not real or too large."""
     try:
@@ -141,11 +119,24 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         zero = proves = False
     if zero:
         return Verdict(True, True)
-    points, counter_example = _compare_at_points(robot, ours, theirs)
+    # Random points at which both formulas have real values; deterministic.
+    points: list[tuple[Real, CounterExample]] = []
+    with mpmath.workdps(DIGITS):
+        for values in samples(robot, sorted({*names(ours), *names(theirs)})):
+            right, printed = evaluate(ours, values), evaluate(theirs, values)
+            if right is not None and printed is not None:
+                # Relative to both, so that formulas of any size are judged alike.
+                gap = abs(right - printed) / (1 + abs(right) + abs(printed))
+                example = CounterExample(tuple(values.items()), float(printed), float(right))
+                points.append((min(gap, VISIBLE), example))
+            if len(points) == POINTS:
+                break
     if not proves and not points:
-        found = "formula without a real value at any of many random points"
-        raise CheckError(found, remedy="check its roots and denominators")
-    return Verdict(not proves and counter_example is None, proves, counter_example)
+        remedy = "check its roots and denominators"
+        raise CheckError("formula without a real value at any of many random points", remedy=remedy)
+    # Where they differ most visibly.
+    worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
+    return Verdict(not proves and worst <= CLOSE, proves, shown if worst > CLOSE else None)
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:

@@ -9,56 +9,23 @@ theirs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, reduce
 from typing import Any, Generic
 
 import sympy
 
-from derive.algebra.domain import PolynomialDomain
-from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.algebra.domain import MappedDomain, PolynomialDomain
+from derive.algebra.ring import TooManyTerms
 from derive.lecture.form import LectureForm
 from derive.lecture.matrices import frame_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
-from derive.robot.description import Joint
-from derive.robot.expression import Expression
 from derive.robot.robot import Robot
-
-
-class LeafDomain(Generic[S]):
-    """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm."""
-
-    def __init__(self, domain: PolynomialDomain, scalar: Callable[[Polynomial], S]) -> None:
-        self._domain = domain
-        self._scalar = scalar
-
-    def number(self, value: int | Fraction) -> S:
-        """A rational."""
-        return self._scalar(self._domain.number(value))
-
-    def constant(self, expression: Expression) -> S:
-        """A cell without joint variables."""
-        return self._scalar(self._domain.constant(expression))
-
-    def cosine_sine(self, angle: Expression) -> tuple[S, S]:
-        """Cosine and sine of a constant angle."""
-        cosine, sine = self._domain.cosine_sine(angle)
-        return self._scalar(cosine), self._scalar(sine)
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[S, S]:
-        """Cosine and sine of ``sign*q + theta`` of a revolute joint."""
-        cosine, sine = self._domain.joint_cosine_sine(index, joint)
-        return self._scalar(cosine), self._scalar(sine)
-
-    def joint_offset(self, index: int, joint: Joint) -> S:
-        """``sign*q + d`` of a prismatic joint."""
-        return self._scalar(self._domain.joint_offset(index, joint))
 
 
 @dataclass(frozen=True)
@@ -125,7 +92,7 @@ class LongChain:
     def chain(self) -> Chain[Expr]:
         """The arm over SymPy expressions, each angle by itself."""
         alone = PolynomialDomain(self.robot, rates=False, offsets=True, sums=lambda group: False)
-        return build_chain(self.robot, LeafDomain(alone, LectureForm(alone).kinematic))
+        return build_chain(self.robot, MappedDomain(alone, LectureForm(alone).kinematic))
 
     @cached_property
     def kinematics(self) -> NestedKinematics[Expr]:
@@ -183,4 +150,4 @@ def _count(scalar: Any) -> int:
 def nested_term_counts(robot: Robot) -> NestedKinematics[TermCount]:
     """Numbers of terms of the entries of T and J, without multiplying out."""
     alone = PolynomialDomain(robot, rates=False, offsets=True, sums=lambda group: False)
-    return nested_kinematics(build_chain(robot, LeafDomain(alone, lambda p: TermCount(len(p)))))
+    return nested_kinematics(build_chain(robot, MappedDomain(alone, lambda p: TermCount(len(p)))))

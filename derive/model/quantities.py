@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from derive.errors import QuantityError, listed
@@ -27,13 +27,17 @@ class Quantity:
     summary: str  # what it is, for lists
     indices: tuple[int, ...] = (0,)  # how many indices it takes (alternatives allowed); further ones pick an entry
     formula: Callable[..., Expr] | None = None  # of the model and the indices; by default its attribute or method
-    words: tuple[str, ...] = ()  # what books call it besides; case counts in one letter, spaces and signs never
     joints: range = ANY  # for how many joints it is defined
 
     @property
     def function(self) -> str:
         """The generated function from whose result it follows at once; empty if none does."""
         return next((function for function, names in _OF_FUNCTIONS.items() if self.name in names), "")
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What books call it besides."""
+        return _WORDS.get(self.name, ())
 
     @property
     def dynamic(self) -> bool:
@@ -95,6 +99,9 @@ _DECIDES = "where J loses rank: its determinant for a task in factors, or the ze
 _ROWS = "determinant of as many rows of J as joints, such as detJ_rows[1,2,6]"
 _J_11, _J_12 = "rows 1-3, columns 1-3 of J", "rows 1-3, the other columns of J"
 _J_21, _J_22 = "rows 4-6, columns 1-3 of J", "rows 4-6, the other columns of J"
+_RPY, _ZYZ = "analytic Jacobian for roll, pitch, yaw", "analytic Jacobian for Euler ZYZ"
+_DET_V, _DET_XY = "determinant of Jv of three joints", "determinant of Jxy of two joints"
+_DET_11, _DET_22 = "determinant of J_11", "determinant of J_22 of six joints"
 _REDUCED = "J_11, its second column subtracted from the first"
 _VELOCITY = "velocity part of tau, C qd: Coriolis and centrifugal"
 _FORCE = "N m or N"
@@ -107,76 +114,37 @@ _KINEMATIC = (
     Quantity(
         "T", r"\mathbf{T}", "4x4", "", _END, (0, 1, 2),
         lambda m, *of: m.transform(*of) if len(of) == 2 else m.frame(*of) if of else m.T,
-        ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "frame", "H"),
     ),
-    Quantity("p", r"\mathbf{p}", "3x1", "m", "position of the end effector", words=("position", "P")),
-    Quantity("R", r"\mathbf{R}", "3x3", "", "orientation of the end effector", words=("rotation", "orientation")),
-    Quantity("rpy", r"\boldsymbol{\phi}", "3x1", "rad", "roll, pitch, yaw", words=("roll pitch yaw", "euler angles")),
-    Quantity("euler_zyz", r"\boldsymbol{\phi}", "3x1", "rad", "Euler angles ZYZ", words=("zyz", "euler angles")),
-    Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame", words=("jacobian", "jacob0")),
-    Quantity(
-        "J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame",
-        words=("jacobe", "jacobian end", "end jacobian"),
-    ),
-    Quantity(
-        "J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame",
-        words=("dJ/dt", "dot J", "jacobian dot"),
-    ),
-    Quantity(
-        "J_rpy", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for roll, pitch, yaw", (0,),
-        lambda m: m.J_analytic("rpy"), ("analytic jacobian", "J_analytic", "J_A"),
-    ),
-    Quantity(
-        "J_zyz", r"\mathbf{J}_A", "6xn", "", "analytic Jacobian for Euler ZYZ", (0,),
-        lambda m: m.J_analytic("zyz"), ("analytic jacobian", "J_analytic", "J_A"),
-    ),
-    Quantity(
-        "Jv", r"\mathbf{J}_v", "3xn", "", "rows 1-3 of J: velocity", (0,), lambda m: m.J[:3, :],
-        ("linear jacobian", "J_P"),
-    ),
-    Quantity(
-        "Jw", r"\mathbf{J}_\omega", "3xn", "", "rows 4-6 of J: angular velocity", (0,), lambda m: m.J[3:, :],
-        ("angular jacobian", "J_O", "Jomega"),
-    ),
+    Quantity("p", r"\mathbf{p}", "3x1", "m", "position of the end effector"),
+    Quantity("R", r"\mathbf{R}", "3x3", "", "orientation of the end effector"),
+    Quantity("rpy", r"\boldsymbol{\phi}", "3x1", "rad", "roll, pitch, yaw"),
+    Quantity("euler_zyz", r"\boldsymbol{\phi}", "3x1", "rad", "Euler angles ZYZ"),
+    Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame"),
+    Quantity("J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame"),
+    Quantity("J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame"),
+    Quantity("J_rpy", r"\mathbf{J}_A", "6xn", "", _RPY, (0,), lambda m: m.J_analytic("rpy")),
+    Quantity("J_zyz", r"\mathbf{J}_A", "6xn", "", _ZYZ, (0,), lambda m: m.J_analytic("zyz")),
+    Quantity("Jv", r"\mathbf{J}_v", "3xn", "", "rows 1-3 of J: velocity", (0,), lambda m: m.J[:3, :]),
+    Quantity("Jw", r"\mathbf{J}_\omega", "3xn", "", "rows 4-6 of J: angular velocity", (0,), lambda m: m.J[3:, :]),
     Quantity("Jxy", r"\mathbf{J}_{xy}", "2xn", "", "rows 1 and 2 of J", (0,), lambda m: m.J[:2, :]),
     Quantity("J_rows", r"\mathbf{J}_{i,\ldots}", "kxn", "", "rows i, ... of J, such as J_rows[1,2,6]", _SIX, _rows),
-    Quantity("J_11", r"\mathbf{J}_{11}", "3x3", "", _J_11, (0,), lambda m: m.J[:3, :3], (), _BLOCK),
-    Quantity("J_11_reduced", r"\mathbf{J}_{11}", "3x3", "", _REDUCED, (0,), _reduced_block, (), _BLOCK),
-    Quantity("J_12", r"\mathbf{J}_{12}", "3xm", "", _J_12, (0,), lambda m: m.J[:3, 3:], (), _WRIST),
-    Quantity("J_21", r"\mathbf{J}_{21}", "3x3", "", _J_21, (0,), lambda m: m.J[3:, :3], (), _BLOCK),
-    Quantity("J_22", r"\mathbf{J}_{22}", "3xm", "", _J_22, (0,), lambda m: m.J[3:, 3:], (), _WRIST),
+    Quantity("J_11", r"\mathbf{J}_{11}", "3x3", "", _J_11, (0,), lambda m: m.J[:3, :3], _BLOCK),
+    Quantity("J_11_reduced", r"\mathbf{J}_{11}", "3x3", "", _REDUCED, (0,), _reduced_block, _BLOCK),
+    Quantity("J_12", r"\mathbf{J}_{12}", "3xm", "", _J_12, (0,), lambda m: m.J[:3, 3:], _WRIST),
+    Quantity("J_21", r"\mathbf{J}_{21}", "3x3", "", _J_21, (0,), lambda m: m.J[3:, :3], _BLOCK),
+    Quantity("J_22", r"\mathbf{J}_{22}", "3xm", "", _J_22, (0,), lambda m: m.J[3:, 3:], _WRIST),
+    Quantity("detJ", r"\det \mathbf{J}", "", "", _DETERMINANT, (0,), lambda m: m.det_J(), range(1, 7)),
+    Quantity("detJv", r"\det \mathbf{J}_v", "", "", _DET_V, (0,), lambda m: m.det_J((1, 2, 3)), range(3, 4)),
+    Quantity("detJxy", r"\det \mathbf{J}_{xy}", "", "", _DET_XY, (0,), lambda m: m.det_J((1, 2)), range(2, 3)),
     Quantity(
-        "detJ", r"\det \mathbf{J}", "", "", _DETERMINANT, (0,), lambda m: m.det_J(),
-        ("determinant", "determinant of J", "jacobian determinant"), range(1, 7),
+        "detJ_11", r"\det \mathbf{J}_{11}", "", "", _DET_11, (0,), lambda m: m.det_J((1, 2, 3), (1, 2, 3)), range(3, 8),
     ),
     Quantity(
-        "detJv", r"\det \mathbf{J}_v", "", "", "determinant of Jv of three joints", (0,), lambda m: m.det_J((1, 2, 3)),
-        ("detJ_P",), range(3, 4),
+        "detJ_22", r"\det \mathbf{J}_{22}", "", "", _DET_22, (0,), lambda m: m.det_J((4, 5, 6), (4, 5, 6)), range(6, 7),
     ),
-    Quantity(
-        "detJxy", r"\det \mathbf{J}_{xy}", "", "", "determinant of Jxy of two joints", (0,), lambda m: m.det_J((1, 2)),
-        (), range(2, 3),
-    ),
-    Quantity(
-        "detJ_11", r"\det \mathbf{J}_{11}", "", "", "determinant of J_11", (0,),
-        lambda m: m.det_J((1, 2, 3), (1, 2, 3)), (), range(3, 8),
-    ),
-    Quantity(
-        "detJ_22", r"\det \mathbf{J}_{22}", "", "", "determinant of J_22 of six joints", (0,),
-        lambda m: m.det_J((4, 5, 6), (4, 5, 6)), (), range(6, 7),
-    ),
-    Quantity(
-        "detJ_rows", r"\det \mathbf{J}_{i,\ldots}", "", "", _ROWS, _SIX, lambda m, *rows: m.det_J(rows), (),
-        range(1, 7),
-    ),
-    Quantity(
-        "singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank,
-        ("singularity", "singular configurations"), range(2, ANY.stop),
-    ),
-    Quantity(
-        "inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE,
-        words=("inverse kinematics", "ik", "ikine", "inverse solution", "inverse position"),
-    ),
+    Quantity("detJ_rows", r"\det \mathbf{J}_{i,\ldots}", "", "", _ROWS, _SIX, lambda m, *of: m.det_J(of), range(1, 7)),
+    Quantity("singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank, range(2, ANY.stop)),
+    Quantity("inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE),
 )  # fmt: skip
 
 _DYNAMIC = (
@@ -184,58 +152,60 @@ _DYNAMIC = (
     Quantity("Jw_com", r"\mathbf{J}_w^{l_i}", "3xn", "", "angular velocity of link i", (1,)),
     Quantity("Jv_motor", r"\mathbf{J}_v^{m_i}", "3xn", "", "velocity of rotor i", (1,)),
     Quantity("Jw_motor", r"\mathbf{J}_w^{m_i}", "3xn", "", "angular velocity of rotor i", (1,)),
-    Quantity(
-        "kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic,
-        ("kinetic energy", "energy", "K"),
-    ),
-    Quantity(
-        "potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential,
-        ("potential energy", "energy", "U", "P", "V"),
-    ),
-    Quantity(
-        "B", r"\mathbf{B}", "nxn", "", "inertia matrix",
-        words=("inertia", "inertia matrix", "mass matrix", "mass", "M", "D", "H", "b", "crba"),
-    ),
+    Quantity("kinetic", r"\mathcal{T}", "", "J", "kinetic energy", (0,), lambda m: m.energy.kinetic),
+    Quantity("potential", r"\mathcal{U}", "", "J", "potential energy", (0,), lambda m: m.energy.potential),
+    Quantity("B", r"\mathbf{B}", "nxn", "", "inertia matrix"),
     Quantity("B_link", r"\mathbf{B}^{l_i}", "nxn", "", "part of B that link i contributes", (1,)),
-    Quantity("Bdot", r"\dot{\mathbf{B}}", "nxn", "", "time derivative of B", words=("dB/dt", "Mdot", "dM/dt")),
-    Quantity(
-        "christoffel", "c_{ijk}", "", "", "Christoffel symbol c_ijk", (3,),
-        words=("christoffel symbols", "c_ijk", "c", "h"),
-    ),
-    Quantity(
-        "C", r"\mathbf{C}", "nxn", "", "Coriolis matrix", words=("coriolis", "coriolis matrix", "centrifugal matrix"),
-    ),
-    Quantity("N", r"\mathbf{N}", "nxn", "", "Bdot - 2C", words=("Bdot - 2C", "Mdot - 2C", "skew")),
-    Quantity(
-        "tau", r"\boldsymbol{\tau}", "nx1", _FORCE, "equations of motion: B_qdd + Cqd + g + friction",
-        words=("torque", "torques", "inverse dynamics", "rne", "dynamics", "equations of motion", "newton-euler"),
-    ),
-    Quantity(
-        "B_qdd", r"\mathbf{B}\ddot{\mathbf{q}}", "nx1", _FORCE, "inertial part of tau, B qdd",
-        words=("M*qdd", "tau_inertia", "inertia torque", "inertial torques", "inertia vector"),
-    ),
-    Quantity(
-        "Cqd", r"\mathbf{C}\dot{\mathbf{q}}", "nx1", _FORCE, _VELOCITY, (0,),
-        lambda m: m.coriolis_vector,
-        ("coriolis vector", "tau_velocity", "velocity torques", "coriolis torques", "centrifugal torques", "V", "h"),
-    ),
-    Quantity(
-        "g", r"\mathbf{g}", "nx1", _FORCE, "gravity part of tau",
-        words=("gravity", "gravity vector", "tau_gravity", "gravity torques", "gravload", "G"),
-    ),
-    Quantity(
-        "friction", r"\boldsymbol{\tau}_f", "nx1", _FORCE, "friction part of tau",
-        words=("tau_friction", "friction torques", "tau_f", "F"),
-    ),
-    Quantity("regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi", words=("Y",)),
-    Quantity("standard_parameters", r"\boldsymbol{\pi}", "px1", "", "the standard parameters pi", words=("pi",)),
-    Quantity("regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta", words=("base regressor", "Y")),
-    Quantity(
-        "base_parameters", r"\boldsymbol{\beta}", "bx1", "", "the base parameters beta",
-        words=("beta", "minimal parameters", "dynamic parameters"),
-    ),
+    Quantity("Bdot", r"\dot{\mathbf{B}}", "nxn", "", "time derivative of B"),
+    Quantity("christoffel", "c_{ijk}", "", "", "Christoffel symbol c_ijk", (3,)),
+    Quantity("C", r"\mathbf{C}", "nxn", "", "Coriolis matrix"),
+    Quantity("N", r"\mathbf{N}", "nxn", "", "Bdot - 2C"),
+    Quantity("tau", r"\boldsymbol{\tau}", "nx1", _FORCE, "equations of motion: B_qdd + Cqd + g + friction"),
+    Quantity("B_qdd", r"\mathbf{B}\ddot{\mathbf{q}}", "nx1", _FORCE, "inertial part of tau, B qdd"),
+    Quantity("Cqd", r"\mathbf{C}\dot{\mathbf{q}}", "nx1", _FORCE, _VELOCITY, (0,), lambda m: m.coriolis_vector),
+    Quantity("g", r"\mathbf{g}", "nx1", _FORCE, "gravity part of tau"),
+    Quantity("friction", r"\boldsymbol{\tau}_f", "nx1", _FORCE, "friction part of tau"),
+    Quantity("regressor", r"\mathbf{Y}", "nxp", "", "Y with tau = Y pi, standard parameters pi"),
+    Quantity("standard_parameters", r"\boldsymbol{\pi}", "px1", "", "the standard parameters pi"),
+    Quantity("regressor_base", r"\mathbf{Y}", "nxb", "", "Y with tau = Y beta"),
+    Quantity("base_parameters", r"\boldsymbol{\beta}", "bx1", "", "the base parameters beta"),
 )  # fmt: skip
 
+# What books call them besides; case counts in one letter, spaces and signs never.
+_WORDS: Mapping[str, tuple[str, ...]] = {
+    "T": ("fkine", "fk", "forward kinematics", "direct kinematics", "pose", "transform", "frame", "H"),
+    "p": ("position", "P"),
+    "R": ("rotation", "orientation"),
+    "rpy": ("roll pitch yaw", "euler angles"),
+    "euler_zyz": ("zyz", "euler angles"),
+    "J": ("jacobian", "jacob0"),
+    "J_end": ("jacobe", "jacobian end", "end jacobian"),
+    "J_dot": ("dJ/dt", "dot J", "jacobian dot"),
+    "J_rpy": ("analytic jacobian", "J_analytic", "J_A"),
+    "J_zyz": ("analytic jacobian", "J_analytic", "J_A"),
+    "Jv": ("linear jacobian", "J_P"),
+    "Jw": ("angular jacobian", "J_O", "Jomega"),
+    "detJ": ("determinant", "determinant of J", "jacobian determinant"),
+    "detJv": ("detJ_P",),
+    "singularities": ("singularity", "singular configurations"),
+    "inverse": ("inverse kinematics", "ik", "ikine", "inverse solution", "inverse position"),
+    "kinetic": ("kinetic energy", "energy", "K"),
+    "potential": ("potential energy", "energy", "U", "P", "V"),
+    "B": ("inertia", "inertia matrix", "mass matrix", "mass", "M", "D", "H", "b", "crba"),
+    "Bdot": ("dB/dt", "Mdot", "dM/dt"),
+    "christoffel": ("christoffel symbols", "c_ijk", "c", "h"),
+    "C": ("coriolis", "coriolis matrix", "centrifugal matrix"),
+    "N": ("Bdot - 2C", "Mdot - 2C", "skew"),
+    "tau": ("torque", "torques", "inverse dynamics", "rne", "dynamics", "equations of motion", "newton-euler"),
+    "B_qdd": ("M*qdd", "tau_inertia", "inertia torque", "inertial torques", "inertia vector"),
+    "Cqd": ("coriolis vector", "tau_velocity", "velocity torques", "coriolis torques", "centrifugal torques", "V", "h"),
+    "g": ("gravity", "gravity vector", "tau_gravity", "gravity torques", "gravload", "G"),
+    "friction": ("tau_friction", "friction torques", "tau_f", "F"),
+    "regressor": ("Y",),
+    "standard_parameters": ("pi",),
+    "regressor_base": ("base regressor", "Y"),
+    "base_parameters": ("beta", "minimal parameters", "dynamic parameters"),
+}
 # By generated function the quantities that follow at once from its result.
 _OF_FUNCTIONS = {
     "forward_kinematics": ("T", "p", "R"),

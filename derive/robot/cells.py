@@ -11,6 +11,7 @@ import re
 import unicodedata
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import pi
@@ -26,23 +27,10 @@ from derive.errors import (
     path_text,
     quoted,
 )
+from derive.robot import expression as tree
 from derive.robot.description import Description, FileUnits, Joint
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Pi,
-    add,
-    contains_pi,
-    is_constant,
-    linear_terms,
-    multiple_of_pi,
-    multiply,
-    names,
-    number,
-    rebuilt,
-)
+from derive.robot.expression import ZERO, Call, Expression, Pi, contains_pi, is_constant, names
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES, parse_expression
 from derive.robot.reading.document import Document, KeyPath
@@ -50,8 +38,8 @@ from derive.robot.reading.hints import cell_hint
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.units import Unit, symbol_unit
 
-_DEGREE = multiply(number(Fraction(1, 180)), Pi())
-_MILLIMETRE = number(Fraction(1, 1000))
+_DEGREE = tree.multiply(tree.number(Fraction(1, 180)), Pi())
+_MILLIMETRE = tree.number(Fraction(1, 1000))
 _SYMBOL = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{FILE_LIMITS.name_length - 1}}}")
 
 
@@ -78,7 +66,7 @@ def plain_number(expression: Expression, units: FileUnits) -> Expression:
     """A cell that is neither angle nor length: only arguments of sin, cos and tan change."""
     if not units.degrees:
         return expression
-    converted = rebuilt(expression, lambda part: plain_number(part, units))
+    converted = tree.rebuilt(expression, lambda part: plain_number(part, units))
     if isinstance(converted, Call) and converted.function in ("sin", "cos", "tan"):
         angles = (a if contains_pi(a) else _scaled(a, _DEGREE) for a in converted.arguments)
         return Call(converted.function, tuple(angles))
@@ -87,10 +75,12 @@ def plain_number(expression: Expression, units: FileUnits) -> Expression:
 
 def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] = frozenset()) -> Expression:
     """The expression with every plain number multiplied by ``unit``."""
-    pairs = [(c, term, unitless.issuperset(names(term))) for c, term in linear_terms(expression)]
+    pairs = [(c, term, unitless.issuperset(names(term))) for c, term in tree.linear_terms(expression)]
     if not any(is_plain for _, _, is_plain in pairs):
         return expression
-    return add(*(multiply(number(c), term, unit if is_plain else number(1)) for c, term, is_plain in pairs))
+    return tree.add(
+        *(tree.multiply(tree.number(c), term, unit if is_plain else tree.number(1)) for c, term, is_plain in pairs)
+    )
 
 
 def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expression, ...]:
@@ -121,8 +111,12 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
             raise DeriveError(f"{value} holds a name", allowed=allowed)
         if joint is None:
             return symbol_number(robot, name, expression)
-        if joint.is_revolute and name == joint.variable:
-            _remark_on_degrees(expression, value, robot.units)
+        if joint.is_revolute and name == joint.variable and not (robot.units.degrees or contains_pi(expression)):
+            with suppress(ArithmeticError):
+                if abs(turned := evaluate(expression, {})) > 4 * pi:
+                    angle = tree.multiple_of_pi(Fraction(turned).limit_denominator(1000) / 180)
+                    found = f"{value} is more than two turns in radians; if degrees are meant write {angle}"
+                    warnings.warn(found, RobotFileWarning, stacklevel=3)
         return (angle_in_radians if joint.is_revolute else length_in_metres)(expression, robot.units)
     except ExpressionError as error:
         raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
@@ -130,17 +124,6 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
         raise DeriveError(
             f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
         ) from None
-
-
-def _remark_on_degrees(angle: Expression, value: str, units: FileUnits) -> None:
-    try:
-        turned = evaluate(angle, {})
-    except ArithmeticError:
-        return
-    if units.degrees or contains_pi(angle) or abs(turned) <= 4 * pi:
-        return
-    remedy = f"if degrees are meant write {multiple_of_pi(Fraction(turned).limit_denominator(1000) / 180)}"
-    warnings.warn(f"{value} is more than two turns in radians; {remedy}", RobotFileWarning, stacklevel=4)
 
 
 def typed_point(

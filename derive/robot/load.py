@@ -116,6 +116,9 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     links = read_links(document, cells, len(joints))
     gravity = read_gravity(document, cells)
     name, parameters = _name(document), _parameters(document)
+    runtime = tuple(document.text("runtime", index) for index in range(document.length(("runtime",))))
+    for index, symbol in enumerate(runtime):
+        check_symbol(document, ("runtime", index), symbol)
     head = takewhile(lambda line: line.startswith("#"), data.decode("utf-8-sig").splitlines())
     robot = Description(
         name=name,
@@ -127,7 +130,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         gravity=gravity,
         links=links,
         parameters=parameters,
-        runtime=_runtime(document),
+        runtime=runtime,
         style=read_style(document),
         handout=read_handout(document),
         figure=read_figure(document, cells, joints, parameters),
@@ -161,13 +164,6 @@ def _parameters(document: Document) -> tuple[tuple[str, Expression], ...]:
         check_symbol(document, path, name)
         found.append((name, cells.constant(path, cells.raw(path), "the number of a parameter", allowed)))
     return tuple(found)
-
-
-def _runtime(document: Document) -> tuple[str, ...]:
-    names = tuple(document.text("runtime", index) for index in range(document.length(("runtime",))))
-    for index, name in enumerate(names):
-        check_symbol(document, ("runtime", index), name)
-    return names
 
 
 def is_robot_name(name: str) -> bool:

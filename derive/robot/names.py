@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import chain
 from typing import TypeVar
 
-from derive.robot.description import INERTIA, Description
+from derive.robot.description import Description
 from derive.robot.expression import Expression, names
-from derive.robot.units import are_units_clear
+from derive.robot.units import are_units_clear, located_expressions
 
 Some = TypeVar("Some", bound=Description)
 
@@ -31,16 +30,10 @@ def joint_label(variable: str) -> str:
 
 
 def expressions(robot: Description) -> Iterator[Expression]:
-    """Every expression that enters a quantity; limits enter none."""
-    yield from chain.from_iterable(robot.base)
-    for joint in robot.joints:
-        yield from (joint.theta, joint.d, joint.a, joint.alpha)
-    yield from chain.from_iterable(robot.tool)
-    yield from robot.gravity or ()
-    for link in robot.links:
-        yield from (link.mass, *link.com, *(getattr(link.inertia, key) for key in INERTIA))
-        yield from (link.motor.mass, link.motor.inertia, link.motor.ratio) if link.motor else ()
-        yield from (link.armature, link.viscous, link.coulomb)
+    """Every expression that enters a quantity, from the base to the tool, then gravity and links; limits enter none."""
+    located = list(located_expressions(robot))
+    for blocks in (("base",), ("joints",), ("tool",), ("gravity", "links")):
+        yield from (cell for path, cell in located if path[0] in blocks and "limits" not in path)
 
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:

@@ -19,19 +19,8 @@ from fractions import Fraction
 from typing import Final
 
 from derive.errors import ExpressionError, Location, listed, near_miss, quoted
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    add,
-    expanded_terms,
-    multiply,
-    negate,
-    power,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power
 from derive.robot.reading.size_limits import CELL_LIMITS, FILE_LIMITS, Limits
 
 
@@ -67,19 +56,14 @@ _REMEDIES = {
     "π": "write pi",
     "°": "write 'units: {angle: deg}' in the file and plain numbers in the cells",
     "√": "write sqrt(...)",
-    "·": "write * for products",
-    "\u00d7": "write * for products",
+    **dict.fromkeys("·\u00d7", "write * for products"),
     "÷": "write / for quotients",
-    "\u2212": "write the ASCII minus sign -",
-    "\u2013": "write the ASCII minus sign -",
-    "\u2014": "write the ASCII minus sign -",
-    "[": "use parentheses ( )",
-    "{": "use parentheses ( )",
+    **dict.fromkeys("\u2212\u2013\u2014", "write the ASCII minus sign -"),
+    **dict.fromkeys("[{", "use parentheses ( )"),
     "_": "a name begins with a letter; write numbers without _",
     "=": "write only the right-hand side",
-    "'": "remove the quotation mark",
     "\u2019": "remove the prime",
-    '"': "remove the quotation mark",
+    **dict.fromkeys("'\"", "remove the quotation mark"),
 }
 _LETTERS = "names use the letters A-Z and a-z, digits and _ only; letters that look alike are different letters"
 _GRAMMAR = "allowed: integers, decimals, names, + - * / **, parentheses, pi, sin cos tan sqrt"
@@ -155,7 +139,7 @@ class _Parser:
         if self._next.kind is not TokenKind.END:
             raise self._unexpected(self._next)
         # Multiplying out is what costs later: bounded here, without doing it.
-        if expanded_terms(expression, self._limits.expanded_terms) > self._limits.expanded_terms:
+        if tree.expanded_terms(expression, self._limits.expanded_terms) > self._limits.expanded_terms:
             raise self._error(
                 "expression has too many terms when multiplied out",
                 self._tokens[0],
@@ -180,9 +164,9 @@ class _Parser:
         terms = [self._product()]
         while operator := self._take("+", "-"):
             term = self._product()
-            terms.append(term if operator.text == "+" else negate(term))
+            terms.append(term if operator.text == "+" else tree.negate(term))
         self._depth -= 1
-        return self._bounded(add(*terms), token)
+        return self._bounded(tree.add(*terms), token)
 
     def _product(self) -> Expression:
         token = self._next
@@ -190,7 +174,7 @@ class _Parser:
         while operator := self._take("*", "/"):
             factor = self._sign()
             factors.append(factor if operator.text == "*" else self._raise(factor, -1, operator))
-        return self._bounded(multiply(*factors), token)
+        return self._bounded(tree.multiply(*factors), token)
 
     def _sign(self) -> Expression:
         operator = self._take("+", "-")
@@ -199,7 +183,7 @@ class _Parser:
         self._enter(operator)
         value = self._sign()
         self._depth -= 1
-        return value if operator.text == "+" else negate(value)
+        return value if operator.text == "+" else tree.negate(value)
 
     def _power(self) -> Expression:
         base = self._atom()
@@ -226,7 +210,7 @@ class _Parser:
             # A power has about as many bits as base bits times exponent: refused before it is computed.
             if _bits(base.value) * abs(exponent) > 2 * self._limits.number_bits:
                 raise self._number_too_large(token)
-        return self._bounded(power(base, exponent), token)
+        return self._bounded(tree.power(base, exponent), token)
 
     def _atom(self) -> Expression:
         token = self._next

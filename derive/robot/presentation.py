@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
-from enum import StrEnum
 from typing import TypeVar
 
 from derive.errors import QuantityError, listed, near_miss, quoted
@@ -13,25 +12,15 @@ from derive.robot.cells import Cells, check_symbol, joint_values
 from derive.robot.description import Description, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
-from derive.robot.options.handout import (
-    PARTS,
-    USUAL_PARTS,
-    Derivation,
-    FigureOptions,
-    HandoutOptions,
-    NotationOptions,
-    chosen_notation,
-    chosen_pages,
-    chosen_parts,
-)
+from derive.robot.options import handout
+from derive.robot.options.handout import FigureOptions, HandoutOptions, NotationOptions
 from derive.robot.options.inverse import POSE, InverseOptions, chosen_given, chosen_task
-from derive.robot.options.style import DEFAULT_STYLE, Style, choice_named
+from derive.robot.options.style import DEFAULT_STYLE, Choice, Style, choice_named
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 
 # How a language is written: ``it`` or ``pt_BR``. Which ones have a catalogue is known where texts are translated.
 LANGUAGE = re.compile(r"[a-z]{2}(_[A-Z]{2})?")
 
-Choice = TypeVar("Choice", bound=StrEnum)
 Some = TypeVar("Some", bound=Description)
 
 
@@ -47,13 +36,13 @@ def with_options(
     """A robot with other options of its handout, figure and style; None leaves those of the file."""
     options, figure = robot.handout, robot.figure
     if parts is not None:
-        options = replace(options, parts=chosen_parts(parts))
+        options = replace(options, parts=handout.chosen_parts(parts))
     if language is not None:
         options = replace(options, language=language)
     if derivation is not None:
-        options = replace(options, derivation=choice_named(Derivation, derivation))
+        options = replace(options, derivation=choice_named(handout.Derivation, derivation))
     if notation is not None:
-        options = replace(options, notation=chosen_notation(notation, options.notation))
+        options = replace(options, notation=handout.chosen_notation(notation, options.notation))
     if q is not None:
         figure = replace(figure, q=joint_values(robot, q))
     grouped = robot.style if style is None else Style.of(style)
@@ -97,7 +86,7 @@ def read_handout(document: Document) -> HandoutOptions:
     path, pages = ("handout", "pages"), default.pages
     if (limit := document.scalar(path)) is not None:
         try:
-            pages = chosen_pages(limit.text)
+            pages = handout.chosen_pages(limit.text)
         except QuantityError as error:
             raise document.error(path, error.found, error.allowed) from None
     return HandoutOptions(
@@ -109,17 +98,19 @@ def _parts(document: Document) -> tuple[str, ...]:
     """The chosen parts in the order in which they are printed."""
     path: KeyPath = ("handout", "parts")
     if document.find(path) is None:
-        return USUAL_PARTS
+        return handout.USUAL_PARTS
     chosen = [document.text(*path, index) for index in range(document.length(path))]
-    allowed = f"allowed: {listed(PARTS)}"
+    allowed = f"allowed: {listed(handout.PARTS)}"
     if not chosen:
         raise document.error(path, "no parts", allowed, "leave parts out to have the usual ones")
     for index, name in enumerate(chosen):
-        if name not in PARTS:
-            raise document.error((*path, index), f"unknown part {quoted(name)}", allowed, near_miss(name, PARTS))
+        if name not in handout.PARTS:
+            raise document.error(
+                (*path, index), f"unknown part {quoted(name)}", allowed, near_miss(name, handout.PARTS)
+            )
         if name in chosen[:index]:
             raise document.error((*path, index), f"'{name}' twice", remedy="remove one")
-    return tuple(part for part in PARTS if part in chosen)
+    return tuple(part for part in handout.PARTS if part in chosen)
 
 
 def read_figure(

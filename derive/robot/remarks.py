@@ -11,21 +11,11 @@ from fractions import Fraction
 from math import pi, tau
 
 from derive.errors import ExpressionError, path_text
+from derive.robot import expression as tree
 from derive.robot.cells import Cells
 from derive.robot.description import Description, FileUnits, Remark
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import (
-    Expression,
-    Name,
-    add,
-    contains_pi,
-    is_constant,
-    linear_terms,
-    multiple_of_pi,
-    multiply,
-    names,
-    number,
-)
+from derive.robot.expression import Expression, Name, is_constant, names
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.units import Unit, cell_unit, located_expressions, symbolic_factors, turned_angles
 
@@ -61,7 +51,7 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
         if lookalike := next((name for name in names(cell) if name in _LIKE_PI), None):
             what = f"{path_text(path)}: '{lookalike}' is a name like any other"
             found[path] = Remark(document.location(path), what, "the constant is written pi")
-    named = {term.name for _, angle in angles for _, term in linear_terms(angle) if isinstance(term, Name)}
+    named = {term.name for _, angle in angles for _, term in tree.linear_terms(angle) if isinstance(term, Name)}
     angles += [(path, cells.raw(path)) for path in _symbol_paths(robot) if path[-1] in named]
     slips = [(path, _slip(path, angle, robot.units)) for path, angle in angles]
     for path, slip in [*slips, *_sizes(robot)]:
@@ -83,9 +73,9 @@ def _sizes(robot: Description) -> Iterator[tuple[KeyPath, tuple[str, str]]]:
     lengths = [cell for path, cell in located_expressions(robot) if cell_unit(path, robot) is Unit.LENGTH]
     known: list[tuple[Expression, float]] = []
     for cell in lengths:
-        with suppress(ArithmeticError, ExpressionError):  # a symbol has no number, or the cell no value
+        with suppress(ArithmeticError, ExpressionError):  # a symbol without a number, or a cell without a value
             known.append((cell, abs(evaluate(cell, numbers))))
-    factors = [factor for cell in lengths for _, term in linear_terms(cell) for factor in symbolic_factors(term)]
+    factors = [factor for cell in lengths for _, term in tree.linear_terms(cell) for factor in symbolic_factors(term)]
     sizes = {name: abs(float(numbers[name])) for factor in factors for name in names(factor) if name in numbers}
     large = sum(size for cell, size in known if not is_constant(cell)) > LARGEST_ARM and not robot.units.parameters
     small = len(known) == len(lengths) and sum(size for _, size in known) < LEAST_ARM
@@ -105,15 +95,17 @@ def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str]
     """What is found and what to write, where the plain number in an angle is hardly meant as it stands."""
     parameter, motion = path[-2] in ("parameters", "values"), "limits" in path or path[:2] == ("figure", "q")
     plain = (
-        multiply(number(c), term) for c, term in linear_terms(angle) if is_constant(term) and not contains_pi(term)
+        tree.multiply(tree.number(c), term)
+        for c, term in tree.linear_terms(angle)
+        if is_constant(term) and not tree.contains_pi(term)
     )
     try:
-        value = evaluate(add(*plain), {})
+        value = evaluate(tree.add(*plain), {})
     except ArithmeticError:
         return None
     shown, twelfths = f"{value:.10g}", round(12 * value / pi)
     near = twelfths != 0 and abs(value - twelfths * pi / 12) <= NEAR * max(1.0, abs(value)) and abs(twelfths) <= 24
-    exact = multiple_of_pi(Fraction(twelfths, 12))
+    exact = tree.multiple_of_pi(Fraction(twelfths, 12))
     if units.degrees and (units.parameters or not parameter):
         decimals = len(shown.partition(".")[2])
         if not near or motion or decimals < DEGREE_DECIMALS:
@@ -126,7 +118,7 @@ def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str]
         return f"{shown} rad is nearly {exact}, but not exactly", f"did you mean {exact}?"
     if abs(value) <= tau * (TURNS_OF_A_JOINT if motion else 1) * (1 + NEAR):
         return None
-    in_radians = multiple_of_pi(Fraction(shown) / 180) if "e" not in shown else f"{shown}*pi/180"
+    in_radians = tree.multiple_of_pi(Fraction(shown) / 180) if "e" not in shown else f"{shown}*pi/180"
     return (
         f"{shown} rad is more than {'two turns' if motion else 'a turn'}",
         f"if degrees are meant write {in_radians}{_PARAMETERS if parameter else _UNITS}",

@@ -6,23 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
+from derive.robot import expression as tree
 from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import (
-    ONE,
-    ZERO,
-    Expression,
-    Name,
-    add,
-    is_constant,
-    linear_terms,
-    multiply,
-    names,
-    negate,
-    number,
-    to_text,
-)
+from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names, to_text
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.reading.size_limits import FILE_LIMITS
 
@@ -114,12 +102,12 @@ class _Row:
         expression = self._cells.raw(path, own)
         coefficient = Fraction(0)  # cell = coefficient q + rest
         rest: list[Expression] = []
-        for factor, term in linear_terms(expression):
+        for factor, term in tree.linear_terms(expression):
             moved = next((name for name in names(term) if name in self._variables), None)
             if term == own:
                 coefficient += factor
             elif moved is None:
-                rest.append(multiply(number(factor), term))
+                rest.append(tree.multiply(tree.number(factor), term))
             elif moved == self._variable:
                 raise self._document.error(
                     path,
@@ -135,7 +123,7 @@ class _Row:
                 )
         if abs(coefficient) != 1:
             raise self._wrong_factor(coefficient, expression)
-        return int(coefficient), add(*rest)
+        return int(coefficient), tree.add(*rest)
 
     def _wrong_factor(self, coefficient: Fraction, expression: Expression) -> RobotFileError:
         path, name = (*self._path, self._moving), self._variable
@@ -239,9 +227,7 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
             "write one row per joint; a massless link is {mass: 0}",
         )
     links = []
-    for row in range(rows):
-        path: KeyPath = ("links", row)
-        # the order in which cells are read is that in which their names appear first
+    for path in (("links", row) for row in range(rows)):
         mass = cells.plain((*path, "mass"))
         x, y, z = (cells.length((*path, "com", index)) for index in range(3))
         inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
@@ -249,7 +235,7 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
         if document.find((*path, "motor")) is not None:
             motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
         armature = cells.plain((*path, "armature"))
-        viscous, coulomb = (cells.plain((*path, "friction", kind)) for kind in ("viscous", "coulomb"))
+        viscous, coulomb = (cells.plain((*path, "friction", key)) for key in ("viscous", "coulomb"))
         links.append(Link(mass, (x, y, z), inertia, motor, armature, viscous, coulomb))
     return tuple(links)
 
@@ -276,4 +262,4 @@ def read_gravity(document: Document, cells: Cells) -> Vector | None:
             "write the vector, for instance gravity: [0, 0, -9.81]",
         )
     cells.first_use[DEFAULT_GRAVITY_SYMBOL] = document.location(("links",))
-    return ZERO, ZERO, negate(Name(DEFAULT_GRAVITY_SYMBOL))
+    return ZERO, ZERO, tree.negate(Name(DEFAULT_GRAVITY_SYMBOL))

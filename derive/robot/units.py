@@ -13,22 +13,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from derive.errors import RobotFileError
+from derive.robot import expression as tree
 from derive.robot.description import INERTIA, Description, FileUnits, Joint
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Pi,
-    Product,
-    add,
-    children,
-    is_constant,
-    linear_terms,
-    multiply,
-    names,
-    number,
-    power,
-)
+from derive.robot.expression import Call, Expression, Name, Pi, Product, is_constant, names
 
 if TYPE_CHECKING:  # names of symbols are asked for where no YAML is read
     from derive.robot.reading.document import KeyPath
@@ -93,8 +80,8 @@ def is_turn(expression: Expression) -> bool:
 def turned_angles(expression: Expression) -> Iterator[Expression]:
     """The arguments of sin, cos and tan in a cell."""
     if is_turn(expression):
-        yield from children(expression)
-    for part in children(expression):
+        yield from tree.children(expression)
+    for part in tree.children(expression):
         yield from turned_angles(part)
 
 
@@ -114,7 +101,7 @@ def symbol_unit(robot: Description, name: str) -> Unit:
     for path, cell in located_expressions(robot):
         unit = cell_unit(path, robot)
         for whole, what in [(cell, unit), *((angle, Unit.ANGLE) for angle in turned_angles(cell))]:
-            for _, term in linear_terms(whole):
+            for _, term in tree.linear_terms(whole):
                 factors = symbolic_factors(term)
                 if factors == [Name(name)]:
                     alone.add(what)
@@ -143,19 +130,19 @@ def in_file_units(cell: Expression, unit: Unit, units: FileUnits) -> Expression:
     """A cell as the file has it: terms without a name are in its units."""
     if not unit.differs_in(units):
         return cell
-    factor = number(1000) if unit is Unit.LENGTH else multiply(number(180), power(Pi(), -1))
+    factor = tree.number(1000) if unit is Unit.LENGTH else tree.multiply(tree.number(180), tree.power(Pi(), -1))
     terms = []
-    for coefficient, term in linear_terms(cell):
+    for coefficient, term in tree.linear_terms(cell):
         if not is_constant(term):
-            terms.append(multiply(number(coefficient), term))
+            terms.append(tree.multiply(tree.number(coefficient), term))
             continue
         # 180/pi times pi/4 is 45: pi and its inverse cancel
-        parts = list(product.factors if isinstance(product := multiply(factor, term), Product) else (product,))
-        if Pi() in parts and power(Pi(), -1) in parts:
+        parts = list(product.factors if isinstance(product := tree.multiply(factor, term), Product) else (product,))
+        if Pi() in parts and tree.power(Pi(), -1) in parts:
             parts.remove(Pi())
-            parts.remove(power(Pi(), -1))
-        terms.append(multiply(number(coefficient), *parts))
-    return add(*terms)
+            parts.remove(tree.power(Pi(), -1))
+        terms.append(tree.multiply(tree.number(coefficient), *parts))
+    return tree.add(*terms)
 
 
 def joint_in_file_units(joint: Joint, units: FileUnits) -> Joint:

@@ -16,6 +16,13 @@ from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_fi
 
 def cell_text(cell: Expression) -> str:
     """A cell as it stands in a robot file, with all digits of its numbers, decimals where they end."""
+
+    def _decimal(value: Fraction) -> str:
+        found = shown(value, decimals=True, digits=None)
+        if isinstance(found, Fraction):
+            return str(found)
+        return f"{found:f}" if -7 < found.adjusted() < 16 else f"{found:e}".replace("E", "e").replace("e+", "e")
+
     return to_text(cell, _decimal)
 
 
@@ -39,8 +46,8 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
         lines += [f"gravity: {_list(robot.gravity)}"]
     if robot.links:
         lines += ["links:", *(line for link in robot.links for line in _link(link, units))]
-    if robot.parameters:
-        lines += ["parameters:", *(f"  {name}: {_symbol(robot, name, value)}" for name, value in robot.parameters)]
+    numbers = {name: cell_text(in_symbol_units(robot, name, value)) for name, value in robot.parameters}
+    lines += _block("parameters", numbers)
     lines += [f"runtime: [{', '.join(robot.runtime)}]"] if robot.runtime else []
     return "\n".join([*lines, *_options(robot)]) + "\n"
 
@@ -66,7 +73,7 @@ def _options(robot: Description) -> Iterator[str]:
         kinds = map(position_unit, robot.joints)
         drawn["q"] = _list([in_file_units(*cell, robot.units) for cell in zip(figure.q, kinds, strict=True)])
     if figure.values:
-        values = (f"{name}: {_symbol(robot, name, value)}" for name, value in figure.values)
+        values = (f"{name}: {cell_text(in_symbol_units(robot, name, value))}" for name, value in figure.values)
         drawn["values"] = f"{{{', '.join(values)}}}"
     yield from _block("figure", drawn)
     asked = {"task": inverse.task} if inverse.task != InverseOptions().task else {}
@@ -84,19 +91,8 @@ def _length(cell: Expression, units: FileUnits) -> str:
     return cell_text(in_file_units(cell, Unit.LENGTH, units))
 
 
-def _decimal(value: Fraction) -> str:
-    found = shown(value, decimals=True, digits=None)
-    if isinstance(found, Fraction):
-        return str(found)
-    return f"{found:f}" if -7 < found.adjusted() < 16 else f"{found:e}".replace("E", "e").replace("e+", "e")
-
-
 def _list(cells: Sequence[Expression]) -> str:
     return f"[{', '.join(map(cell_text, cells))}]"
-
-
-def _symbol(robot: Description, name: str, value: Expression) -> str:
-    return cell_text(in_symbol_units(robot, name, value))
 
 
 def _row(joint: Joint, convention: Convention) -> Iterator[str]:

@@ -256,15 +256,3 @@ def test_the_echelon_form_gives_every_column_in_the_first_independent_ones(seed:
     for j in range(9):
         combined = sum(matrix[:, p].astype(object) * int(form[k, j]) for k, p in enumerate(pivots)) % PRIME
         assert np.all(combined == matrix[:, j])
-
-
-def test_zero_and_one_give_the_other_operand_and_all_others_what_integers_give() -> None:
-    prime, numbers = 101, [[3, 50, 100]]
-    many, zero, one, two = (Residue(prime, values) for values in (numbers, [[0]], [[1]], [[2]]))
-    assert many * one is many is one * many
-    assert many + zero is many is zero + many
-    assert many - zero is many
-    assert (zero - many).values.tolist() == [[98, 51, 1]]
-    assert many * zero is zero is zero * many
-    assert (many * two).values.tolist() == [[6, 100, 99]] == (two * many).values.tolist()
-    assert (many + one).values.tolist() == [[4, 51, 0]]

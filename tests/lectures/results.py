@@ -26,8 +26,8 @@ from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Call, Expression, add, multiply, negate, number, substitute
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
+from tests.places import CORPUS
 
-CORPUS = Path(__file__).parent / "corpus"
 ROBOT_FILES = tuple(sorted(path.name for path in CORPUS.glob("[0-9]*.yaml")))
 
 
@@ -124,12 +124,13 @@ def is_equal(text: str, right: Any) -> bool:
 
 
 @cache
-def corpus_file(file: str) -> CorpusFile:
+def corpus_file(file: str | Path) -> CorpusFile:
+    """A file of the corpus, or of another one by its path."""
     return corpus_from_bytes((CORPUS / file).read_bytes(), str(CORPUS / file))
 
 
 @cache
-def report(file: str) -> FileReport:
+def report(file: str | Path) -> FileReport:
     return check_file(corpus_file(file))
 
 

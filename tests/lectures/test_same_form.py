@@ -14,13 +14,14 @@ from typing import Any
 import pytest
 
 from derive.checking.comparison import derived_matrix
-from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import same_form
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
+from tests.lectures.results import corpus_file
+from tests.places import CORPUS
 
-CORPUS = sorted((Path(__file__).parent / "corpus").glob("0*.yaml"))
+FILES = sorted(CORPUS.glob("0*.yaml"))
 
 
 def multiset(items: Counter[Any]) -> frozenset[Any]:
@@ -89,7 +90,7 @@ def contains_sum(e: Expression) -> bool:
 @cache
 def compared(path: Path) -> list[tuple[str, Expression, Expression]]:
     """(place, ours, printed) for every right entry with a sum, the A_i left out."""
-    file = corpus_from_bytes(path.read_bytes(), str(path))
+    file = corpus_file(path)
     model = Model(file.robot)
     found = []
     for item in file.expected:
@@ -104,13 +105,13 @@ def compared(path: Path) -> list[tuple[str, Expression, Expression]]:
 
 
 def test_the_lecture_form_is_the_printed_form() -> None:
-    rows = [row for path in CORPUS for row in compared(path)]
+    rows = [row for path in FILES for row in compared(path)]
     different = [place for place, ours, printed in rows if shape(ours) != shape(printed)]
     assert len(rows) == 90, "docs/lecture-form.md names the number"
     assert different == []
 
 
-@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_both_implementations_of_same_form_agree(path: Path) -> None:
     for place, ours, printed in compared(path):
         assert same_form(ours, printed) == (shape(ours) == shape(printed)), place

@@ -26,7 +26,7 @@ from derive.mechanics.forward_kinematics import (
     link_transforms,
 )
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
-from derive.mechanics.newton_euler import inverse_dynamics, link_motions
+from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
@@ -71,14 +71,6 @@ def test_energies_are_those_of_links_rotors_and_armatures(arm: Arm) -> None:
     wanted = arm.expected("potential_energy")
     for meeting in range(arm.robot.n + 1):
         assert_close(potential_energy(arm.chain, meeting), wanted)
-
-
-def test_the_base_is_accelerated_against_gravity(arm: Arm) -> None:
-    still = [0.0] * arm.robot.n
-    motions = link_motions(arm.chain, still, still)
-    assert_close(motions[0].acceleration, -np.array(arm.chain.gravity))
-    assert len(motions) == arm.robot.n + 1
-    assert all(not any(motion.omega) and not any(motion.alpha) for motion in motions)
 
 
 def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:

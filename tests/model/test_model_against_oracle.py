@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from derive.api.check import check_formula
+from derive.checking import frames_file
 from derive.errors import QuantityError
 from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.text import TextPrinter
@@ -235,12 +236,7 @@ VALUES |= {"a1": 1.0, "a2": 1.0, "a3": 1.0, "d4": 0.2}
 
 
 def rotation(axis: str, angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    if axis == "z":
-        return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    if axis == "y":
-        return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    return np.array(frames_file.rotation(axis, angle)[:3, :3].tolist(), dtype=float)
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "scara-perugia", "spherical-wrist", "spherical-arm"])

@@ -16,16 +16,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from derive.checking.comparison import check_file
-from derive.checking.files import corpus_from_bytes
-from derive.checking.formulas.findings import FileReport
-from derive.checking.formulas.printed import CorpusFile
 from derive.checking.style_finding import Example, StyleEvidence, printed_examples
 from derive.errors import DeriveError
 from derive.robot.options.style import STYLE_OPTIONS, Style
+from tests.lectures.results import corpus_file, report
+from tests.places import CORPUS
 
 FILES = sorted(Path(__file__).parent.glob("*.yaml"))
-LECTURES = Path(__file__).parents[1] / "lectures" / "corpus"
 
 
 @dataclass(frozen=True)
@@ -37,16 +34,6 @@ class Share:
     found: int  # how many in the style that is found from all of them
     foretold: int  # how many in the style that is found from the others
     style: Style  # the style found from all of them
-
-
-@cache
-def corpus_file(path: Path) -> CorpusFile:
-    return corpus_from_bytes(path.read_bytes(), str(path))
-
-
-@cache
-def report(path: Path) -> FileReport:
-    return check_file(corpus_file(path))
 
 
 @cache
@@ -99,7 +86,7 @@ def evidence_of(path: Path) -> StyleEvidence:
 
 def effects() -> str:
     """One line for each value of each option: formulas that more or fewer come out as printed."""
-    corpora = [[evidence_of(path) for path in paths] for paths in (FILES, sorted(LECTURES.glob("[0-9]*.yaml")))]
+    corpora = [[evidence_of(path) for path in paths] for paths in (FILES, sorted(CORPUS.glob("[0-9]*.yaml")))]
 
     def _fitting(style: Style) -> list[int]:
         fitting = ((e.fits(i, style) for e in corpus for i in range(len(e.examples))) for corpus in corpora)

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 from derive.checking.style_finding import Example
-from tests.lectures.results import CORPUS
 from tests.lectures.test_same_form import compared, contains_sum, shape
-from tests.places import ROOT
+from tests.places import CORPUS, ROOT
 from tests.textbooks.collection import FILES, by_book, by_robot, report, share
 
 DEFAULT, FOUND = 0.72, 0.98

@@ -38,7 +38,6 @@ class Text:
 
 ENGLISH = "en"  # the language of the messages in the code
 LOCALE = files("derive.handouts") / "locale"
-LOCALE = files("derive.handouts") / "locale"
 _SUFFIX = ".po"
 
 
@@ -73,7 +72,6 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
     except (PoFileError, UnicodeDecodeError) as error:
         found = f"the catalogue {code}{_SUFFIX} cannot be read: {error}"
         raise TargetError(found, remedy="compare it with derive.pot") from None
-    # Without messages that nobody has confirmed yet.
     # Without messages that nobody has confirmed yet.
     pairs = ((message.id, message.string) for message in messages if message.id and not message.fuzzy)
     comma = False

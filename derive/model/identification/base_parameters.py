@@ -27,6 +27,7 @@ import numpy as np
 from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.generators import Kind
+from derive.algebra.quotients import Quotient
 from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.errors import DeriveError, ExpressionError
@@ -48,14 +49,6 @@ class Unproven(DeriveError):
     """A relation that holds at the sampled points is no identity."""
 
 
-@dataclass(frozen=True, slots=True)
-class Coefficient:
-    """An exact quotient of polynomials in the geometry; the denominator is not zero."""
-
-    numerator: Polynomial
-    denominator: Polynomial
-
-
 class ColumnSolver:
     """Solves for columns of B and g in other columns."""
 
@@ -65,7 +58,7 @@ class ColumnSolver:
         self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), ends=False)
         self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
 
-    def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Coefficient]:
+    def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Quotient]:
         """The coefficients of independent columns in a column that depends on them, by Cramer's rule."""
         right, columns = self._column(wanted), [self._column(parameter) for parameter in basis]
         keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
@@ -101,16 +94,16 @@ class ColumnSolver:
         }
 
 
-def _reduced(top: Polynomial, bottom: Polynomial) -> Coefficient:
+def _reduced(top: Polynomial, bottom: Polynomial) -> Quotient:
     """top / bottom without common factors, a constant denominator being 1."""
     ring = top.ring
     if not top:
-        return Coefficient(ring.zero, ring.one)
+        return Quotient(ring.zero, ring.one)
     common = top.raw.gcd(bottom.raw)
     numerator, denominator = ring.wrap(divmod(top.raw, common)[0]), ring.wrap(divmod(bottom.raw, common)[0])
     if denominator.is_constant:
-        return Coefficient(numerator * (1 / denominator.constant_term), ring.one)
-    return Coefficient(numerator, denominator)
+        return Quotient(numerator * (1 / denominator.constant_term), ring.one)
+    return Quotient(numerator, denominator)
 
 
 REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
@@ -126,7 +119,7 @@ class Relation:
     """A column that others replace: column(parameter) = sum of coefficient * column(base parameter)."""
 
     parameter: Parameter  # what is grouped with others, or has no effect
-    terms: tuple[tuple[Parameter, Coefficient], ...]  # base parameters that take it over; empty without effect
+    terms: tuple[tuple[Parameter, Quotient], ...]  # base parameters that take it over; empty without effect
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,12 +9,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.quotients import Quotient
 from derive.errors import ExpressionError
 from derive.mechanics.chain import Body, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.vectors import S, axial_tensor, scale, steiner
-from derive.model.identification.base_parameters import BaseSet, Coefficient, absorbed_rotors
+from derive.model.identification.base_parameters import BaseSet, absorbed_rotors
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
@@ -30,7 +31,7 @@ def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domai
     return [_value(p, robot, bodies, domain) for p in parameters]
 
 
-def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Coefficient], S]) -> list[S]:
+def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Quotient], S]) -> list[S]:
     """The base parameters: what the general rule groups, and what the relations of the set add."""
     values = grouped_values(robot, base, domain)
     for relation in base.relations:

@@ -23,31 +23,10 @@ from derive.errors import DeriveError, near_miss, quoted
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
 from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
+from derive.model.identification import nearest_bodies, regressor_null_space
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
-from derive.model.identification.nearest_bodies import (
-    BORDER,
-    EXISTING,
-    Bodies,
-    in_own_units,
-    least_eigenvalues,
-    most_room,
-    nearest,
-    needed,
-    size_of,
-    targets,
-    weighed,
-)
-from derive.model.identification.regressor_null_space import (
-    WIDTH,
-    Direction,
-    bare_chain,
-    body_of,
-    combined,
-    directions,
-    fixing,
-    keeping,
-    parameters_of,
-)
+from derive.model.identification.nearest_bodies import BORDER, EXISTING, Bodies
+from derive.model.identification.regressor_null_space import WIDTH, Direction, bare_chain, body_of, parameters_of
 from derive.model.identification.semidefinite import Array
 from derive.model.identification.witness import refusal
 from derive.robot.description import Inertia, Link
@@ -111,32 +90,32 @@ def possible(robot: Robot) -> Possible:
         domain = ExactDomain(robot)
         chain = bare_chain(robot, domain)
         parameters = [value for body in chain.bodies for value in parameters_of(body)]
-        size = size_of(chain)
-        if float(least_eigenvalues(in_own_units(parameters, (), size)).min()) >= EXISTING:
+        size = nearest_bodies.size_of(chain)
+        if float(nearest_bodies.least_eigenvalues(nearest_bodies.in_own_units(parameters, (), size)).min()) >= EXISTING:
             return Possible(robot, ())
-        every = directions(robot, chain, domain)
+        every = regressor_null_space.directions(robot, chain, domain)
         # Where torques leave a link no mass it gets no first moment: a solver would not see a small one beside large
         # second ones, which is within its tolerance.
         masses = [k for k in range(0, len(parameters), WIDTH) if is_zero(parameters[k])]
         massless = [k for k in masses if all(is_zero(direction[k]) for direction in every)]
-        basis = fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
+        basis = regressor_null_space.fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
         # A semidefinite program in each link's own units: room, targets, which links change, and how little.
-        bodies = in_own_units(parameters, basis, size)
-        room = most_room(bodies)
+        bodies = nearest_bodies.in_own_units(parameters, basis, size)
+        room = nearest_bodies.most_room(bodies)
         if room.value < -BORDER:
             raise refusal(robot, chain, every, room.prices, bodies.units)
-        target = targets(bodies, room)
+        target = nearest_bodies.targets(bodies, room)
         border = tuple(int(i) + 1 for i in np.flatnonzero(target < 0))
-        if border and float(least_eigenvalues(bodies).min()) >= -BORDER:
+        if border and float(nearest_bodies.least_eigenvalues(bodies).min()) >= -BORDER:
             return Possible(robot, (), border)
-        bodies = weighed(bodies, target)
-        changed = needed(bodies, target)
-        fewer = keeping(basis, [i for i in range(robot.n) if i not in changed])
+        bodies = nearest_bodies.weighed(bodies, target)
+        changed = nearest_bodies.needed(bodies, target)
+        fewer = regressor_null_space.keeping(basis, [i for i in range(robot.n) if i not in changed])
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
-            alone = replace(in_own_units(parameters, among, size), masses=bodies.masses)
+            alone = replace(nearest_bodies.in_own_units(parameters, among, size), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
                 with suppress(DeriveError):  # rounding left a link a first moment without a mass
-                    return _result(robot, chain, domain, combined(among, steps), border)
+                    return _result(robot, chain, domain, regressor_null_space.combined(among, steps), border)
         raise DeriveError(f"{robot.name}: consistent inertias with these torques may exist, but the search found none")
 
 
@@ -163,14 +142,14 @@ def _decimal_steps(bodies: Bodies, target: Array) -> list[Exact] | None:
     if not bodies.along.shape[2]:
         return None
     try:
-        found = nearest(bodies, target)
+        found = nearest_bodies.nearest(bodies, target)
     except DeriveError:
         return None
     lengths = np.sqrt((bodies.along**2).sum(axis=(0, 1)))
     for unit in UNITS:
         places = [floor(-log10(unit / length)) for length in lengths]
         steps = [fmpq(round(step * 10**p), 1) / fmpq(10) ** p for step, p in zip(found, places, strict=True)]
-        reached = least_eigenvalues(bodies, np.array([float(step) for step in steps]))
+        reached = nearest_bodies.least_eigenvalues(bodies, np.array([float(step) for step in steps]))
         if (reached >= target - abs(target) / 2).all():
             return steps
     return None
@@ -181,7 +160,9 @@ def _result(
 ) -> Possible:
     """The links after a change of their parameters."""
     links, changes = list(robot.links), []
-    shapes = in_own_units([value for body in chain.bodies for value in parameters_of(body)], [moved], size_of(chain))
+    shapes = nearest_bodies.in_own_units(
+        [value for body in chain.bodies for value in parameters_of(body)], [moved], nearest_bodies.size_of(chain)
+    )
     for i, link in enumerate(robot.links):
         change = moved[WIDTH * i : WIDTH * (i + 1)]
         if all(map(is_zero, change)):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 from math import gcd, lcm
 
 import sympy
@@ -111,12 +112,8 @@ def _of_minors(robot: Robot, style: Style) -> Singularities:
 
 def _together(family: list[Condition]) -> tuple[Condition, ...]:
     """Conditions that hold together: one without solutions may have none where another one moves its joints."""
-    return tuple(
-        c
-        if c.values or not any(set(c.joints) & set(other.joints) for other in family if other is not c)
-        else replace(c, is_certain=False)
-        for c in family
-    )
+    shared = {joint for a, b in combinations(family, 2) for joint in {*a.joints} & {*b.joints}}
+    return tuple(c if c.values or shared.isdisjoint(c.joints) else replace(c, is_certain=False) for c in family)
 
 
 def _factors(zeros: RealZeros, determinants: list[Polynomial]) -> list[Factor]:

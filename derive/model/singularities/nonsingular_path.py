@@ -6,8 +6,9 @@ Source: Kavraki et al., Probabilistic roadmaps for path planning in high-dimensi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from itertools import pairwise
 
 import numpy as np
@@ -117,15 +118,7 @@ class Roadmap:
             clear += list(self._clearances(places[near], np.broadcast_to(places[own], (len(near), self._chain.n))))
         pairs.append((len(places) - 2, len(places) - 1))
         clear += list(self._clearances(start[None], end[None]))
-        # Kruskal's maximum spanning tree: its path between two places has the widest clearance of all.
-        home, roads = list(range(len(places))), dict[int, list[int]]()
-        for k in sorted(range(len(pairs)), key=lambda k: -clear[k]):
-            i, j = pairs[k]
-            if clear[k] > CLEAR and _root(home, i) != _root(home, j):
-                home[_root(home, i)] = _root(home, j)
-                roads.setdefault(i, []).append(j)
-                roads.setdefault(j, []).append(i)
-        way = _walk(roads, len(places) - 2, len(places) - 1)
+        way = _widest(len(places) - 2, len(places) - 1, pairs, clear)
         if way is None:
             return None
         # Corners are left out where straight pieces without them are nearly as clear of singularities.
@@ -154,26 +147,21 @@ class Roadmap:
         return None
 
 
-def _root(home: list[int], place: int) -> int:
-    """Which set a place belongs to."""
-    while home[place] != place:
-        home[place] = home[home[place]]
-        place = home[place]
-    return place
-
-
-def _walk(roads: Mapping[int, Sequence[int]], start: int, end: int) -> list[int] | None:
-    """The places on the way through a tree."""
-    before, front = {start: start}, [start]
+def _widest(start: int, end: int, pairs: Sequence[tuple[int, int]], clear: Sequence[float]) -> list[int] | None:
+    """The places on the way between two of them, by pairs whose clearances are as large as they can be."""
+    roads = dict[int, list[tuple[float, int]]]()
+    for (i, j), clearance in zip(pairs, clear, strict=True):
+        for one, other in ((i, j), (j, i)) if clearance > CLEAR else ():
+            roads.setdefault(one, []).append((-clearance, other))
+    # Prim's maximum spanning tree: its path between two places has the widest clearance of all.
+    before, front = dict[int, int](), [(0.0, start, start)]
     while front and end not in before:
-        place = front.pop()
-        for beside in roads.get(place, ()):
-            if beside not in before:
-                before[beside] = place
-                front.append(beside)
-    if end not in before:
-        return None
+        _, place, last = heappop(front)
+        if place not in before:
+            before[place] = last
+            for clearance, beside in roads.get(place, ()):
+                heappush(front, (clearance, beside, place))
     found = [end]
-    while found[-1] != start:
+    while found[-1] != start and end in before:
         found.append(before[found[-1]])
-    return found[::-1]
+    return found[::-1] if end in before else None

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from derive.algebra.domain import polynomial_expression
+from derive.algebra.quotients import Quotient
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
@@ -17,7 +18,7 @@ from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
-from derive.model.identification.base_parameters import Coefficient, base_set
+from derive.model.identification.base_parameters import base_set
 from derive.model.identification.parameter_values import ParameterFormulas, base_values
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
@@ -208,7 +209,7 @@ def base_parameters(trace: Trace) -> Iterator[Formulation]:
     """Formulations of beta."""
     base = base_set(trace.robot)
 
-    def _value(coefficient: Coefficient) -> Value:
+    def _value(coefficient: Quotient) -> Value:
         assert base.domain is not None, "relations come with their ring"
         parts = (coefficient.numerator, coefficient.denominator)
         numerator, denominator = (trace.domain.constant(polynomial_expression(p, base.domain)) for p in parts)

@@ -11,26 +11,9 @@ from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.expression import Expression
 
 PARTS = (
-    "figure",
-    "table",
-    "convention",
-    "parameters",
-    "transforms",
-    "conversion",
-    "kinematics",
-    "orientation",
-    "jacobian",
-    "singularities",
-    "inverse",
-    "link-jacobians",
-    "energies",
-    "inertia",
-    "christoffel",
-    "coriolis",
-    "skew",
-    "gravity",
-    "motion",
-    "newton-euler",
+    *("figure", "table", "convention", "parameters", "transforms", "conversion"),
+    *("kinematics", "orientation", "jacobian", "singularities", "inverse"),
+    *("link-jacobians", "energies", "inertia", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler"),
     "example",
 )
 """Parts of a handout, in their order; title and footer are always there."""

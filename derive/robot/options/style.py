@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Any, Final, TypeVar, cast
+from typing import Annotated, Any, Final, TypeVar, cast
 
 from derive.errors import QuantityError, listed, near_miss, quoted
 
@@ -239,23 +239,23 @@ class Style:
         contraction: Which sums of joint angles are contracted.
     """
 
-    rotations: Order = Order.BASE
-    positions: LengthOrder = LengthOrder.USUAL
-    short: ShortSums = ShortSums.NESTED
-    inertia: Grouping = Grouping.USUAL
-    christoffel: Grouping = Grouping.USUAL
-    gravity: Grouping = Grouping.USUAL
-    torques: Grouping = Grouping.USUAL
-    potential: Grouping = Grouping.USUAL
-    kinetic: Kinetic = Kinetic.MATRIX
-    products: Products = Products.KEPT
-    brackets: Brackets = Brackets.ALL
-    factors: CommonFactors = CommonFactors.FUNCTIONS
-    g: GravityPlace = GravityPlace.BRACKET
-    coriolis: Rates = Rates.SYMBOL
-    velocities: Rates = Rates.USUAL
-    accelerations: Rates = Rates.PRODUCT
-    contraction: Contraction = Contraction.ALIGNED
+    rotations: Annotated[Order, "Kinematic entries without a length: from base or tool."] = Order.BASE
+    positions: Annotated[LengthOrder, "Those with lengths: from base, tool, by length."] = LengthOrder.USUAL
+    short: Annotated[ShortSums, "Whether kinematic sums of up to three terms are nested."] = ShortSums.NESTED
+    inertia: Annotated[Grouping, "What is grouped first in the inertia matrix."] = Grouping.USUAL
+    christoffel: Annotated[Grouping, "What is grouped first in Christoffel symbols."] = Grouping.USUAL
+    gravity: Annotated[Grouping, "What is grouped first in torques of gravity."] = Grouping.USUAL
+    torques: Annotated[Grouping, "What is grouped first in the coefficients of torques."] = Grouping.USUAL
+    potential: Annotated[Grouping, "What is grouped first in the potential energy."] = Grouping.USUAL
+    kinetic: Annotated[Kinetic, "Kinetic energy by entries of B, or by bodies."] = Kinetic.MATRIX
+    products: Annotated[Products, "Whether products of sums stay products."] = Products.KEPT
+    brackets: Annotated[Brackets, "Which bodies' coefficients stand in brackets."] = Brackets.ALL
+    factors: Annotated[CommonFactors, "What is taken out of a body's bracket."] = CommonFactors.FUNCTIONS
+    g: Annotated[GravityPlace, "Gravity in every term, or in front of more."] = GravityPlace.BRACKET
+    coriolis: Annotated[Rates, "How rates are collected in C, N and dB/dt."] = Rates.SYMBOL
+    velocities: Annotated[Rates, "How products of velocities are collected in torques."] = Rates.USUAL
+    accelerations: Annotated[Rates, "How accelerations are collected in torques."] = Rates.PRODUCT
+    contraction: Annotated[Contraction, "Which sums of joint angles are contracted."] = Contraction.ALIGNED
 
     @classmethod
     def of(cls, value: Style | str | Mapping[str, str]) -> Style:

@@ -179,13 +179,11 @@ def _inertia(value: Any) -> str:
 
 # Keys that people bring from other tools, and what to write instead.
 _KEYS = {
-    "offset": "write it into the cell, for instance theta: q1 + pi/2",
-    "theta0": "write it into the cell, for instance theta: q1 + pi/2",
+    **dict.fromkeys(("offset", "theta0"), "write it into the cell, for instance theta: q1 + pi/2"),
     "sigma": "write type: revolute or type: prismatic",
     "m": "write mass",
     "I": "write inertia: {xx: ..., yy: ..., zz: ...}",
-    "Jm": "write motor: {inertia: ..., ratio: ...} or armature",
-    "G": "write motor: {inertia: ..., ratio: ...} or armature",
+    **dict.fromkeys(("Jm", "G"), "write motor: {inertia: ..., ratio: ...} or armature"),
     "B": "write friction: {viscous: ...}",
     "Tc": "write friction: {coulomb: ...}",
     "qlim": "write limits: [lower, upper]",
@@ -195,23 +193,15 @@ _KEYS = {
     "<<": "merge keys are not supported; write the values out",
 }
 _KEYS_OF_A_JOINT = {
-    "r": "write d, the offset along z",
-    "b": "write d, the offset along z",
-    "s": "write d, the offset along z",
+    **dict.fromkeys(("r", "b", "s"), "write d, the offset along z"),
     "l": "write a, the length along x",
-    "joint": "write type",
-    "kind": "write type",
-    "name": "write q: the name of the joint variable",
-    "var": "write q: the name of the joint variable",
-    "min": "write limits: [lower, upper]",
-    "max": "write limits: [lower, upper]",
+    **dict.fromkeys(("joint", "kind"), "write type"),
+    **dict.fromkeys(("name", "var"), "write q: the name of the joint variable"),
+    **dict.fromkeys(("min", "max"), "write limits: [lower, upper]"),
 }
 
 _KEYS_OF_A_LINK = {
-    "r": "write com",
-    "center_of_mass": "write com",
-    "centre_of_mass": "write com",
-    "rc": "write com",
+    **dict.fromkeys(("r", "rc", "center_of_mass", "centre_of_mass"), "write com"),
     "rotor": "write motor",
     "tensor": "write inertia",
 }
@@ -262,19 +252,12 @@ _TYPE = "type the table of its data sheet into a file that derive new NAME --joi
 
 _IMPORT = "derive import makes a robot file of it: write derive import FILE -o NAME.yaml"
 
+_XML = r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*"  # what may stand before the first element
 # How files begin that are no robot files, what they are, and what to do.
 _FILES: tuple[tuple[str, str, str], ...] = (
-    (r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<robot\b", "a URDF", _IMPORT),
-    (
-        r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<mujoco\b",
-        "a MuJoCo model (MJCF)",
-        f"it has no Denavit-Hartenberg table: {_TYPE}",
-    ),
-    (
-        r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*<sdf\b",
-        "an SDF model",
-        f"it has no Denavit-Hartenberg table: {_TYPE}",
-    ),
+    (rf"{_XML}<robot\b", "a URDF", _IMPORT),
+    (rf"{_XML}<mujoco\b", "a MuJoCo model (MJCF)", f"it has no Denavit-Hartenberg table: {_TYPE}"),
+    (rf"{_XML}<sdf\b", "an SDF model", f"it has no Denavit-Hartenberg table: {_TYPE}"),
     (r"(?is)\s*<(?:!doctype\s+)?html\b", "a web page", _TYPE),
     (r"\s*<", "an XML file", _TYPE),
     (r"%PDF-", "a PDF file", _TYPE),

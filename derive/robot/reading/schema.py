@@ -23,20 +23,7 @@ from derive.robot.options.handout import (
     SliderLetter,
 )
 from derive.robot.options.inverse import ROWS
-from derive.robot.options.style import (
-    DEFAULT_STYLE,
-    Brackets,
-    CommonFactors,
-    Contraction,
-    GravityPlace,
-    Grouping,
-    Kinetic,
-    LengthOrder,
-    Order,
-    Products,
-    Rates,
-    ShortSums,
-)
+from derive.robot.options.style import DEFAULT_STYLE, Style
 from derive.robot.reading.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.reading.hints import choice_hint, key_hint, shape_hint
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -158,27 +145,10 @@ def _block_if(kind: type) -> Any:
     return Discriminator(lambda value: _BLOCK if isinstance(value, kind) else _NAME)
 
 
-class StyleRow(Strict):
+class StyleRow(Strict, options=Style):
     """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
 
     name: StyleName = Field(default=DEFAULT_STYLE, description="The set of options from which the others are taken.")
-    rotations: Order | None = Field(default=None, description="Kinematic entries without a length: from base or tool.")
-    positions: LengthOrder | None = Field(default=None, description="Those with lengths: from base, tool, by length.")
-    short: ShortSums | None = Field(default=None, description="Whether kinematic sums of up to three terms are nested.")
-    inertia: Grouping | None = Field(default=None, description="What is grouped first in the inertia matrix.")
-    christoffel: Grouping | None = Field(default=None, description="What is grouped first in Christoffel symbols.")
-    gravity: Grouping | None = Field(default=None, description="What is grouped first in torques of gravity.")
-    torques: Grouping | None = Field(default=None, description="What is grouped first in the coefficients of torques.")
-    potential: Grouping | None = Field(default=None, description="What is grouped first in the potential energy.")
-    kinetic: Kinetic | None = Field(default=None, description="Kinetic energy by entries of B, or by bodies.")
-    products: Products | None = Field(default=None, description="Whether products of sums stay products.")
-    brackets: Brackets | None = Field(default=None, description="Which bodies' coefficients stand in brackets.")
-    factors: CommonFactors | None = Field(default=None, description="What is taken out of a body's bracket.")
-    g: GravityPlace | None = Field(default=None, description="Gravity in every term, or in front of more.")
-    coriolis: Rates | None = Field(default=None, description="How rates are collected in C, N and dB/dt.")
-    velocities: Rates | None = Field(default=None, description="How products of velocities are collected in torques.")
-    accelerations: Rates | None = Field(default=None, description="How accelerations are collected in torques.")
-    contraction: Contraction | None = Field(default=None, description="Which sums of joint angles are contracted.")
 
 
 class FigureRow(Strict):

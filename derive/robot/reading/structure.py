@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 class Strict:
     """A block of a file: its keys are annotated, and any key that is not named is an error."""
 
+    def __init_subclass__(cls, options: Any = None) -> None:
+        """Keys that may be left out: the fields of a dataclass of options, each annotated with what it is."""
+        for name, kind in get_type_hints(options, include_extras=True).items() if options else ():
+            cls.__annotations__[name] = kind.__origin__ | None
+            setattr(cls, name, Field(default=None, description=kind.__metadata__[0]))
+
 
 @dataclass(frozen=True, eq=False)
 class _Said:

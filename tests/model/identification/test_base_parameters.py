@@ -14,12 +14,13 @@ import numpy.typing as npt
 import pytest
 
 from derive.algebra.domain import polynomial_expression
+from derive.algebra.quotients import Quotient
 from derive.errors import ExpressionError, Location
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.space import exactly
-from derive.model.identification.base_parameters import Coefficient, base_set
+from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction, is_rational, is_zero, null_space
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.regressor_null_space import WIDTH, bare_chain, combined, directions, keeping
@@ -67,7 +68,7 @@ def torque_errors(robot: Robot, values: dict[str, float], seed: int) -> tuple[fl
         rows = Regressor(chain, list(qd), list(qdd), ends=ends, sign=lambda x: float(np.sign(x))).rows(parameters)
         return float(np.abs(np.array(rows) @ values - wanted).max() / np.abs(wanted).max())
 
-    def number(c: Coefficient) -> float:
+    def number(c: Quotient) -> float:
         parts = (polynomial_expression(p, base.domain) for p in (c.numerator, c.denominator))
         return truediv(*(to_float(part, domain.values) for part in parts))
 
