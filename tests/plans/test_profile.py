@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from itertools import pairwise
-from math import factorial
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from sympy import Integer, Rational, pi, sqrt
 
 from derive.motion.curves.extremes import peak
 from derive.motion.curves.trajectory import Trajectory
-from derive.plans.hermite import TIME, Piece, basis, joined, power_coefficients, sampled
+from derive.plans.hermite import TIME, Piece, joined, power_coefficients, sampled
 from derive.plans.profile import UNIT_PEAKS, Cosine, Curve, Profile, rest_to_rest, spline, trapezoid, via_velocities
 from derive.plans.segments import Segment
 
@@ -92,22 +90,6 @@ def test_a_curve_is_its_formula() -> None:
     assert curve.sampled(t, 0) == pytest.approx(t**2 / 10 - 1)
     assert curve.sampled(t, 1) == pytest.approx(t / 5)
     assert curve.sampled(t, 2).tolist() == [0.2] * 11
-
-
-def derivative(row: tuple[int, ...], order: int, u: int) -> Fraction:
-    """A derivative of a polynomial at 0 or 1, by falling factorials."""
-    powers = ((p, c) for p, c in enumerate(row) if p >= order)
-    return sum((c * Fraction(factorial(p), factorial(p - order)) * u ** (p - order) for p, c in powers), Fraction(0))
-
-
-@pytest.mark.parametrize("k", [2, 3, 4])
-def test_each_polynomial_has_one_derivative_at_one_end_and_none_of_the_others(k: int) -> None:
-    for b, row in enumerate(basis(k)):
-        at, order = divmod(b, k)
-        for end in (0, 1):
-            for other in range(k):
-                expected = factorial(order) if (end, other) == (at, order) else 0
-                assert derivative(row, other, end) == expected
 
 
 @pytest.mark.parametrize("k", [2, 3, 4])

@@ -37,13 +37,6 @@ def state(plant: Plant) -> np.ndarray:
     return np.concatenate([[0, 0.8, -1.5, 0.2, 0.3, 0.5], np.zeros(6), [0, 0]])
 
 
-def test_the_energy_of_a_fall_is_kept(plant: Plant) -> None:
-    (end,), divergence = smooth(plant, idle, state(plant), (0.0, 1.0), np.array([1.0]))
-    assert divergence is None
-    before = plant.energy(state(plant)[:6], np.zeros(6))
-    assert plant.energy(end[:6], end[6:12]) == pytest.approx(before - end[13], abs=1e-8)
-
-
 @pytest.mark.parametrize("step", [smooth, exact, stepped])
 def test_what_diverges_says_when_and_where_and_keeps_its_rows(plant: Plant, step: object) -> None:
     def driven(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
