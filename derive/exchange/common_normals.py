@@ -80,7 +80,14 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     own, free = Line(frame.origin, frame.z), [axis, Line(frame.origin, axis.direction)]
     if parallel(own.direction, axis.direction, NOTHING) or not _is_far(own, axis, arm.reach):
         free = [own, *free]
-    spots = _spots(arm, lines)
+    # Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint.
+    spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
+    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
+    for i, j in pairwise(turning):
+        line, other = lines[i], lines[j]
+        if not parallel(line.direction, other.direction, ALIKE):
+            near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))
+            spots += [(k, spot) for k, spot, own in near if length(plus(spot, own, -1)) <= FAR * arm.reach + ALIKE]
     options = [[line] for line in lines]
     for i, (line, joint) in enumerate(zip(lines, arm.axes, strict=True)):
         for spot in () if joint.is_revolute else _near(spots, i):  # the axis of a slide may stand anywhere
@@ -140,18 +147,6 @@ def _along(line: Line, direction: Point) -> Line:
     return Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
 
 
-def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
-    """Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint."""
-    spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
-    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
-    for i, j in pairwise(turning):
-        line, other = lines[i], lines[j]
-        if not parallel(line.direction, other.direction, ALIKE):
-            near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))
-            spots += [(k, spot) for k, spot, own in near if length(plus(spot, own, -1)) <= FAR * arm.reach + ALIKE]
-    return spots
-
-
 def _near(spots: Sequence[tuple[int | None, Point]], joint: int) -> list[Point]:
     """Of points with their joints those at the ends of the arm and near a joint."""
     return [spot for i, spot in spots if i is None or abs(i - joint) <= NEIGHBOURS]
@@ -161,7 +156,11 @@ def _candidates(
     arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[tuple[int | None, Point]], standard: bool, snap: float
 ) -> list[list[_Candidate]]:
     """Frames on each axis: origins at common normals or near spots, x along normals or what is known."""
-    normals = [_across(a, b) for a, b in pairwise(columns)]
+    normals = []  # directions of the common normals of the lines of two joints
+    for before, after in pairwise(columns):
+        normal = cross(before[0].direction, after[0].direction)
+        ways = (plus(other.foot(line.point), line.point, -1) for line in before for other in after)
+        normals.append([normal] if length(normal) > ALIKE else list(ways))
     ends = [WORLD.x, WORLD.y, arm.end.x, arm.end.y]
     known = [[*ends, *chain(*normals[max(i - NEIGHBOURS, 0) : i + NEIGHBOURS])] for i in range(len(columns))]
     found = []
@@ -176,14 +175,6 @@ def _candidates(
                     frames.setdefault(key, frame)
         found.append([_Candidate(frame) for frame in frames.values()])
     return found
-
-
-def _across(column: Sequence[Line], following: Sequence[Line]) -> list[Point]:
-    """Directions of the common normals of the lines of two joints."""
-    normal = cross(column[0].direction, following[0].direction)
-    if length(normal) > ALIKE:
-        return [normal]
-    return [plus(other.foot(line.point), line.point, -1) for line in column for other in following]
 
 
 def _normals(

@@ -203,7 +203,17 @@ class _PlanReader:
             branch = self._document.scalar((*path, "branch"))
             if branch and not branch.text.strip(" ,"):
                 raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
-            return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
+            place: KeyPath = (*path, "pose")
+
+            def _three(key: str, read: Read) -> Vector:
+                return tuple(self._numbers.number((*place, key, k), read) for k in range(3))
+
+            given = [key for key in ("rpy", "zyz") if self._document.find((*place, key)) is not None]
+            if len(given) > 1:
+                raise self._document.error(place, "both rpy and zyz", "allowed: one of the two", "remove one")
+            angles = _three(given[0], self._cells.angle) if given else None
+            pose = Pose(_three("p", self._cells.length), angles, given == ["zyz"])
+            return Point(name, None, pose, branch.text if branch else "", location)
         numbers, q = self._numbers, self._numbers.of_joints(path)
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             ends = joint.limits or ()
@@ -216,16 +226,6 @@ class _PlanReader:
                 found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
                 raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
         return Point(name, q, None, "", location)
-
-    def _pose(self, path: KeyPath) -> Pose:
-        def _three(key: str, read: Read) -> Vector:
-            return tuple(self._numbers.number((*path, key, k), read) for k in range(3))
-
-        given = [key for key in ("rpy", "zyz") if self._document.find((*path, key)) is not None]
-        if len(given) > 1:
-            raise self._document.error(path, "both rpy and zyz", "allowed: one of the two", "remove one")
-        angles = _three(given[0], self._cells.angle) if given else None
-        return Pose(_three("p", self._cells.length), angles, given == ["zyz"])
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")

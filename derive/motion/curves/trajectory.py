@@ -32,13 +32,10 @@ class Trajectory:
         """How long it lasts [s]."""
         return self.segments[-1].start + self.segments[-1].duration
 
-    @cached_property
-    def _starts(self) -> Array:
-        return np.array([float(segment.start) for segment in self.segments])
-
     def segment_at(self, times: Array) -> Indices:
         """Which segment the arm is in."""
-        found = np.searchsorted(self._starts, times, side="right") - 1
+        starts = [float(segment.start) for segment in self.segments]
+        found = np.searchsorted(starts, times, side="right") - 1
         return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
