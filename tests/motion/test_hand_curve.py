@@ -139,13 +139,6 @@ def test_near_the_straight_arm_steps_are_damped_and_the_vanishing_factor_is_name
     assert np.abs(np.diff(found.q, axis=0)).max() < 1
 
 
-@pytest.mark.parametrize("bend", [0.02, 0.0])
-def test_a_target_near_or_on_a_singular_configuration_is_closed_on(walker: Walker, bend: float) -> None:
-    found = walker.walk(np.array([0.3, 0.9]), walker.place(np.array([0.5, bend])), 100)
-    assert found.damped > 0
-    assert found.closed <= 1e-9
-
-
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.5, 0.0], [0.5, np.pi], [0.3, 1.0], [0.3, 1e-8]])
 @pytest.mark.parametrize("share", [0.3, -0.3, 0.6, -0.9])
 @pytest.mark.parametrize("steps", [50, 400])

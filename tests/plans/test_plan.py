@@ -27,7 +27,6 @@ from derive.robot.load import catalogue_names
 from derive.robot.reading.document import Document, YamlMapping, read_document, read_tree
 from derive.robot.reading.structure import model_of
 from derive.robot.robot import Robot
-from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE, REACH
 from tests.motion.wrong_plans import RIGHT, WRONG
 
@@ -45,13 +44,6 @@ def refusal(text: str) -> str:
         plan_from_bytes(text.encode(), "plan.yaml")
     assert caught.value.exit_status == 2
     return str(caught.value)
-
-
-def test_points_are_read_in_the_units_of_the_robot() -> None:
-    plan = plan_from_bytes(PICK_AND_PLACE.encode(), "plan.yaml")
-    assert [to_text(value) for value in plan.points["B"].q or ()] == ["pi/2", "pi/2", "3", "0"]
-    assert plan.start == "rest"
-    assert [step.to for step in plan.steps] == ["A", "B", "A", "C", "D"]
 
 
 def test_a_robot_may_stand_in_the_plan() -> None:
@@ -187,20 +179,6 @@ def test_the_schema_describes_every_key_and_has_no_null() -> None:
 def test_what_no_file_can_be_called_is_no_plan(text: str) -> None:
     with pytest.raises(UnknownRobotError, match="is neither a file nor a built-in plan"):
         plan_bytes(text)
-
-
-def test_hand_of_the_skeleton_goes_where_slide_29_says() -> None:
-    """p = (Tx, Ty) + l0 (c_beta, -s_beta) + l1 (c_ab, -s_ab) on the curves of the plan."""
-    motion = Motion.load("skeleton-reach")
-    t = np.linspace(0, 4, 9)
-    q = motion(t)[0]
-    beta, both = q[:, 2], q[:, 2] + q[:, 3]
-    assert q[:, 0] == pytest.approx(0.3 * t, abs=1e-15)
-    x = 0.3 * t + 0.32 * np.cos(beta) + 0.27 * np.cos(both)
-    y = 0.9 + 0.02 * np.cos(np.pi * t) - 0.32 * np.sin(beta) - 0.27 * np.sin(both)
-    oracle = Oracle.of(motion.plan.robot, {"l0": 0.32, "l1": 0.27})
-    hand = np.array([oracle.evaluate("forward_kinematics", row)[:2, 3] for row in q])
-    assert hand == pytest.approx(np.stack([x, y], axis=1), abs=1e-12)
 
 
 def test_what_is_neither_a_file_nor_a_plan_is_named_with_what_was_meant() -> None:

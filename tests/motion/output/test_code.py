@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import re
 import subprocess
-from fractions import Fraction
 from pathlib import Path
 
 import casadi
 import numpy as np
 import pytest
-from sympy import Abs, Integer, Rational, Symbol, cos, exp, lambdify, pi, sin, sqrt, sympify, tan
+from sympy import Integer, Rational, Symbol, exp, lambdify, pi, sympify
 
 from derive.api.move import move
 from derive.errors import OutputError, QuantityError, VerificationError
 from derive.motion.motion import Motion
 from derive.motion.output import code
 from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, verify_code
-from derive.motion.output.kernels import CLOCK, ROW, kernel_name, kernel_of, row_of
+from derive.motion.output.kernels import kernel_name, kernel_of, row_of
 from derive.motion.output.printed import printed
 from derive.motion.torques.functions import module_of
-from derive.plans.hermite import TIME, Piece
+from derive.plans.hermite import TIME
 from derive.plans.profile import Cosine, Curve
-from derive.programs.tape.tape import evaluate
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
 from tests.motion.plans import PICK_AND_PLACE
@@ -221,54 +219,6 @@ def test_the_command_writes_three_files(tmp_path: Path) -> None:
 
 
 ZERO = Integer(0)
-
-
-def values(piece, t, row, arithmetic):
-    return evaluate(kernel_of(piece, "q1").tape, {CLOCK: [t], ROW: row}, arithmetic)
-
-
-@pytest.mark.parametrize("k", [2, 3, 4])
-def test_polynomials_are_exact_in_rationals(k: int) -> None:
-    """Against the polynomial that SymPy expands, differentiated by SymPy."""
-    ends = tuple(tuple(Rational(7 * i + 3 * end + 1, 5) for i in range(k)) for end in range(2))
-    piece = Piece(Rational(1, 3), Rational(5, 4), ends)
-    polynomial = piece.in_unit_time()
-    row = [Fraction(1, 3), Fraction(5, 4), *(Fraction(int(v.p), int(v.q)) for end in ends for v in end)]
-    for u in (Fraction(0), Fraction(2, 7), Fraction(1)):
-        found = values(piece, row[0] + u * row[1], row, {"number": Fraction})
-        for order, value in enumerate(found):
-            wanted = polynomial.eval(Rational(u.numerator, u.denominator)) / piece.duration**order
-            assert Rational(value.numerator, value.denominator) == wanted
-            polynomial = polynomial.diff() if order < 2 else piece.in_unit_time()
-
-
-def sympy_arithmetic():
-    return {
-        "number": lambda value: Rational(value.numerator, value.denominator) if isinstance(value, Fraction) else pi,
-        "sin": sin,
-        "cos": cos,
-        "sqrt": sqrt,
-        "less": lambda a, b: int(bool(a < b)),
-        "select": lambda case, a, b: a if case else b,
-        "absolute": Abs,
-    }
-
-
-@pytest.mark.parametrize("u", [ZERO, Rational(1, 3), Rational(1, 2), Rational(5, 6), Integer(1)])
-def test_harmonic_pieces_are_cosines(u: Integer) -> None:
-    piece = Cosine(Integer(2), Integer(3), ((Integer(1),), (Integer(5),)))
-    found = values(piece, 2 + 3 * u, [2, 3, 1, 5], sympy_arithmetic())
-    formula = 1 + 4 * (1 - cos(pi * (TIME - 2) / 3)) / 2
-    for order, value in enumerate(found):
-        assert (value - formula.diff(TIME, order).subs(TIME, 2 + 3 * u)).equals(0)
-
-
-def test_curves_are_derived_exactly() -> None:
-    formula = sqrt(1 + TIME**2) * tan(TIME / 9) / (2 + sin(TIME)) ** 3
-    piece = Curve(ZERO, Integer(5), (formula, formula.diff(TIME), formula.diff(TIME, 2)))
-    found = values(piece, Rational(7, 5), [], sympy_arithmetic())
-    for value, wanted in zip(found, piece.formulas, strict=True):
-        assert abs((value - wanted.subs(TIME, Rational(7, 5))).evalf(40)) < 1e-30
 
 
 def test_a_formula_that_no_language_has_is_refused() -> None:

@@ -11,7 +11,6 @@ import pytest
 from derive.errors import DeriveError
 from derive.motion.motion import Motion
 from derive.motion.paths.fastest import FastestMotion
-from derive.motion.paths.smooth import grid_of, smooth_path
 from derive.robot.evaluate import evaluate
 from tests.motion.random_arms import arm as arm_of
 from tests.motion.random_arms import points
@@ -151,16 +150,6 @@ def test_where_joints_stand_they_stand_and_a_line_without_length_for_a_second() 
         segment = Motion.from_text(text.replace("profile: fastest\n", "") + path).trajectory.segments[0]
         assert segment.duration == 1
         assert [float(q) for q, *_ in (pieces[0].values[1] for pieces in segment.joints)] == [0.4, 1.5]
-
-
-def test_bounds_by_themselves() -> None:
-    """A point on a line: q = s; bounds of acceleration alone."""
-    path = smooth_path(np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))
-    grid = grid_of(path, np.array([0.0, 1.0]))
-    none = np.array([np.inf])
-    steps = np.zeros(len(grid) - 1, dtype=int)
-    nodes = FastestMotion(path, grid, steps, (none, np.array([4.0]), none), lambda *_: np.zeros(1)).solve()
-    assert nodes.times[-1] == pytest.approx(1, rel=1e-5)
 
 
 @pytest.mark.parametrize(
