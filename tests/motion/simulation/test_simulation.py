@@ -17,6 +17,7 @@ from derive.motion.simulation.stages import NEEDS, stages_of
 from derive.plans.points import Payload
 from derive.plans.profile import Profile
 from derive.plans.schema import Law
+from derive.robot.evaluate import evaluate
 from derive.robot.expression import number
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import decimal, dressed
@@ -183,6 +184,7 @@ def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
     power = (run.tau * run.qd).sum(axis=1)
     if "period" in law:  # the torque of a row was held since the row before
         work = np.append(0, np.cumsum((run.tau[1:] * np.diff(run.q, axis=0)).sum(axis=1)))
+        assert len(np.unique(run.tau[:, 0])) == motion.duration / evaluate(motion.plan.control.period, {})  # type: ignore[arg-type]
     else:
         work = integrate.cumulative_simpson(power, x=run.t, initial=0)
     largest = np.abs(power).max()
