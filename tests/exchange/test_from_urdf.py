@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.arm import arm_of, snapped, tips
+from derive.exchange.arm import arm_of, tips
 from derive.exchange.certificate import certify
 from derive.exchange.common_normals import place
 from derive.exchange.formats import exported
@@ -32,13 +32,6 @@ SNAP = Fraction(1, 10**6)
 
 def read(*joints: J) -> Urdf:
     return read_urdf(urdf(joints).encode(), "arm.urdf")
-
-
-def test_angles_near_fractions_of_pi_are_taken_for_them() -> None:
-    with exactly():
-        written = (Fraction("1.570796"), Fraction(0), Fraction(0))
-        assert snapped(written, SNAP)[0] != snapped(written, Fraction(0))[0]
-        assert float(snapped(written, SNAP)[0]) == float(HALF)
 
 
 def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
@@ -69,18 +62,6 @@ def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
 def test_joints_that_no_table_has_are_refused_by_name(joint: J, found: str) -> None:
     with exactly(), pytest.raises(RobotFileError, match=found):
         arm_of(read(joint), None, None, SNAP)
-
-
-@pytest.mark.parametrize("convention", Convention)
-def test_parallel_axes_have_a_table_with_two_lengths(convention: Convention) -> None:
-    text = urdf([J(), J("0.5 0 0"), J("0.4 0 0", type="fixed")])
-    with exactly():
-        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
-        placement = place(arm, convention, 1e-6)
-    lengths = sorted(abs(float(cell)) for row in placement.rows for cell in (row.d, row.a, row.theta, row.alpha))
-    assert [cell for cell in lengths if cell] == pytest.approx(
-        [0.4, 0.5] if convention is Convention.STANDARD else [0.5]
-    )
 
 
 def test_a_slide_takes_the_place_that_costs_least() -> None:
