@@ -327,29 +327,26 @@ class _PlanReader:
 
 def check_effects(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> None:
     """Refuse the first key of a plan without effect; ``given`` is which of path, curves and recorded it has."""
-    for path, found, remedy in _idle(document, robot, given, points, steps):
-        if document.find(path) is not None:
-            raise document.error(path, found, remedy=remedy)
-
-
-def _idle(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> Iterator[Idle]:
+    idle: list[Idle] = []
     if given != "path":
-        yield from (((key,), f"{key} beside {given}, and there is no path", f"leave {key} out") for key in OF_PATHS)
+        idle += (((key,), f"{key} beside {given}, and there is no path", f"leave {key} out") for key in OF_PATHS)
     if not any(step.profile is Profile.SPLINE for step in steps):
         found = f"{document.text('spline')}, and no profile is spline"
-        yield ("spline",), found, "write profile: spline, or leave spline: out"
+        idle.append((("spline",), found, "write profile: spline, or leave spline: out"))
     if FREEDOMS.keys().isdisjoint(robot.inverse.task):
         found = f"an orientation, and the task of {robot.name} has none"
         poses: list[KeyPath] = [("points", name, "pose") for name in points]
-        yield from (((*path, key), found, "leave it out") for path in poses for key in ("rpy", "zyz"))
+        idle += (((*path, key), found, "leave it out") for path in poses for key in ("rpy", "zyz"))
     if document.text("control", "law") == "none":
         remedy = "name another law, or leave it out"
-        yield from ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
+        idle += ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
     if not robot.has_dynamics:
         remedy = "leave it out, or write links into the robot file"
         bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
-        yield from ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
-    yield from _stopped(document, steps)
+        idle += ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
+    for path, found, remedy in (*idle, *_stopped(document, steps)):
+        if document.find(path) is not None:
+            raise document.error(path, found, remedy=remedy)
 
 
 def _stopped(document: Document, steps: Sequence[Step]) -> Iterator[Idle]:

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from sympy import Float
 
-from derive.arrays import Array
 from derive.errors import Location, RobotFileError, TargetError, install_extra, listed, quoted
 from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import joined
@@ -55,20 +54,16 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     orders = (numbers.shape[1] - 1) // robot.n
     states = numbers[:, 1:].reshape(len(times), orders, robot.n)
     if orders == 1:
-        states = np.stack([states[:, 0], _spline_rates(times, states[:, 0])], axis=1)
+        try:
+            from scipy.interpolate import CubicSpline
+        except ImportError:
+            found = "rates of a recorded motion need scipy, which is not installed"
+            raise TargetError(found, remedy=install_extra("motion")) from None
+        # Velocities of the cubic spline without a knot at the second point and the last but one.
+        states = np.stack([states[:, 0], CubicSpline(times, states[:, 0])(times, 1)], axis=1)
     when = [Float(t) for t in times]
     joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.n))
     return Trajectory((Segment("recording", when[0], when[-1], joints),))
-
-
-def _spline_rates(times: Array, q: Array) -> Array:
-    """Velocities of the cubic spline without a knot at the second point and the last but one."""
-    try:
-        from scipy.interpolate import CubicSpline
-    except ImportError:
-        found = "rates of a recorded motion need scipy, which is not installed"
-        raise TargetError(found, remedy=install_extra("motion")) from None
-    return np.asarray(CubicSpline(times, q)(times, 1))
 
 
 def _columns(heading: list[str], robot: Robot, source: str) -> list[tuple[int, float]]:

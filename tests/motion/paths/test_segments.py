@@ -12,7 +12,9 @@ from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.errors import RobotFileError
 from derive.motion.motion import Motion
+from derive.motion.paths.hand import Hand
 from derive.motion.paths.poses import Way, rotation_of, rotation_vector
+from derive.motion.paths.segments import trajectory_of
 from derive.motion.paths.singular import usual_rank, vanishing_factor
 from derive.motion.paths.smooth import INTERVALS, Nodes, grid_of, one_second, smooth_path
 from derive.motion.torques.functions import Functions
@@ -97,6 +99,13 @@ acceleration: [20, 20]
     slower = Motion.from_text(text.replace("line: yes", f"line: yes, time: {found.duration:.6f}"))
     t = np.linspace(0, found.duration, 50)
     assert slower(t)[0] == pytest.approx(found(t)[0], abs=1e-9)
+
+
+def test_segments_follow_one_another_through_their_points() -> None:
+    made = motion("path: [a, {to: b, time: 1}, {to: c, time: 2}]\n")
+    segments = trajectory_of(made.plan, Hand(made.plan, made.values, made._exact, made._loaded)).segments
+    spans = [(segment.name, segment.start, segment.duration) for segment in segments]
+    assert spans == [("a -> b", 0, 1), ("b -> c", 1, 2)]
 
 
 @pytest.mark.parametrize(
