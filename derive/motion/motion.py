@@ -17,8 +17,7 @@ from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.formulas_of_time import curves_of, followed
-from derive.motion.curves.recording import read_recording
+from derive.motion.curves.given import curves_of, followed, read_recording
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand

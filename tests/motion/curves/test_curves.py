@@ -11,9 +11,8 @@ from sympy import Abs, DiracDelta, Float, Integer, Rational, cos, pi, sign, sin,
 
 from derive.errors import DeriveError
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.formulas_of_time import followed
+from derive.motion.curves.given import followed, read_recording
 from derive.motion.curves.limits import Limits, proportions, rounded_up
-from derive.motion.curves.recording import read_recording
 from derive.motion.curves.trajectory import Segment, Trajectory
 from derive.motion.curves.violations import Violation, exceeded, nearby
 from derive.motion.motion import Motion
@@ -200,7 +199,7 @@ def test_long_files_are_read_to_their_end_or_refused(tmp_path: Path, monkeypatch
     assert (tmp_path / "walk.csv").stat().st_size > 262_144
     made = read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
     assert float(made.duration) == 5999
-    monkeypatch.setattr("derive.motion.curves.recording.BYTES", 1000)
+    monkeypatch.setattr("derive.motion.curves.given.BYTES", 1000)
     with pytest.raises(DeriveError, match="more than 1000 bytes"):
         read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
 
