@@ -44,8 +44,7 @@ class Mass:
     """A body, placed."""
 
     mass: Fraction  # [kg]
-    com: Point  # centre of mass
-    axes: Frame  # directions in which the tensor is given
+    axes: Frame  # at its centre of mass, with the directions in which the tensor is given
     inertia: tuple[Fraction, ...]  # xx, yy, zz, xy, xz, yz about the centre of mass, along these
     link: str  # name of the link of the file
 
@@ -185,7 +184,17 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
             hint = near_miss(name, urdf.bodies) or f"links: {_some(list(urdf.bodies))}"
             raise RobotFileError(f"{urdf.source}: no link {quoted(name)}", remedy=hint)
     carrying = _carrying(urdf)
-    end = _only_tip(urdf) if tip is None else tip
+    if tip is None:
+        ends = moving_tips(urdf)
+        if not tips(urdf):
+            _ancestry(urdf, carrying, next(iter(urdf.bodies)))  # raises: every link carries another
+        if not ends:
+            remedy = "give a robot with a joint that moves"
+            raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
+        if len(ends) > 1:
+            found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
+            raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
+    end = ends[0] if tip is None else tip
     down = _ancestry(urdf, carrying, end)
     start = base if base is not None else (down[-1].parent if down else end)
     up = _ancestry(urdf, carrying, start)
@@ -207,19 +216,6 @@ def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
     ways = [_ancestry(urdf, carrying, link) for link in (one, other)]
     names = [{joint.name for joint in way} for way in ways]
     return [joint for way in ways for joint in way if joint.name in names[0] ^ names[1]]
-
-
-def _only_tip(urdf: Urdf) -> str:
-    ends = moving_tips(urdf)
-    if not tips(urdf):
-        _ancestry(urdf, _carrying(urdf), next(iter(urdf.bodies)))  # raises: every link carries another
-    if not ends:
-        remedy = "give a robot with a joint that moves"
-        raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
-    if len(ends) > 1:
-        found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
-        raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
-    return ends[0]
 
 
 def _some(names: Sequence[str], most: int = 24) -> str:
@@ -288,7 +284,7 @@ class _Tree:
             body = self._bodies[name]
             if body is not None:
                 axes = at.then(frame_at(body.origin, self._snap))
-                found.append(Mass(body.mass, axes.origin, axes, body.inertia, name))
+                found.append(Mass(body.mass, axes, body.inertia, name))
             for joint, upwards in self._beside.get(name, ()):
                 other = joint.parent if upwards else joint.child
                 if other not in seen:

@@ -195,7 +195,16 @@ def body_chain(robot: Robot) -> BodyChain:
         dh.append(before)
     tool, base = frame_of(robot.tool), frame_of(robot.base)
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
-    drags = _drags(robot)
+    # Of each joint the cosines of its axis with those of the turning joints before it, where they are constant:
+    # w_i . z = sum_j s_j (z_j . z_i) qd_j, so that constant cosines make a constant coupling.
+    numeric, q = numeric_arm(robot), np.random.default_rng(0).uniform(-2, 2, (6, robot.n))
+    axes, _ = joint_axes(numeric, chain_frames(numeric, q))
+    cosines: Array = np.einsum("kia,kja->kij", axes, axes) * (numeric.sign * numeric.revolute)
+    drags: list[tuple[float, ...] | None] = []
+    for i in range(robot.n):
+        turning = cosines[:, i, :i]
+        varies = i > 0 and float(np.ptp(turning, axis=0).max()) > CONSTANT
+        drags.append(None if varies else tuple(float(c) for c in turning[0]))
     links = robot.links or (Link(),) * robot.n
     segments, nothing = [], (arb(0), arb(0), arb(0))
     for joint, link, origin, own, end, drag in zip(robot.joints, links, origins, dh, ends, drags, strict=True):
@@ -207,21 +216,6 @@ def body_chain(robot: Robot) -> BodyChain:
             rotor = Rotor(rotating, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
         segments.append(ChainSegment(joint, link, origin, own, body, rotor, end))
     return BodyChain(robot, base, tuple(segments), tool)
-
-
-def _drags(robot: Robot) -> list[tuple[float, ...] | None]:
-    """Of each joint the cosines of its axis with those of the turning joints before it, where they are constant."""
-    arm = numeric_arm(robot)
-    q = np.random.default_rng(0).uniform(-2, 2, (6, robot.n))
-    axes, _ = joint_axes(arm, chain_frames(arm, q))
-    # w_i . z = sum_j s_j (z_j . z_i) qd_j over the turning joints before: constant cosines make a constant coupling.
-    cosines: Array = np.einsum("kia,kja->kij", axes, axes) * (arm.sign * arm.revolute)
-    found: list[tuple[float, ...] | None] = []
-    for i in range(robot.n):
-        before = cosines[:, i, :i]
-        varies = i > 0 and float(np.ptp(before, axis=0).max()) > CONSTANT
-        found.append(None if varies else tuple(float(c) for c in before[0]))
-    return found
 
 
 def roll_pitch_yaw(frame: Frame) -> Point:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import chain, pairwise
 
 import numpy as np
@@ -58,18 +57,6 @@ class Placement:
     far: tuple[tuple[int, bool], ...] = ()  # axes, from 0, that meet the one before too far away; if taken as parallel
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    """A frame that a table may have."""
-
-    frame: Frame
-
-    @cached_property
-    def numbers(self) -> np.ndarray:
-        """Origin, x and z in floats, (3, 3)."""
-        return np.array([[float(c) for c in v] for v in (self.frame.origin, self.frame.x, self.frame.z)])
-
-
 def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     """The table of an arm; axes closer to parallel or to each other than the snap are taken for it [rad, m]."""
     lines, far = _straightened(arm, snap)
@@ -80,7 +67,14 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     own, free = Line(frame.origin, frame.z), [axis, Line(frame.origin, axis.direction)]
     if parallel(own.direction, axis.direction, NOTHING) or not _is_far(own, axis, arm.reach):
         free = [own, *free]
-    spots = _spots(arm, lines)
+    # Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint.
+    spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
+    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
+    for i, j in pairwise(turning):
+        line, other = lines[i], lines[j]
+        if not parallel(line.direction, other.direction, ALIKE):
+            near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))
+            spots += [(k, spot) for k, spot, own in near if length(plus(spot, own, -1)) <= FAR * arm.reach + ALIKE]
     options = [[line] for line in lines]
     for i, (line, joint) in enumerate(zip(lines, arm.axes, strict=True)):
         for spot in () if joint.is_revolute else _near(spots, i):  # the axis of a slide may stand anywhere
@@ -88,9 +82,8 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
                 options[i].append(Line(spot, line.direction))
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
-    chosen = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
-    rows = tuple(_row(a.frame, b.frame, standard) for a, b in pairwise(chosen))
-    frames = tuple(candidate.frame for candidate in chosen)
+    frames = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
+    rows = tuple(_row(a, b, standard) for a, b in pairwise(frames))
     tool, changes = arm.end.seen_from(frames[-1]), tuple(float(sine) for sine in turned if sine > NOTHING)
     return Placement(convention, frames, rows, tool, changes, far)
 
@@ -140,18 +133,6 @@ def _along(line: Line, direction: Point) -> Line:
     return Line(line.point, direction if dot(direction, line.direction) > 0 else times(direction, -1))
 
 
-def _spots(arm: Arm, lines: Sequence[Line]) -> list[tuple[int | None, Point]]:
-    """Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint."""
-    spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
-    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
-    for i, j in pairwise(turning):
-        line, other = lines[i], lines[j]
-        if not parallel(line.direction, other.direction, ALIKE):
-            near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))
-            spots += [(k, spot) for k, spot, own in near if length(plus(spot, own, -1)) <= FAR * arm.reach + ALIKE]
-    return spots
-
-
 def _near(spots: Sequence[tuple[int | None, Point]], joint: int) -> list[Point]:
     """Of points with their joints those at the ends of the arm and near a joint."""
     return [spot for i, spot in spots if i is None or abs(i - joint) <= NEIGHBOURS]
@@ -159,9 +140,13 @@ def _near(spots: Sequence[tuple[int | None, Point]], joint: int) -> list[Point]:
 
 def _candidates(
     arm: Arm, columns: Sequence[Sequence[Line]], spots: Sequence[tuple[int | None, Point]], standard: bool, snap: float
-) -> list[list[_Candidate]]:
+) -> list[list[Frame]]:
     """Frames on each axis: origins at common normals or near spots, x along normals or what is known."""
-    normals = [_across(a, b) for a, b in pairwise(columns)]
+    normals = []  # directions of the common normals of the lines of two joints
+    for before, after in pairwise(columns):
+        normal = cross(before[0].direction, after[0].direction)
+        ways = (plus(other.foot(line.point), line.point, -1) for line in before for other in after)
+        normals.append([normal] if length(normal) > ALIKE else list(ways))
     ends = [WORLD.x, WORLD.y, arm.end.x, arm.end.y]
     known = [[*ends, *chain(*normals[max(i - NEIGHBOURS, 0) : i + NEIGHBOURS])] for i in range(len(columns))]
     found = []
@@ -174,16 +159,8 @@ def _candidates(
                     frame = Frame.of(origin, times(x, sign), line.direction)
                     key = tuple(round(float(c), 12) for v in (origin, frame.x, frame.z) for c in v)
                     frames.setdefault(key, frame)
-        found.append([_Candidate(frame) for frame in frames.values()])
+        found.append(list(frames.values()))
     return found
-
-
-def _across(column: Sequence[Line], following: Sequence[Line]) -> list[Point]:
-    """Directions of the common normals of the lines of two joints."""
-    normal = cross(column[0].direction, following[0].direction)
-    if length(normal) > ALIKE:
-        return [normal]
-    return [plus(other.foot(line.point), line.point, -1) for line in column for other in following]
 
 
 def _normals(
@@ -231,21 +208,24 @@ def _angle(a: Point, b: Point, about: Point) -> Real:
     return angle_of(dot(cross(a, b), about), dot(a, b))
 
 
-def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bool, loose: float) -> list[_Candidate]:
+def _cheapest(arm: Arm, candidates: Sequence[Sequence[Frame]], standard: bool, loose: float) -> tuple[Frame, ...]:
     """The frames whose table has the fewest numbers (Viterbi)."""
     if not all(candidates):
         raise _lost(arm)
-    costs = np.array([_frame_cost(WORLD, c.frame) for c in candidates[0]])
+    costs = np.array([_frame_cost(WORLD, frame) for frame in candidates[0]])
+    # Origin, x and z of all frames on an axis in floats, (3, frames, 3).
+    parts = ("origin", "x", "z")
+    numbers = [np.array([[list(map(float, getattr(f, v))) for f in column] for v in parts]) for column in candidates]
     back: list[np.ndarray] = []
     # The least cost to each frame from the base on, and which frame it came from.
-    for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(candidates), strict=True):
+    for behind, (column, following) in zip(range(len(candidates) - 1, 0, -1), pairwise(numbers), strict=True):
         steps, cells = _step_costs(column, following, standard, loose)
         far = np.maximum(cells / (FAR * arm.reach + ALIKE), 1)
         steps = steps + EARLY * behind * (cells[0] > ALIKE) + TOO_FAR * ((far > 1) + np.log10(far)).sum(axis=0)
         total = costs[:, None] + steps
         back.append(total.argmin(axis=0))
         costs = total.min(axis=0)
-    costs = costs + np.array([_frame_cost(c.frame, arm.end) for c in candidates[-1]])
+    costs = costs + np.array([_frame_cost(frame, arm.end) for frame in candidates[-1]])
     at = int(costs.argmin())
     if not np.isfinite(costs[at]):  # two lines have a common normal, but floats may not tell where
         raise _lost(arm)
@@ -253,7 +233,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[_Candidate]], standard: bo
     chosen = [at]
     for choice in reversed(back):
         chosen.append(int(choice[chosen[-1]]))
-    return [column[k] for column, k in zip(candidates, reversed(chosen), strict=True)]
+    return tuple(column[k] for column, k in zip(candidates, reversed(chosen), strict=True))
 
 
 def _lost(arm: Arm) -> RobotFileError:
@@ -271,11 +251,11 @@ def _frame_cost(outer: Frame, inner: Frame) -> float:
 
 
 def _step_costs(
-    column: Sequence[_Candidate], following: Sequence[_Candidate], standard: bool, loose: float
+    column: np.ndarray, following: np.ndarray, standard: bool, loose: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Of each pair of frames: the numbers of their row, infinite where x is no common normal; sizes of d and a."""
-    o0, x0, z0 = np.moveaxis(np.array([c.numbers for c in column]), 1, 0)[:, :, None, :]
-    o1, x1, z1 = np.moveaxis(np.array([c.numbers for c in following]), 1, 0)[:, None, :, :]
+    o0, x0, z0 = column[:, :, None, :]
+    o1, x1, z1 = following[:, None, :, :]
     x, turning = (x1, z0) if standard else (x0, z1)
     apart = o1 - o0
     # x is perpendicular to the z that it meets, and (o' - o) . (x x z) = 0: both z meet the line along x.

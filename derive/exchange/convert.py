@@ -55,8 +55,14 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
             f"{quoted(name)} is not a robot name",
             allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
         )
+    # The factor that a comment names, unless it is none of this robot's symbols: it leads back.
+    end = "first" if robot.convention is Convention.STANDARD else "last"
+    matches = (match for line in robot.comments if (match := _BACK.fullmatch(line)) and match["row"] == end)
     try:
-        conversion = convert(robot, _way_back(robot))
+        back = next(matches, None)
+        cells = [parse_expression(back[key], Location("<comment>")) for key in ("a", "alpha")] if back else []
+        is_own = set(robot_symbols(robot)).issuperset(symbol for cell in cells for symbol in names(cell))
+        conversion = convert(robot, Factor(*cells) if cells and is_own else None)
     except (ExpressionError, ArithmeticError):  # the comment has been edited to what is no number
         conversion = convert(robot)
     result = conversion.result
@@ -91,17 +97,3 @@ def moves(conversion: Conversion) -> list[str]:
 def _factor_text(factor: Factor) -> str:
     cells = (("Trans(x, ", factor.a), ("Rot(x, ", factor.alpha))
     return " ".join(f"{name}{cell_text(cell)})" for name, cell in cells if cell != ZERO)
-
-
-def _way_back(robot: Robot) -> Factor | None:
-    """The factor that the comments name, unless it is none of this robot's symbols."""
-    row = "first" if robot.convention is Convention.STANDARD else "last"
-    found = next((match for line in robot.comments if (match := _BACK.fullmatch(line)) and match["row"] == row), None)
-    if found is None:
-        return None
-    try:
-        a, alpha = (parse_expression(found[key], Location("<comment>")) for key in ("a", "alpha"))
-    except ExpressionError:
-        return None
-    known = set(robot_symbols(robot))
-    return Factor(a, alpha) if known.issuperset((*names(a), *names(alpha))) else None

@@ -10,10 +10,10 @@ from flint import arb
 
 from derive.errors import RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
+from derive.exchange.body_chain import RigidBody
 from derive.exchange.common_normals import Placement
 from derive.exchange.urdf import UNLIMITED
-from derive.mechanics.space import NOTHING, Frame, Point, Real, decimal, plus, real
-from derive.mechanics.vectors import dot
+from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, plus, real
 from derive.robot.description import Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -129,7 +129,7 @@ def _link(axis: Axis, frame: Frame, snap: Fraction) -> Link:
         return Link(inertia=Inertia(*_written(tensor, snap)), viscous=viscous, coulomb=coulomb)
     com = (arb(0), arb(0), arb(0))
     for body in axis.bodies:
-        com = plus(com, frame.inside(body.com), real(body.mass) / real(mass))
+        com = plus(com, frame.inside(body.axes.origin), real(body.mass) / real(mass))
     tensor = _tensor(axis.bodies, frame, com)
     x, y, z = _written(com, snap, arb(1))
     inertia = Inertia(*_written(tensor, snap))
@@ -137,18 +137,11 @@ def _link(axis: Axis, frame: Frame, snap: Fraction) -> Link:
 
 
 def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
-    """xx, yy, zz, xy, xz, yz of some bodies about a point of a frame, along its axes (Steiner)."""
-    total = [[arb(0)] * 3 for _ in range(3)]
+    """xx, yy, zz, xy, xz, yz of some bodies about a point of a frame, along its axes."""
+    tensors = []
     for body in bodies:
         xx, yy, zz, xy, xz, yz = map(real, body.inertia)
-        own = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-        axes = [frame.turned(axis) for axis in (body.axes.x, body.axes.y, body.axes.z)]
-        # R I R^T + m (r.r 1 - r r^T).
-        away = plus(frame.inside(body.com), com, -1)
-        far = dot(away, away)
-        for i in range(3):
-            for j in range(3):
-                turned = sum((axes[k][i] * own[k][m] * axes[m][j] for k in range(3) for m in range(3)), arb(0))
-                steiner = (far if i == j else 0) - away[i] * away[j]
-                total[i][j] += turned + real(body.mass) * steiner
-    return [total[0][0], total[1][1], total[2][2], total[0][1], total[0][2], total[1][2]]
+        own = RigidBody(real(body.mass), WORLD.origin, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        tensors.append(own.moved(body.axes.seen_from(frame)).about(com))
+    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    return [sum((tensor[i][j] for tensor in tensors), arb(0)) for i, j in places]

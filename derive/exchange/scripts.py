@@ -12,7 +12,7 @@ from flint import arb
 from derive.exchange.body_chain import BodyChain, is_world
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import angle_text, text, texts
-from derive.mechanics.space import NOTHING, Frame, Real
+from derive.mechanics.space import NOTHING, Frame
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
 from derive.targets.escape import matlab_package, matlab_string, one_line
@@ -62,7 +62,15 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         }
     cells = {"theta": angle_text(joint.theta), "alpha": angle_text(joint.alpha)}
     cells |= {"d": text(ball(joint.d)), "a": text(ball(joint.a))}
-    moving = "theta" if joint.is_revolute else "d"
+    moving, link, rotor = "theta" if joint.is_revolute else "d", arm.segments[i].link, arm.segments[i].rotor
+    # Motor inertia, gear ratio and frictions as the toolboxes count them: on the motor's side of the gear.
+    inertia, ratio = ball(link.armature), arb(1)
+    if rotor is not None and abs(rotor.ratio) > NOTHING:
+        ratio = rotor.ratio
+        inertia = inertia / (ratio * ratio) + rotor.inertia
+    viscous, coulomb = ball(link.viscous) / (ratio * ratio), ball(link.coulomb) / abs(ratio)
+    motor = {"Jm": inertia, "G": ratio, "B": viscous, "Tc": coulomb}
+    has_motor = arm.robot.links and any(abs(motor[key]) > NOTHING for key in ("Jm", "B", "Tc"))
     return {
         **cells,
         "variable": joint.variable,
@@ -72,23 +80,11 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
         "limits": texts(map(ball, joint.limits), ", ") if joint.limits else "",
         "body": body,
-        "motor": _motor(arm, i) if arm.robot.links else {},
+        "motor": {
+            key: text(value) if abs(value) > NOTHING or key != "Tc" else ""
+            for key, value in (motor if has_motor else {}).items()
+        },
     }
-
-
-def _motor(arm: BodyChain, i: int) -> dict[str, Any]:
-    """Motor inertia, gear ratio and frictions as the toolboxes count them: on the motor's side of the gear."""
-    link, rotor = arm.segments[i].link, arm.segments[i].rotor
-    ratio: Real = arb(1)
-    inertia = ball(link.armature)
-    if rotor is not None and abs(rotor.ratio) > NOTHING:
-        ratio = rotor.ratio
-        inertia = inertia / (ratio * ratio) + rotor.inertia
-    viscous, coulomb = ball(link.viscous) / (ratio * ratio), ball(link.coulomb) / abs(ratio)
-    found = {"Jm": inertia, "G": ratio, "B": viscous, "Tc": coulomb}
-    if not any(abs(found[key]) > NOTHING for key in ("Jm", "B", "Tc")):
-        return {}
-    return {key: text(value) if abs(value) > NOTHING or key != "Tc" else "" for key, value in found.items()}
 
 
 def _parts(arm: BodyChain) -> Iterator[dict[str, Any]]:

@@ -133,7 +133,10 @@ def look(
     texts = (element.text, *(child.tail for child in element))
     unknown += ((text.strip(), ()) for text in texts if text and text.strip())
     for name, known in unknown:
-        if _shapes(tag, name):
+        # Whether it could say where something is or what it weighs; no name of a namespace does.
+        harmless = ":" in name or "{" in name or name in LABELS or (tag, name) == PASSED
+        meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
+        if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and meant)):
             remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"
             found, allowed = f"{tag}: {quoted(name)} is not known, and could change the arm", ", ".join(known)
             raise refused(element, found, remedy, allowed and f"allowed: {allowed}")
@@ -143,11 +146,3 @@ def look(
         if within[child] > 1:
             note(element, f"{within[child]} elements {child} in one {tag}: the first is taken")
         look(element.find(child), unread, note, refused)
-
-
-def _shapes(tag: str, name: str) -> bool:
-    """Whether something unknown could say where something is or what it weighs; no name of a namespace does."""
-    if ":" in name or "{" in name or name in LABELS or (tag, name) == PASSED:
-        return False
-    meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
-    return tag in SHAPING or (tag in ("robot", "link", "joint") and bool(meant))

@@ -93,13 +93,25 @@ class Walker:
         return Increments(np.array([*rows[:-1], q]), *sizes)
 
     def _anew(self, q: Array, target: Array, bound: float) -> tuple[Array, int, int]:
-        """From farther and farther aside to the target, in how many steps and attempts; none where no one arrives."""
+        """From farther and farther aside down the square of the distance to the target (Levenberg and Marquardt).
+
+        Where it ends, in how many steps and attempts; none where no one arrives.
+        """
         random = np.random.default_rng(0)
         # From 2^-9 to 2^2 rad or m aside.
         for attempt in range(1, ANEW + 1):
-            aside = q + random.normal(scale=2.0 ** (attempt - 10), size=q.size)
-            found, steps = self._descended(aside, target, bound)
-            if np.linalg.norm(self._off(target, found)) <= 1e-9:
+            found = q + random.normal(scale=2.0 ** (attempt - 10), size=q.size)
+            off, damping, steps = self._off(target, found), 1e-2, 0
+            while (left := float(np.linalg.norm(off))) > bound and steps < DESCENTS:
+                jacobian = self._functions("jacobian", found)[: off.size]
+                # (J^T J + l |e| 1) dq = J^T e; l falls after a step that comes nearer and grows after any other.
+                square = jacobian.T @ jacobian + damping * left * np.eye(q.size)
+                there = found + np.linalg.solve(square, jacobian.T @ off)
+                later, steps = self._off(target, there), steps + 1
+                nearer = np.linalg.norm(later) < left
+                damping *= 0.2 if nearer else 8.0
+                found, off = (there, later) if nearer else (found, off)
+            if left <= 1e-9:
                 return found, steps, attempt
         return q, 0, 0
 
@@ -109,20 +121,6 @@ class Walker:
         if target.ndim == 1 or not self._turns:
             return np.asarray((target[:3, 3] if target.ndim > 1 else target) - pose[:3, 3])
         return np.concatenate([target[:3, 3] - pose[:3, 3], rotation_vector(target[:3, :3] @ pose[:3, :3].T)])
-
-    def _descended(self, q: Array, target: Array, bound: float) -> tuple[Array, int]:
-        """Down the square of the distance (Levenberg and Marquardt), and in how many steps; stops at its minima."""
-        off, damping, steps = self._off(target, q), 1e-2, 0
-        while (left := float(np.linalg.norm(off))) > bound and steps < DESCENTS:
-            jacobian = self._functions("jacobian", q)[: off.size]
-            # (J^T J + l |e| 1) dq = J^T e; l falls after a step that comes nearer and grows after one that does not.
-            square = jacobian.T @ jacobian + damping * left * np.eye(q.size)
-            there = q + np.linalg.solve(square, jacobian.T @ off)
-            later, steps = self._off(target, there), steps + 1
-            nearer = np.linalg.norm(later) < left
-            damping *= 0.2 if nearer else 8.0
-            q, off = (there, later) if nearer else (q, off)
-        return q, steps
 
     def _pseudoinverse(self, q: Array, rows: int, most: float = np.inf) -> tuple[Array, float]:
         """J^+ of the first rows, damped near singular configurations, and how near one is.

@@ -17,8 +17,7 @@ from derive.arrays import Array, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.formulas_of_time import curves_of, followed
-from derive.motion.curves.recording import read_recording
+from derive.motion.curves.given import curves_of, followed, read_recording
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand
@@ -34,7 +33,7 @@ from derive.plans.hermite import TIME
 from derive.plans.moving_base import PATHS, BaseCurve
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.points import Step
-from derive.plans.segments import Load, Segment, SegmentPeaks
+from derive.plans.segments import Load, SegmentPeaks
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
@@ -313,11 +312,24 @@ class Motion:
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:
         """Largest speeds, accelerations and torques, segment by segment."""
+
+        def _state(times: Array) -> tuple[Array, Array]:
+            tau, (q, qd, qdd), base = self.torques(times), self.trajectory(times), self.base_torques
+            if base is None:
+                return tau, qd
+            power = self._with_payloads(base.power, times, self.trajectory.segment_at(times), q, qd, qdd)[..., None]
+            # the base is one more drive, of speed one
+            return np.append(tau, power, axis=-1), np.append(qd, np.ones_like(power), axis=-1)
+
         n, found = self.plan.robot.n, []
         for segment in self.trajectory.segments:
             speeds, accelerations = (tuple(peak(pieces, order) for pieces in segment.joints) for order in (1, 2))
-            of_joints = self._loads(segment)
-            found.append(SegmentPeaks(segment, speeds, accelerations, of_joints[:n], *of_joints[n:]))
+            of_drives: tuple[Load, ...] = ()  # of each joint, and at last of a base that moves
+            if self.has_torques:
+                count, end = self._samples_in(float(segment.duration))[1], float(segment.start + segment.duration)
+                corners = segment.corners if len(segment.corners) <= LEAST_INTERVALS else ()
+                of_drives = loads(float(segment.start), end, count, _state, corners)
+            found.append(SegmentPeaks(segment, speeds, accelerations, of_drives[:n], *of_drives[n:]))
         return tuple(found)
 
     @cached_property
@@ -391,24 +403,6 @@ class Motion:
         start, sticks = trajectory(0.0)[:2], plan.friction == "exact"
         period = period_of(plan, self.values, self.duration)
         return simulate(stages, start, self.times, period, sticks=sticks, jumps=trajectory.jumps)
-
-    def _loads(self, segment: Segment) -> tuple[Load, ...]:
-        """Of each joint, and at last of a base that moves."""
-        if not self.has_torques:
-            return ()
-        count = self._samples_in(float(segment.duration))[1]
-
-        def _state(times: Array) -> tuple[Array, Array]:
-            tau, (q, qd, qdd), base = self.torques(times), self.trajectory(times), self.base_torques
-            if base is None:
-                return tau, qd
-            power = self._with_payloads(base.power, times, self.trajectory.segment_at(times), q, qd, qdd)[..., None]
-            # the base is one more drive, of speed one
-            return np.append(tau, power, axis=-1), np.append(qd, np.ones_like(power), axis=-1)
-
-        end = float(segment.start + segment.duration)
-        corners = segment.corners if len(segment.corners) <= LEAST_INTERVALS else ()
-        return loads(float(segment.start), end, count, _state, corners)
 
     def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
         robot = self.plan.robot

@@ -203,7 +203,17 @@ class _PlanReader:
             branch = self._document.scalar((*path, "branch"))
             if branch and not branch.text.strip(" ,"):
                 raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
-            return Point(name, None, self._pose((*path, "pose")), branch.text if branch else "", location)
+            place: KeyPath = (*path, "pose")
+
+            def _three(key: str, read: Read) -> Vector:
+                return tuple(self._numbers.number((*place, key, k), read) for k in range(3))
+
+            given = [key for key in ("rpy", "zyz") if self._document.find((*place, key)) is not None]
+            if len(given) > 1:
+                raise self._document.error(place, "both rpy and zyz", "allowed: one of the two", "remove one")
+            angles = _three(given[0], self._cells.angle) if given else None
+            pose = Pose(_three("p", self._cells.length), angles, given == ["zyz"])
+            return Point(name, None, pose, branch.text if branch else "", location)
         numbers, q = self._numbers, self._numbers.of_joints(path)
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             ends = joint.limits or ()
@@ -216,16 +226,6 @@ class _PlanReader:
                 found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
                 raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
         return Point(name, q, None, "", location)
-
-    def _pose(self, path: KeyPath) -> Pose:
-        def _three(key: str, read: Read) -> Vector:
-            return tuple(self._numbers.number((*path, key, k), read) for k in range(3))
-
-        given = [key for key in ("rpy", "zyz") if self._document.find((*path, key)) is not None]
-        if len(given) > 1:
-            raise self._document.error(path, "both rpy and zyz", "allowed: one of the two", "remove one")
-        angles = _three(given[0], self._cells.angle) if given else None
-        return Pose(_three("p", self._cells.length), angles, given == ["zyz"])
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
@@ -327,29 +327,26 @@ class _PlanReader:
 
 def check_effects(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> None:
     """Refuse the first key of a plan without effect; ``given`` is which of path, curves and recorded it has."""
-    for path, found, remedy in _idle(document, robot, given, points, steps):
-        if document.find(path) is not None:
-            raise document.error(path, found, remedy=remedy)
-
-
-def _idle(document: Document, robot: Robot, given: str, points: Iterable[str], steps: Sequence[Step]) -> Iterator[Idle]:
+    idle: list[Idle] = []
     if given != "path":
-        yield from (((key,), f"{key} beside {given}, and there is no path", f"leave {key} out") for key in OF_PATHS)
+        idle += (((key,), f"{key} beside {given}, and there is no path", f"leave {key} out") for key in OF_PATHS)
     if not any(step.profile is Profile.SPLINE for step in steps):
         found = f"{document.text('spline')}, and no profile is spline"
-        yield ("spline",), found, "write profile: spline, or leave spline: out"
+        idle.append((("spline",), found, "write profile: spline, or leave spline: out"))
     if FREEDOMS.keys().isdisjoint(robot.inverse.task):
         found = f"an orientation, and the task of {robot.name} has none"
         poses: list[KeyPath] = [("points", name, "pose") for name in points]
-        yield from (((*path, key), found, "leave it out") for path in poses for key in ("rpy", "zyz"))
+        idle += (((*path, key), found, "leave it out") for path in poses for key in ("rpy", "zyz"))
     if document.text("control", "law") == "none":
         remedy = "name another law, or leave it out"
-        yield from ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
+        idle += ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
     if not robot.has_dynamics:
         remedy = "leave it out, or write links into the robot file"
         bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
-        yield from ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
-    yield from _stopped(document, steps)
+        idle += ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
+    for path, found, remedy in (*idle, *_stopped(document, steps)):
+        if document.find(path) is not None:
+            raise document.error(path, found, remedy=remedy)
 
 
 def _stopped(document: Document, steps: Sequence[Step]) -> Iterator[Idle]:

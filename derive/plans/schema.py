@@ -49,6 +49,10 @@ def _form(value: Any) -> str:
     return _TEXT if isinstance(value, str) else _LIST if isinstance(value, list) else _BLOCK
 
 
+Gains = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[list[Cell], Tag(_LIST)], Discriminator(_form)]
+Carried = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]
+
+
 class StepRow(Strict):
     """One segment of the path."""
 
@@ -59,8 +63,8 @@ class StepRow(Strict):
     cruise: Cell | None = Field(default=None, description="Trapezoid: top speed as a multiple of distance by time.")
     line: Flag | None = Field(default=None, description="The end effector moves on a straight line.")
     through: str | None = Field(default=None, description="The end effector moves on an arc through this point.")
-    payload: Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)] | None = (
-        Field(default=None, description="What the tool carries in this segment: a mass, or a body.")
+    payload: Carried | None = Field(
+        default=None, description="What the tool carries in this segment: a mass, or a body."
     )
 
 
@@ -68,12 +72,8 @@ class Control(Strict):
     """Who moves the arm in a simulation."""
 
     law: Law = Field(description="The law.")
-    kp: Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[list[Cell], Tag(_LIST)], Discriminator(_form)] = Field(
-        default="0", description="Gain of the position, one or one a joint."
-    )
-    kd: Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[list[Cell], Tag(_LIST)], Discriminator(_form)] = Field(
-        default="0", description="Gain of the velocity, one or one a joint."
-    )
+    kp: Gains = Field(default="0", description="Gain of the position, one or one a joint.")
+    kd: Gains = Field(default="0", description="Gain of the velocity, one or one a joint.")
     period: Cell | None = Field(default=None, description="Time between two samples of the controller [s].")
 
 
@@ -129,8 +129,8 @@ class PlanFile(Strict):
     recorded: str | None = Field(default=None, description="Instead: a CSV file with columns t and joint variables.")
     base: BaseRow | None = Field(default=None, description="How the base moves, by formulas of t.")
     control: Control | None = Field(default=None, description="Who moves the arm in a simulation.")
-    plant: dict[str, Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]] = (
-        Field(default={}, description="The simulated arm, where it differs: numbers of symbols, and payload: a body.")
+    plant: dict[str, Carried] = Field(
+        default={}, description="The simulated arm, where it differs: numbers of symbols, and payload: a body."
     )
     disturbance: list[DisturbanceRow] = Field(default=[], description="What pushes joints in a simulation.")
     friction: FrictionKind = Field(default="smooth", description="How Coulomb friction is simulated.")

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.arm import arm_of, snapped, tips
+from derive.exchange.arm import arm_of, tips
 from derive.exchange.certificate import certify
 from derive.exchange.common_normals import place
-from derive.exchange.from_urdf import ImportOptions, import_urdf, robot_name
+from derive.exchange.formats import exported
+from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf, robot_name
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
@@ -23,7 +24,7 @@ from derive.robot.expression import number
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.arms import cells, numbers, random_chain, table_urdf
+from tests.exchange.arms import numeric, random_chain
 from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf
 
 SNAP = Fraction(1, 10**6)
@@ -31,13 +32,6 @@ SNAP = Fraction(1, 10**6)
 
 def read(*joints: J) -> Urdf:
     return read_urdf(urdf(joints).encode(), "arm.urdf")
-
-
-def test_angles_near_fractions_of_pi_are_taken_for_them() -> None:
-    with exactly():
-        written = (Fraction("1.570796"), Fraction(0), Fraction(0))
-        assert snapped(written, SNAP)[0] != snapped(written, Fraction(0))[0]
-        assert float(snapped(written, SNAP)[0]) == float(HALF)
 
 
 def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
@@ -68,18 +62,6 @@ def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
 def test_joints_that_no_table_has_are_refused_by_name(joint: J, found: str) -> None:
     with exactly(), pytest.raises(RobotFileError, match=found):
         arm_of(read(joint), None, None, SNAP)
-
-
-@pytest.mark.parametrize("convention", Convention)
-def test_parallel_axes_have_a_table_with_two_lengths(convention: Convention) -> None:
-    text = urdf([J(), J("0.5 0 0"), J("0.4 0 0", type="fixed")])
-    with exactly():
-        arm = arm_of(read_urdf(text.encode(), "arm.urdf"), None, None, Fraction(0))
-        placement = place(arm, convention, 1e-6)
-    lengths = sorted(abs(float(cell)) for row in placement.rows for cell in (row.d, row.a, row.theta, row.alpha))
-    assert [cell for cell in lengths if cell] == pytest.approx(
-        [0.4, 0.5] if convention is Convention.STANDARD else [0.5]
-    )
 
 
 def test_a_slide_takes_the_place_that_costs_least() -> None:
@@ -229,6 +211,12 @@ def ur(d1: str, far: str, back: str, a2: str, a3: str, wrist: tuple[str, str, st
     )
 
 
+def cells(robot: Robot) -> list[tuple[float, ...]]:
+    """Rows of the table, base and tool in numbers."""
+    rows = [tuple(evaluate(getattr(row, key), {}) for key in ("theta", "d", "a", "alpha")) for row in robot.joints]
+    return rows + [tuple(evaluate(cell, {}) for cell in row) for frame in (robot.base, robot.tool) for row in frame]
+
+
 def ur_rows(d1: float, a2: float, a3: float, d4: float, d5: float, d6: float) -> Rows:
     turned = [(0.0, d1, 0.0, pi / 2), (0.0, 0.0, -a2, 0.0), (0.0, 0.0, -a3, 0.0)]
     return [*turned, (0.0, d4, 0.0, pi / 2), (0.0, d5, 0.0, -pi / 2), (0.0, d6, 0.0, 0.0)]
@@ -267,7 +255,7 @@ MAKERS = {
 def test_the_standard_table_is_the_makers(name: str) -> None:
     text, base, tip, rows = MAKERS[name]
     robot = import_urdf(read_urdf(text.encode(), name), base, tip).robot
-    got = cells(robot, {})
+    got = cells(robot)
     assert got[: robot.n] == [pytest.approx(row, abs=1e-12) for row in rows]
     assert got[robot.n :] == [pytest.approx(row) for row in (*np.eye(4).tolist(), *np.eye(4).tolist())]
 
@@ -283,30 +271,25 @@ def test_the_modified_table_of_the_panda_is_the_makers() -> None:
     assert got == [pytest.approx(row) for row in wanted]
 
 
+def by_normals(robot: Robot, convention: Convention) -> Imported:
+    """Read from the URDF that is written of it, without the table that this carries."""
+    read = read_urdf(exported(robot, "urdf").text.encode(), robot.name)
+    return import_urdf(replace(read, table=""), None, None, ImportOptions(convention=convention))
+
+
 @pytest.mark.parametrize("name", ["puma560-corke", "stanford-deluca", "kuka-kr5", "kuka-lwr4"])
 def test_tables_of_books_come_back(name: str) -> None:
-    robot = Robot.load(name)
-    values = numbers(robot)
-    text = table_urdf(robot, values)
-    imported = import_urdf(read_urdf(text.encode(), name), None, None, ImportOptions(convention=robot.convention))
-    assert cells(imported.robot, {}) == [pytest.approx(row, abs=1e-12) for row in cells(robot, values)]
+    robot = numeric(name)
+    assert cells(by_normals(robot, robot.convention).robot) == [pytest.approx(row, abs=1e-12) for row in cells(robot)]
 
 
 @pytest.mark.sweep
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_built_in_arm_comes_back(name: str) -> None:
     """With the same poses, in both conventions."""
-    robot = Robot.load(name)
-    values = numbers(robot)
+    robot = numeric(name)
     for convention in Convention:
-        text = table_urdf(robot, values)
-        imported = import_urdf(read_urdf(text.encode(), name), None, None, ImportOptions(convention=convention))
+        imported = by_normals(robot, convention)
         q = np.random.default_rng(1).uniform(-1, 1, robot.n)
-        apart = pose(imported.robot, q) - pose_of(robot, values, q)
-        assert np.abs(apart).max() < 1e-12
+        assert np.abs(pose(imported.robot, q) - pose(robot, q)).max() < 1e-12
         assert imported.certificate.position < 1e-12
-
-
-def pose_of(robot: Robot, values: dict[str, float], q: np.ndarray) -> np.ndarray:
-    """Of a table with names."""
-    return Oracle.of(robot, values).evaluate("forward_kinematics", q)

@@ -91,30 +91,6 @@ def test_built_in_robots_with_bodies_accelerate_as_ours_with_possible_ones(name:
     assert not any("refuses" in remark for remark in made.remarks)
 
 
-def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() -> None:
-    """A hip: two links that are nothing between three axes that meet; then a rod, a point, and a slanted plate."""
-    robot = with_links(
-        Robot.from_text(
-            "name: hip\nconvention: standard\ngravity: [0, 0, -9.81]\n"
-            "joints: [{type: revolute, theta: q1, alpha: pi/2}, {type: revolute, theta: q2 + 0.3, alpha: pi/2}, "
-            "{type: revolute, theta: q3, d: 0.4}, {type: revolute, theta: q4, alpha: pi/2}, "
-            "{type: revolute, theta: q5, alpha: 0.7, a: 0.2}, {type: revolute, theta: q6, a: 0.3}]\n"
-            f"links: [{', '.join(['{}'] * 6)}]\n"
-        ),
-        ("0", "0 0 0", "0 0 0 0 0 0"),
-        ("0", "0 0 0", "0 0 0 0 0 0"),
-        ("9.2", "-0.02 -0.25 -0.01", "0.15 0.04 0.16 0 0 0"),
-        ("1.5", "0.1 0 0.1", "0.05 0.05 0 0 0 0"),
-        ("0.7", "-0.1 0.05 0.02", "0 0 0 0 0 0"),
-        ("0.9", "-0.1 0.07 0.02", "0.005 0.005 0.01 0.001 0 0"),
-    )
-    made = exported(robot, "mjcf")
-    assert max(worst(robot, made.text)) < 1e-12
-    assert any(remark.startswith("MuJoCo has no body for link 1, 2, without mass") for remark in made.remarks)
-    assert "MuJoCo wants a little of each: 1e-15 kg or kg m^2 where link 4, 5 has none" in made.remarks
-    assert [LEAST, is_too_thin(RigidBody.of(robot.links[5]))] == [1e-15, False]
-
-
 NOTHING, STONE = ("0", "0 0 0", "0 0 0 0 0 0"), ("1.2", "-0.1 0.07 0.02", "0.005 0.006 0.01 0.001 0 0")
 
 STONES = (STONE,) * 3
@@ -144,6 +120,18 @@ def limb(convention: str, *links: tuple[str, str, str], armature: str = "0.02") 
         *links,
     )
     return replace(made, links=tuple(replace(link, armature=number(Fraction(armature))) for link in made.links))
+
+
+def test_points_rods_and_links_without_mass_accelerate_as_the_equations_say() -> None:
+    """Two links that are nothing; then a body, a rod, a point, and a slanted plate."""
+    rod, point = ("1.5", "0.1 0 0.1", "0.05 0.05 0 0 0 0"), ("0.7", "-0.1 0.05 0.02", "0 0 0 0 0 0")
+    plate = ("0.9", "-0.1 0.07 0.02", "0.005 0.005 0.01 0.001 0 0")
+    robot = limb("standard", NOTHING, NOTHING, STONE, rod, point, plate)
+    made = exported(robot, "mjcf")
+    assert max(worst(robot, made.text)) < 1e-12
+    assert any(remark.startswith("MuJoCo has no body for link 1, 2, without mass") for remark in made.remarks)
+    assert "MuJoCo wants a little of each: 1e-15 kg or kg m^2 where link 4, 5 has none" in made.remarks
+    assert [LEAST, is_too_thin(RigidBody.of(robot.links[5]))] == [1e-15, False]
 
 
 def joints_of_bodies(text: str) -> list[int]:

@@ -13,7 +13,7 @@ from flint import arb
 from derive.errors import DeriveError, Location
 from derive.exchange.arm import arm_of
 from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaternion, roll_pitch_yaw
-from derive.exchange.carried_table import carried_table, placement_of, table_text
+from derive.exchange.carried_table import carried_table
 from derive.exchange.certificate import ball
 from derive.exchange.formats import FORMS, GIVEN, exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
@@ -48,14 +48,6 @@ def test_roll_pitch_yaw_and_quaternion_are_the_rotation(x: tuple[int, int, int])
     assert np.abs(about_z @ about_y @ about_x - matrix(frame)).max() < 1e-15
     cross = np.array([[0, -k, j], [k, 0, -i], [-j, i, 0]])
     assert np.abs(np.eye(3) + 2 * w * cross + 2 * cross @ cross - matrix(frame)).max() < 1e-15
-
-
-def test_a_body_and_what_is_taken_away_again_is_the_body() -> None:
-    with exactly():
-        link, other = (RigidBody.of(link) for link in dressed("planar-3r").links[:2])
-        back = link + other + other.negative
-        assert all(abs(a - b) < 1e-60 for a, b in zip(back.entries, link.entries, strict=True))
-        assert back.link(dressed("planar-3r").links[0]) == dressed("planar-3r").links[0]
 
 
 def test_bodies_that_exist_are_possible_and_points_rods_and_plates_are_limits_of_them() -> None:
@@ -285,17 +277,6 @@ def test_a_table_of_another_arm_or_convention_gives_way_to_common_normals() -> N
         assert carried_table(read, arm, Convention.STANDARD) is not None
         assert carried_table(replace(read, table="joints: ["), arm, Convention.STANDARD) is None
         assert carried_table(replace(read, table=""), arm, Convention.STANDARD) is None
-
-
-@pytest.mark.parametrize("name", ["kuka-lwr4", "skeleton-modified"])
-def test_frames_of_a_table_are_those_of_the_oracle(name: str) -> None:
-    robot = numeric(name)
-    placement = placement_of(Robot.from_text(table_text(robot)))
-    oracle = Oracle.of(robot)
-    with exactly():
-        end = placement.frames[-1].then(placement.tool)
-    pose = oracle.evaluate("forward_kinematics", np.zeros(robot.n))
-    assert np.abs([float(c) for c in end.origin] - pose[:3, 3]).max() < 1e-15
 
 
 NAMED = """

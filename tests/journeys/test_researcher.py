@@ -58,26 +58,3 @@ def test_what_can_be_identified_and_generated_functions_of_the_parameters(tmp_pa
         "print(np.abs(found - m.base_parameters(params=p)).max())\n"
     )
     assert float(researcher.runs(program)) < 1e-8
-
-
-def test_the_style_of_a_paper_is_found_from_its_formulas(tmp_path: Path) -> None:
-    researcher = Person(tmp_path)
-    examples = {
-        "B[1,1]": "(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2",
-        "g[1]": "(m1 + m2)*g*a1*c1 + m2*g*a2*c12",
-    }
-    researcher.writes(
-        "double.yaml",
-        "name: double\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n  - {type: revolute, a: a2}\n"
-        "gravity: [0, -g, 0]\nlinks: [{mass: m1}, {mass: m2}]\n",
-    )
-    given = " ".join(f"--example '{name} = {text}'" for name, text in examples.items())
-    found = researcher.types(f"derive style double.yaml {given}").stdout
-    block = found[found.index("style:") :]
-    text = (tmp_path / "double.yaml").read_text(encoding="utf-8")
-    researcher.writes(
-        "styled.yaml", text + "\n".join(line for line in block.splitlines() if line.startswith((" ", "style:"))) + "\n"
-    )
-    for name, formula in examples.items():
-        command = f"derive check styled.yaml --quantity '{name}' --expression '{formula}'"
-        assert "same form" in researcher.types(command).stdout

@@ -69,20 +69,3 @@ def test_a_sheet_keeps_to_its_pages_and_the_exercise_to_the_sheet(tmp_path: Path
     sheet = teacher.types("derive handout panda.yaml --pdf --parts table,transforms,kinematics --out sheet").stdout
     (whole,) = re.findall(r"panda\.pdf: (\d+) page", sheet)
     assert max(map(int, counts.values())) <= 2 * int(whole)
-
-
-def test_a_sheet_is_set_as_the_teachers_notes_are(tmp_path: Path) -> None:
-    teacher = Person(tmp_path)
-    arm = (
-        "name: double\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n  - {type: revolute, a: a2}\n"
-        "gravity: [0, -g, 0]\nlinks: [{mass: m1}, {mass: m2}]\n"
-    )
-    teacher.writes("double.yaml", arm)
-    block = "".join(f"  {line}\n" for line in arm.splitlines())
-    formula = "m1*a1**2 + m2*(a1**2 + a2**2 + 2*a1*a2*c2)"
-    teacher.writes("notes.yaml", f"robot:\n{block}expected:\n  - quantity: B\n    entries: {{'1,1': '{formula}'}}\n")
-    pages = []
-    for option in ("", " --style-from notes.yaml --force"):
-        teacher.types(f"derive handout double.yaml --parts inertia{option}")
-        pages.append((tmp_path / "double.tex").read_text(encoding="utf-8"))
-    assert ["m_{2}(a_{1}^{2} + a_{2}^{2} + 2a_{1}a_{2}c_{2})" in page for page in pages] == [False, True]

@@ -132,15 +132,6 @@ def test_samples_end_with_the_motion() -> None:
     assert times[-2] == pytest.approx(14.7)
 
 
-def test_limits_set_the_time_of_the_slowest_joint() -> None:
-    most = "speed: [1, 1, 1, 1]\nacceleration: [2, 2, 2, 2]\nsample:"
-    motion = Motion.from_text(PICK_AND_PLACE.replace(", time: 3", "").replace("sample:", most))
-    for found in motion.peaks:
-        fast = max(abs(float(peak.value)) for peak in found.speeds)
-        hard = max(abs(float(peak.value)) / 2 for peak in found.accelerations)
-        assert max(fast, hard) == pytest.approx(1, rel=1e-12)
-
-
 def test_a_segment_ends_before_the_next_one_begins_whatever_its_times_round_to() -> None:
     """0.78 s + 1.54 s is beyond 2.32 s in floats, where the acceleration of cubics jumps."""
     motion = Motion.from_text(

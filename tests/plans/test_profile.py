@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from itertools import pairwise
-from math import factorial
 
 import numpy as np
 import pytest
@@ -13,8 +11,8 @@ from sympy import Integer, Rational, pi, sqrt
 
 from derive.motion.curves.extremes import peak
 from derive.motion.curves.trajectory import Trajectory
-from derive.plans.hermite import TIME, Piece, basis, joined, power_coefficients, sampled
-from derive.plans.profile import UNIT_PEAKS, Cosine, Curve, Profile, rest_to_rest, spline, trapezoid, via_velocities
+from derive.plans.hermite import Piece, power_coefficients, sampled
+from derive.plans.profile import UNIT_PEAKS, Cosine, Profile, rest_to_rest, spline, trapezoid, via_velocities
 from derive.plans.segments import Segment
 
 ZERO = Integer(0)
@@ -85,31 +83,6 @@ def test_the_spline_is_scipys_clamped_one_and_exact() -> None:
         assert (before.eval(1) / t - after.eval(0) / s).simplify() == 0
 
 
-def test_a_curve_is_its_formula() -> None:
-    formula = TIME**2 / 10 - 1
-    curve = Curve(ZERO, Integer(5), (formula, formula.diff(TIME), formula.diff(TIME, 2)))
-    t = np.linspace(0, 5, 11)
-    assert curve.sampled(t, 0) == pytest.approx(t**2 / 10 - 1)
-    assert curve.sampled(t, 1) == pytest.approx(t / 5)
-    assert curve.sampled(t, 2).tolist() == [0.2] * 11
-
-
-def derivative(row: tuple[int, ...], order: int, u: int) -> Fraction:
-    """A derivative of a polynomial at 0 or 1, by falling factorials."""
-    powers = ((p, c) for p, c in enumerate(row) if p >= order)
-    return sum((c * Fraction(factorial(p), factorial(p - order)) * u ** (p - order) for p, c in powers), Fraction(0))
-
-
-@pytest.mark.parametrize("k", [2, 3, 4])
-def test_each_polynomial_has_one_derivative_at_one_end_and_none_of_the_others(k: int) -> None:
-    for b, row in enumerate(basis(k)):
-        at, order = divmod(b, k)
-        for end in (0, 1):
-            for other in range(k):
-                expected = factorial(order) if (end, other) == (at, order) else 0
-                assert derivative(row, other, end) == expected
-
-
 @pytest.mark.parametrize("k", [2, 3, 4])
 def test_values_at_both_ends_are_those_that_were_given_to_the_last_bit(k: int) -> None:
     numbers = np.random.default_rng(k).normal(size=(1, 2 * k))
@@ -135,13 +108,6 @@ def test_samples_powers_and_the_exact_polynomial_agree(k: int) -> None:
         assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
         assert np.polyval(np.polyder(powers, order), places) / 1.5**order == pytest.approx(found, rel=1e-12, abs=1e-12)
         exact = exact.diff()
-
-
-def test_pieces_between_points_share_their_values() -> None:
-    ends = [(Integer(0), pi), (pi / 2, Integer(1)), (Integer(3), Integer(0))]
-    first, second = joined(ends, [Integer(0), Integer(2), Integer(3)])
-    assert first.values[1] == second.values[0]
-    assert (first.end, second.end) == (2, 3)
 
 
 def test_short_ways_keep_their_digits() -> None:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
 
-from derive.arrays import Array, Indices
+from derive.arrays import Array
 from derive.plans.hermite import Piece, power_coefficients
 from derive.plans.profile import AnyPiece, Cosine, Curve
 from derive.plans.segments import Peak
@@ -48,7 +48,15 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
     polynomials = [piece for piece in pieces if isinstance(piece, Piece)]
     lengths = np.array([float(piece.duration) for piece in polynomials])
     value, place = np.zeros((2, len(polynomials)))
-    tables = _derivatives(polynomials, lengths, order)
+    # Coefficients of a derivative by powers of unit time, of all pieces of one degree at once, and their places.
+    degrees, tables = np.array([piece.k for piece in polynomials]), []
+    for k in sorted(set(degrees.tolist())):
+        alike = np.flatnonzero(degrees == k)
+        ends = [np.array([float(value) for end in polynomials[i].values for value in end]) for i in alike]
+        rows = np.array([power_coefficients(row, k, lengths[i]) for row, i in zip(ends, alike, strict=True)])
+        for _ in range(order):
+            rows = rows[:, :-1] * np.arange(rows.shape[1] - 1, 0, -1)
+        tables.append((alike, rows / np.array([lengths[i] ** order for i in alike])[:, None]))
     for alike, rows in tables:
         found = np.polyval(rows.T[:, :, None], np.array(_PLACES))
         at = np.abs(found).argmax(axis=1)
@@ -62,20 +70,6 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
             value[alike[more]], place[alike[more]] = there[more], u[more]
     most = int(np.argmax(np.abs(value) >= np.abs(value).max() * (1 - _SAME)))
     return Peak(Float(value[most]), Float(float(polynomials[most].start) + place[most] * lengths[most]), False)
-
-
-def _derivatives(polynomials: list[Piece], lengths: Array, order: int) -> list[tuple[Indices, Array]]:
-    """Coefficients of a derivative by powers of unit time, of all pieces of one degree at once, and their places."""
-    degrees = np.array([piece.k for piece in polynomials])
-    found = []
-    for k in sorted(set(degrees.tolist())):
-        alike = np.flatnonzero(degrees == k)
-        ends = [np.array([float(value) for end in polynomials[i].values for value in end]) for i in alike]
-        rows = np.array([power_coefficients(row, k, lengths[i]) for row, i in zip(ends, alike, strict=True)])
-        for _ in range(order):
-            rows = rows[:, :-1] * np.arange(rows.shape[1] - 1, 0, -1)
-        found.append((alike, rows / np.array([lengths[i] ** order for i in alike])[:, None]))
-    return found
 
 
 def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:

@@ -32,13 +32,10 @@ class Trajectory:
         """How long it lasts [s]."""
         return self.segments[-1].start + self.segments[-1].duration
 
-    @cached_property
-    def _starts(self) -> Array:
-        return np.array([float(segment.start) for segment in self.segments])
-
     def segment_at(self, times: Array) -> Indices:
         """Which segment the arm is in."""
-        found = np.searchsorted(self._starts, times, side="right") - 1
+        starts = [float(segment.start) for segment in self.segments]
+        found = np.searchsorted(starts, times, side="right") - 1
         return np.asarray(np.clip(found, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
@@ -87,6 +84,13 @@ class _Track:
             np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
             for piece in pieces
         ]
+        # The numbers of all pieces of each kind, and zeros of others.
+        self.rows: dict[int, Array] = {}
+        for kind in set(self.kinds.tolist()):
+            places = np.flatnonzero(self.kinds == kind)
+            self.rows[kind] = np.zeros((len(pieces), max(self.numbers[i].size for i in places)))
+            for i in places:
+                self.rows[kind][i] = self.numbers[i]
 
     @cached_property
     def _powers(self) -> list[list[float]]:
@@ -95,17 +99,6 @@ class _Track:
             list(power_coefficients(numbers, int(kind), length)) if kind > 0 else []
             for numbers, kind, length in zip(self.numbers, self.kinds, self.durations, strict=True)
         ]
-
-    @cached_property
-    def _rows(self) -> dict[int, Array]:
-        """The numbers of all pieces of each kind, and zeros of others."""
-        found = {}
-        for kind in set(self.kinds.tolist()):
-            places = np.flatnonzero(self.kinds == kind)
-            found[kind] = np.zeros((len(self.numbers), max(self.numbers[i].size for i in places)))
-            for i in places:
-                found[kind][i] = self.numbers[i]
-        return found
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Position, velocity, acceleration at one time, without the cost of arrays."""
@@ -133,7 +126,7 @@ class _Track:
         found = np.zeros((3, t.size))
         for kind in sorted(set(self.kinds[index].tolist())):  # np.unique would import numpy.ma
             here = self.kinds[index] == kind
-            numbers = self._rows[kind][index[here]]
+            numbers = self.rows[kind][index[here]]
             for order in range(3):
                 if kind > 0:
                     found[order, here] = sampled(numbers, kind, u[here], length[here], order)

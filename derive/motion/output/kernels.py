@@ -83,10 +83,10 @@ def kernel_name(piece: AnyPiece, joint: str) -> str:
 def kernel_of(piece: AnyPiece, joint: str) -> Kernel:
     """How a piece is computed, and all others of its kind."""
     graph = Graph()
-    if isinstance(piece, Piece):
-        outputs = _hermite(graph, piece.k)
-    elif isinstance(piece, Cosine):
-        outputs = _harmonic(graph)
+    if isinstance(piece, Piece | Cosine):
+        start, duration = (Value(graph, graph.input(ROW, i)) for i in range(2))
+        u = (Value(graph, graph.input(CLOCK, 0)) - start) / duration
+        outputs = _hermite(graph, piece.k, u, duration) if isinstance(piece, Piece) else _harmonic(graph, u, duration)
     else:
         clock, one = Value(graph, graph.input(CLOCK, 0)), Value(graph, ONE)
         q = _value(graph, piece.formulas[0], clock)
@@ -101,17 +101,14 @@ def row_of(piece: AnyPiece) -> tuple[float, ...]:
     return tuple(map(float, (piece.start, piece.duration, *(value for end in values for value in end))))
 
 
-def _unit_time(graph: Graph) -> tuple[Value, Value, Callable[[int], Value]]:
-    """u, the duration, and the values at both ends by their place."""
-    start, duration = (Value(graph, graph.input(ROW, i)) for i in range(2))
-    u = (Value(graph, graph.input(CLOCK, 0)) - start) / duration
-    return u, duration, lambda i: Value(graph, graph.input(ROW, i + 2))
+def _end(graph: Graph, place: int) -> Value:
+    """A value at an end of a piece."""
+    return Value(graph, graph.input(ROW, place + 2))
 
 
-def _hermite(graph: Graph, k: int) -> list[Value]:
+def _hermite(graph: Graph, k: int, u: Value, duration: Value) -> list[Value]:
     """The polynomial with k values at each end, and its derivatives, in which positions count by their difference."""
-    u, duration, value = _unit_time(graph)
-    weights = [value(b) * duration ** (b % k) * Fraction(1, factorial(b % k)) for b in range(2 * k)]
+    weights = [_end(graph, b) * duration ** (b % k) * Fraction(1, factorial(b % k)) for b in range(2 * k)]
     zero = Value(graph, graph.number(Fraction(0)))
     outputs = []
     for order in range(3):
@@ -121,15 +118,14 @@ def _hermite(graph: Graph, k: int) -> list[Value]:
                 row = tuple(power * coefficient for power, coefficient in enumerate(row))[1:]
             total = total + reduce(lambda value, c: value * u + c, reversed(row), 0 * u) * weight  # Horner's rule
         outputs.append(total / duration**order)
-        weights[0], weights[k] = zero, value(k) - value(0)
+        weights[0], weights[k] = zero, _end(graph, k) - _end(graph, 0)
     return outputs
 
 
-def _harmonic(graph: Graph) -> list[Value]:
+def _harmonic(graph: Graph, u: Value, duration: Value) -> list[Value]:
     """A harmonic piece, symmetric about its middle as `derive.motion.curves.trajectory` has it."""
-    u, duration, value = _unit_time(graph)
     pi = Value(graph, graph.number(constants.pi()))
-    q0, q1 = value(0), value(1)
+    q0, q1 = _end(graph, 0), _end(graph, 1)
     way = q1 - q0
     late = Value(graph, graph.number(Fraction(1, 2))).less(u)
     angle = pi * late.select(1 - u, u)

@@ -87,10 +87,18 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
             break
         at, joint = np.unravel_index(np.abs(run.tau[inside]).argmax(), run.tau[inside].shape)
         first, last = inside[0], inside[-1]
+        worst = []
+        for revolute, unit in ((True, "rad"), (False, "m")):
+            joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]
+            if joints:
+                off = errors[inside][:, joints]
+                row, k = np.unravel_index(np.abs(off).argmax(), off.shape)
+                variable = robot.joints[joints[k]].variable
+                worst.append(f"{variable} {off[row, k]:.1e} {unit} at {run.t[inside][row]:.4g} s")
         rows.append(
             (
                 segment.name,
-                _worst(robot, errors[inside], run.t[inside]),
+                ", ".join(worst),
                 _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at])),
                 *(_joules(float(entry[last] - entry[first]), most) for entry in ledger),
             )
@@ -101,17 +109,6 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
 def given_in(run: Run) -> list[str]:
     """What of `GIVEN` a simulated arm got."""
     return [name for name in GIVEN if getattr(run, name).any()]
-
-
-def _worst(robot: Robot, errors: Array, times: Array) -> str:
-    said = []
-    for revolute, unit in ((True, "rad"), (False, "m")):
-        joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]
-        if joints:
-            at, k = np.unravel_index(np.abs(errors[:, joints]).argmax(), (len(errors), len(joints)))
-            variable = robot.joints[joints[k]].variable
-            said.append(f"{variable} {errors[at, joints[k]]:.1e} {unit} at {times[at]:.4g} s")
-    return ", ".join(said)
 
 
 def diverged(motion: Motion, run: Run) -> str:

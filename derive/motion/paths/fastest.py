@@ -16,6 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -211,17 +212,10 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     rows.identical = True
     count = a.shape[1]
     rows.compute_constraint_params = lambda path, grid: (a, b, c, np.eye(count), np.ones(count), None, None)
-    found = TOPPRA([rows], _Interval(np.array([grid[0], grid[-1]])), gridpoints=grid, solver_wrapper="seidel")
+    found = TOPPRA([rows], SimpleNamespace(path_interval=grid[[0, -1]]), gridpoints=grid, solver_wrapper="seidel")
     _, rates, _ = found.compute_parameterization(0, 0)
     if rates is None or not np.isfinite(rates).all():
         return None
     # An interval at whose both ends the rate is zero would take for ever.
     stands = rates[:-1] + rates[1:] == 0
     return None if stands.any() else np.asarray(rates, dtype=float) ** 2
-
-
-@dataclass(frozen=True, slots=True)
-class _Interval:
-    """What toppra asks of a path whose constraints are given."""
-
-    path_interval: Array

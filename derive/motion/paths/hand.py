@@ -133,31 +133,24 @@ class Hand:
                 way = Way.line(here, self._pose(end))
         except ValueError as error:
             raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
-        if not step.through and self._follower(step).arrived(way, q):
-            joints = _standing(before, start, unit.duration)
-        else:
-            joints = self._followed(step, way, q, float(start), unit)
-        self._check_arrival(step, joints)
-        if step.through in self.branches:
-            self._check_branch(step, step.through, joints)
-        return joints
-
-    def _followed(self, step: Step, way: Way, q: Array, start: float, unit: Trajectory) -> Joints:
-        """The pieces of each joint, with places where the acceleration along the way jumps, and enough in between."""
         follower, duration = self._follower(step), float(unit.duration)
+        joints = _standing(before, start, unit.duration)
         # Where sdd jumps, as of trapezoids, a node stands; between, places at even times.
         jumps = [float(piece.start) for piece in unit.segments[0].joints[0][1:]]
-        for count in NODES:
+        for count in NODES if step.through or not follower.arrived(way, q) else ():
             edges = pairwise([0.0, *jumps, duration])
             parts = [np.linspace(a, b, max(2, round(count * (b - a) / duration)) + 1)[:-1] for a, b in edges]
             local = np.append(np.concatenate(parts), duration)
             s, sd, after = (value[:, 0] for value in unit(local))
             # sdd just before each jump; after it as the profile says.
-            before = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
+            earlier = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
             # Twice as many nodes until the hand is on its way halfway between them.
-            joints = follower.pieces(way, q, start + local, (s, sd, before, after))
+            joints = follower.pieces(way, q, float(start) + local, (s, sd, earlier, after))
             if follower.farthest(way, joints, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
                 break
+        self._check_arrival(step, joints)
+        if step.through in self.branches:
+            self._check_branch(step, step.through, joints)
         return joints
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:

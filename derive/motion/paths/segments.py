@@ -69,9 +69,7 @@ def _run(hand: Hand, run: Sequence[Step], first: int, corners: Sequence[Corner],
         return [start, *(symbolic(pieces[0][-1].end) for pieces in joints)], joints
     if step.in_space:
         return _in_space(hand, step, corners[0], start)
-    if step.by_hand:
-        return _splined(hand, run, corners[0], start)
-    if step.profile is Profile.SPLINE or len(run) > 1:
+    if step.by_hand or step.profile is Profile.SPLINE or len(run) > 1:
         return _passing(hand, run, corners, start)
     duration, cruises = _rest_to_rest_time(hand, step, *corners)
     ends = zip(*corners, cruises, strict=True)
@@ -100,14 +98,19 @@ def _in_space(hand: Hand, step: Step, here: Corner, start: Expr) -> Timed:
 
 
 def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: Expr) -> Timed:
-    """Segments whose points are passed without a stop; by limits in the proportion of what each would need alone."""
-    profile = run[0].profile
+    """Segments whose points are passed without a stop.
+
+    By limits in the proportion of what each would need alone, or of the ways of an end effector that is on a spline.
+    """
+    profile, by_hand = run[0].profile, run[0].by_hand
     if profile is not Profile.SPLINE and profile not in VALUES:
         found = f"a {profile} motion stops at its points, and {run[0].to} is passed"
         remedy = "write via: stop, or a profile of cubic, quintic, septic, spline, fastest"
         raise RobotFileError(found, remedy=remedy, location=run[0].location)
     lengths = given = _given_times(hand, run)
-    if not given:
+    if not given and by_hand:
+        lengths = proportions(hand.distances(run, corners[0]))
+    elif not given:
         speed, acceleration = UNIT_PEAKS[Profile.CUBIC if profile is Profile.SPLINE else profile]
         alone = []
         for step, (q0, q1) in zip(run, pairwise(corners), strict=True):
@@ -117,7 +120,7 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
         lengths = proportions(alone)
     times = list(accumulate(lengths, initial=start if given else ZERO))
     tracks = []
-    for positions in zip(*corners, strict=True):
+    for positions in () if by_hand else zip(*corners, strict=True):
         if profile is Profile.SPLINE:
             tracks.append(spline(times, positions))
         else:
@@ -125,16 +128,14 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
             ends = zip(positions, via_velocities(times, positions), strict=True)
             tracks.append(joined([(q, v, *rest) for q, v in ends], times))
     joints: list[Joints] = [tuple((track[i],) for track in tracks) for i in range(len(run))]
-    return (times, joints) if given else _stretched_run(hand, run, start, times, joints)
-
-
-def _splined(hand: Hand, run: Sequence[Step], here: Corner, start: Expr) -> Timed:
-    """The end effector on a spline; by limits in the proportion of its ways from point to point."""
-    given = _given_times(hand, run)
-    lengths = given or proportions(hand.distances(run, here))
-    times = list(accumulate(lengths, initial=start if given else ZERO))
-    joints = hand.splined(run, here, times)
-    return (times, joints) if given else _stretched_run(hand, run, start, times, joints)
+    if by_hand:
+        joints = hand.splined(run, corners[0], times)
+    if given:
+        return times, joints
+    # What was put together from time 0 on takes as long as limits ask for.
+    factor = _stretched(hand, run[0], joints)
+    moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
+    return [start + time * factor for time in times], moved
 
 
 def _given_times(hand: Hand, run: Sequence[Step]) -> tuple[Expr, ...]:
@@ -145,15 +146,6 @@ def _given_times(hand: Hand, run: Sequence[Step]) -> tuple[Expr, ...]:
         remedy = "write a time for each segment between two stops, or for none"
         raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
     return tuple(map(hand.exact, given))
-
-
-def _stretched_run(
-    hand: Hand, run: Sequence[Step], start: Expr, times: Sequence[Expr], joints: Sequence[Joints]
-) -> Timed:
-    """Segments that were put together from time 0 on, as long as limits ask for."""
-    factor = _stretched(hand, run[0], joints)
-    moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
-    return [start + time * factor for time in times], moved
 
 
 def _moved(track: Sequence[AnyPiece], start: Expr, factor: Expr) -> tuple[Piece, ...]:

@@ -62,16 +62,6 @@ class Contact:
         return np.asarray((self.plant.coulomb > 0) & (self.way == 0))
 
     @cached_property
-    def any_stands(self) -> bool:
-        """Whether friction holds one at least."""
-        return bool(self.stands.any())
-
-    @cached_property
-    def slip(self) -> Array:
-        """Dry friction of joints that slip, (n,) [N m or N]."""
-        return np.asarray(self.plant.coulomb * self.way)
-
-    @cached_property
     def _apart(self) -> tuple[Array, Array]:
         """What makes of an inertia matrix that of the joints that slip, and 1 for each that stands."""
         slips = np.where(self.stands, 0.0, 1.0)
@@ -80,9 +70,9 @@ class Contact:
     def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
         """What acts on the joints, qdd, and the friction, that which holds joints that stand included, (n,) each."""
         plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
-        friction = self.slip
+        friction = plant.coulomb * self.way  # of joints that slip
         qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
-        if self.any_stands:
+        if self.stands.any():
             # Rows and columns of joints that stand are those of a unit matrix: B_ss qdd_s = pull_s, qdd = 0 elsewhere.
             # What holds them is their row of pull - B qdd.
             inertia, (both, alone) = plant.functions("inertia_matrix", q), self._apart
@@ -107,7 +97,7 @@ class Contact:
         qd = state[n : 2 * n]
         # A slipping joint has speed its way; a standing one some of its friction to spare. The solver stops at zero.
         found = np.where(self.way != 0, self.way * qd + RESTS, np.inf)
-        if self.any_stands:
+        if self.stands.any():
             friction = self.forces(t, state[:n], qd)[2]
             found = np.where(self.stands, dry * (1 + BREAKS) - np.abs(friction), found)
         return float(found.min())

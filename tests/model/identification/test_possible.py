@@ -29,13 +29,12 @@ from derive.model.identification.regressor_null_space import bare_chain, combine
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import NoSuchBodies, Witness
 from derive.robot.description import Inertia, Link
-from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, number
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import TABLES, arm, with_links
-from tests.motion.mjcf import mjcf
 
 pytest.importorskip("clarabel")
 
@@ -100,24 +99,6 @@ def test_corke_s_puma_has_bodies_that_exist_and_move_the_same() -> None:
     assert not found.border
     assert to_float(found.robot.links[0].mass, {}) > 0.1  # not a body of a gram that is kilometres wide
     assert "2 of 6 links changed" in found.report[0]
-
-
-def test_mujoco_takes_the_bodies_and_accelerates_as_the_given_ones() -> None:
-    mujoco = pytest.importorskip("mujoco")
-    robot = Robot.load("puma560-corke")
-    found = possible(robot).robot
-    values = {name: float(value) for name, value in parameter_values(robot).items()}
-    with pytest.raises(ValueError, match="inertia must"):
-        mujoco.MjModel.from_xml_string(mjcf(robot, values, 1e-3))
-    model = mujoco.MjModel.from_xml_string(mjcf(found, values, 1e-3))
-    data, oracle = mujoco.MjData(model), Oracle.of(robot)
-    random = np.random.default_rng(1)
-    for _ in range(20):
-        q, qd, tau = random.uniform(-3, 3, (3, 6))
-        data.qpos[:], data.qvel[:], data.qfrc_applied[:] = q, qd, 20 * tau
-        mujoco.mj_forward(model, data)
-        expected = oracle.evaluate("forward_dynamics", q, qd, 20 * tau)
-        assert np.abs(expected - data.qacc).max() <= 1e-12 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("name", TABLES)

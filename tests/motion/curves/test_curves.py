@@ -11,9 +11,8 @@ from sympy import Abs, DiracDelta, Float, Integer, Rational, cos, pi, sign, sin,
 
 from derive.errors import DeriveError
 from derive.motion.curves.extremes import peak
-from derive.motion.curves.formulas_of_time import followed
-from derive.motion.curves.limits import Limits, placed, proportions, rounded_up, trapezoid_peaks
-from derive.motion.curves.recording import read_recording
+from derive.motion.curves.given import followed, read_recording
+from derive.motion.curves.limits import Limits, proportions, rounded_up
 from derive.motion.curves.trajectory import Segment, Trajectory
 from derive.motion.curves.violations import Violation, exceeded, nearby
 from derive.motion.motion import Motion
@@ -148,17 +147,6 @@ def test_a_motion_is_stretched_by_the_joint_that_needs_most_where_anything_limit
     assert Limits((Integer(1), None), (None, None), (None, None)).stretch([ZERO, Integer(1)], [ZERO, ZERO]) is None
 
 
-@pytest.mark.parametrize("way", [pi, Rational(1, 10), Integer(7)])
-def test_a_trapezoid_at_full_limits_takes_the_time_of_books(way: object) -> None:
-    """T = D/V + V/A where V is reached, 2 sqrt(D/A) where it is not (Biagiotti and Melchiorri, 3.2)."""
-    speed, acceleration = Rational(3, 2), Integer(2)
-    found = limits(speed=speed, acceleration=acceleration)
-    top, hard = trapezoid_peaks(found.cruise(0, way))  # type: ignore[arg-type]
-    reached = speed**2 < acceleration * way  # type: ignore[operator]
-    expected = way / speed + speed / acceleration if reached else 2 * sqrt(way / acceleration)  # type: ignore[operator]
-    assert (found.stretch([top * way], [hard * way]) - expected).simplify() == 0  # type: ignore[union-attr]
-
-
 def test_limits_that_are_missing_are_infinite_and_leave_the_usual_cruise() -> None:
     assert limits(acceleration=Integer(2)).cruise(0, Integer(1)) == 2
     assert limits(speed=Integer(2)).cruise(0, Integer(1)) == CRUISE
@@ -171,13 +159,6 @@ def test_proportions_are_short_fractions_and_times_are_rounded_up() -> None:
     assert proportions([0.0]) == (Rational(1, 100),)
     assert rounded_up(1.0) == 1 + Rational(1, 10**6)
     assert rounded_up(0.1234561) == Rational(123457, 10**6)
-
-
-def test_a_piece_that_takes_longer_has_the_same_points() -> None:
-    piece = Piece(Integer(1), Integer(2), ((Integer(3), Integer(4), Integer(5)), (Float(6), ZERO, Integer(7))))
-    moved = placed(piece, Integer(10), Integer(2))
-    assert (moved.start, moved.duration) == (12, 4)
-    assert moved.values == ((3, 2, Rational(5, 4)), (Float(6), 0, Rational(7, 4)))
 
 
 HEADING = "t, q1 [deg] ,other,q2"
@@ -218,7 +199,7 @@ def test_long_files_are_read_to_their_end_or_refused(tmp_path: Path, monkeypatch
     assert (tmp_path / "walk.csv").stat().st_size > 262_144
     made = read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
     assert float(made.duration) == 5999
-    monkeypatch.setattr("derive.motion.curves.recording.BYTES", 1000)
+    monkeypatch.setattr("derive.motion.curves.given.BYTES", 1000)
     with pytest.raises(DeriveError, match="more than 1000 bytes"):
         read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
 

@@ -32,18 +32,9 @@ path: [a, {{to: b, time: 1, profile: trapezoidal}}, {{to: a, time: 3/2, profile:
 points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
 path: [a, {{to: b, time: 1}}, {{to: a, time: 1, payload: 2}}]
 base: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}""",
-    "base": f"robot: {ARM}\ncurves: {{q1: sin(t), q2: t/9}}\nbase: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}\ntime: 3\n",
-    "spline": f"""robot: {ARM}
-profile: spline
-points: {{a: [0, 0.1], b: [1, 0.9], c: [-1, 0.4]}}
-path: [a, {{to: b, time: 1}}, {{to: c, time: 2}}]""",
 }
 PUMA = "robot: puma560-corke\n"
 WIDE = {
-    "planar": """robot: planar-3r
-values: {a1: 1, a2: 0.8, a3: 0.3}
-curves: {q1: pi/4*sin(2*t), q2: t**2/10 - cos(t), q3: sqrt(t + 1)}
-time: 5""",
     "lines and arcs": """robot: {name: arm, convention: standard, inverse: {task: [x, y]}, gravity: [0, -9.81, 0],
   joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}], links: [{mass: 1, com: [-0.5, 0, 0]}, {mass: 1}]}
 points: {a: [0.3, 0.5], b: [0.7, 0.9], c: [0.4, 1.4]}
@@ -124,10 +115,7 @@ class Shown:
     scope="module",
     params=[
         "document-004",
-        *(
-            pytest.param(name, marks=pytest.mark.sweep)
-            for name in ("profiles", "curves", "base", "load on a base", "spline")
-        ),
+        *(pytest.param(name, marks=pytest.mark.sweep) for name in ("profiles", "curves", "load on a base")),
     ],
 )
 def shown(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:

@@ -8,19 +8,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
-from sympy import Expr, Float, Integer, Rational, pi, sqrt
+from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.errors import RobotFileError
-from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.curves.limits import Limits
-from derive.motion.curves.trajectory import Corner
 from derive.motion.motion import Motion
+from derive.motion.paths.hand import Hand
 from derive.motion.paths.poses import Way, rotation_of, rotation_vector
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.paths.singular import usual_rank, vanishing_factor
-from derive.motion.paths.smooth import INTERVALS, UNIFORM, Nodes, grid_of, one_second, smooth_path
+from derive.motion.paths.smooth import INTERVALS, Nodes, grid_of, one_second, smooth_path
 from derive.motion.torques.functions import Functions
-from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from tests.motion.random_arms import cells, points
 from tests.random_robots import seeds
@@ -104,24 +101,11 @@ acceleration: [20, 20]
     assert slower(t)[0] == pytest.approx(found(t)[0], abs=1e-9)
 
 
-class Told:
-    """An arm that is told where its points are, and has no limits."""
-
-    limits = Limits((None, None), (None, None), (None, None))
-
-    def exact(self, value: Expression) -> Expr:
-        return expression_to_sympy(value)
-
-    def configuration(self, name: str, before: Corner | None) -> Corner:
-        return {"a": (Integer(0), Integer(0)), "b": (pi, Integer(1)), "c": (Integer(2), Integer(-1))}[name]
-
-
-def test_segments_follow_one_another_through_the_points_of_the_arm() -> None:
-    plan = motion("path: [a, {to: b, time: 1}, {to: c, time: 2}]\n").plan
-    found = trajectory_of(plan, Told())  # type: ignore[arg-type]
-    spans = [(segment.name, segment.start, segment.duration) for segment in found.segments]
+def test_segments_follow_one_another_through_their_points() -> None:
+    made = motion("path: [a, {to: b, time: 1}, {to: c, time: 2}]\n")
+    segments = trajectory_of(made.plan, Hand(made.plan, made.values, made._exact, made._loaded)).segments
+    spans = [(segment.name, segment.start, segment.duration) for segment in segments]
     assert spans == [("a -> b", 0, 1), ("b -> c", 1, 2)]
-    assert found(np.array([0.0, 1, 3]))[0].tolist() == [[0, 0], [np.pi, 1], [2, -1]]
 
 
 @pytest.mark.parametrize(
@@ -209,16 +193,6 @@ def test_a_rotation_is_that_of_its_vector(angle: float) -> None:
         assert rotation_of(rotation_vector(rotation)) == pytest.approx(rotation, abs=2e-7 if angle > 3.1 else 1e-14)
 
 
-def test_a_line_goes_straight_from_pose_to_pose() -> None:
-    a, b = pose(1), pose(2)
-    way = Way.line(a, b)
-    assert way.pose(0) == pytest.approx(a, abs=1e-14)
-    assert way.pose(1) == pytest.approx(b, abs=1e-14)
-    direction = b[:3, 3] - a[:3, 3]
-    for s in (0.2, 0.7):
-        assert np.linalg.norm(np.cross(way.pose(s)[:3, 3] - a[:3, 3], direction)) < 1e-14
-
-
 def test_an_arc_goes_through_three_positions_on_a_circle_and_none_through_a_line() -> None:
     a, middle, b = pose(3), pose(4), pose(5)
     way = Way.arc(a, middle, b)
@@ -296,11 +270,6 @@ def test_a_grid_has_the_knots_and_the_places_where_a_joint_turns_back() -> None:
     turn = grid[np.abs(path(grid)[1][:, 0]).argmin()]
     assert abs(path(float(turn))[1][0]) < 1e-12
     assert turn != 0.5
-
-
-def test_s_goes_uniformly() -> None:
-    assert UNIFORM(np.array([0.0, 0.25, 1.0]))[0][:, 0].tolist() == [0, 0.25, 1]
-    assert UNIFORM(np.array([0.5]))[1].tolist() == [[1.0]]
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from derive.motion.simulation import held
 from derive.motion.simulation.held import held_arm
 from derive.motion.simulation.simulation import Run
 from derive.motion.simulation.stages import NEEDS, Controller, stages_of
-from derive.motion.simulation.stepping import DIVERGED, Plant, integrated, smooth
-from derive.motion.simulation.sticking import Contact, exact, stepped
+from derive.motion.simulation.stepping import DIVERGED, Plant, smooth
+from derive.motion.simulation.sticking import exact, stepped
 from derive.motion.torques import functions
 from derive.motion.torques.functions import Functions
 from derive.robot.robot import Robot
@@ -37,13 +37,6 @@ def state(plant: Plant) -> np.ndarray:
     return np.concatenate([[0, 0.8, -1.5, 0.2, 0.3, 0.5], np.zeros(6), [0, 0]])
 
 
-def test_the_energy_of_a_fall_is_kept(plant: Plant) -> None:
-    (end,), divergence = smooth(plant, idle, state(plant), (0.0, 1.0), np.array([1.0]))
-    assert divergence is None
-    before = plant.energy(state(plant)[:6], np.zeros(6))
-    assert plant.energy(end[:6], end[6:12]) == pytest.approx(before - end[13], abs=1e-8)
-
-
 @pytest.mark.parametrize("step", [smooth, exact, stepped])
 def test_what_diverges_says_when_and_where_and_keeps_its_rows(plant: Plant, step: object) -> None:
     def driven(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
@@ -55,22 +48,6 @@ def test_what_diverges_says_when_and_where_and_keeps_its_rows(plant: Plant, step
     assert times[len(rows) - 1] <= divergence.time < times[len(rows)]
     assert abs(divergence.qd[divergence.joint]) == pytest.approx(DIVERGED, rel=0.7)
     assert np.isfinite(rows).all()
-
-
-def test_an_integration_ends_where_something_else_begins() -> None:
-    """A fall from rest passes one metre after sqrt(2/9.81) s."""
-
-    def falling(t: float, state: np.ndarray) -> np.ndarray:
-        return np.array([state[1], -9.81, 0, 0])
-
-    times = np.linspace(0.1, 1, 10)
-    got, change, divergence = integrated(
-        falling, np.zeros(4), (0.0, 1.0), times, "DOP853", lambda _, state: float(state[0]) + 1
-    )
-    assert divergence is None
-    assert change[0] == pytest.approx(np.sqrt(2 / 9.81), rel=1e-12)
-    assert change[1][:2] == pytest.approx([-1, -np.sqrt(2 * 9.81)], rel=1e-12)
-    assert len(got) == 4
 
 
 def test_large_gains_of_a_light_joint_take_few_steps() -> None:
@@ -329,15 +306,6 @@ def test_small_steps_and_smooth_friction_come_to_the_same_motion_and_breakaway_i
     (end,), divergence = exact(plant, lambda *_: np.zeros(2), np.zeros(6), (0.0, 1.0), np.array([1.0]))
     assert divergence is None
     assert not end.any()
-
-
-def test_what_slips_at_rest_is_decided_for_all_joints_together() -> None:
-    """A push of 10 N on the upper slide: below 6 N the lower one gives way, too."""
-    for friction, way in ((7.0, [0, 1]), (5.0, [-1, 1]), (0.0, [0, 1])):
-        plant = replace(plant_of(SLIDES.replace("FIRST", "7")), coulomb=np.array([friction, 4]))
-        contact = Contact.at(plant, lambda *_: np.zeros(2), 0.0, np.zeros(2), np.zeros(2))
-        assert contact.way.tolist() == way
-        assert contact.stands.tolist() == [friction == 7, False]
 
 
 def test_large_gains_of_a_light_link_do_not_stop_a_simulation() -> None:

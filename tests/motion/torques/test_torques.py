@@ -11,16 +11,14 @@ import pytest
 from sympy import Rational, cos, sin
 
 from derive.arrays import Array
-from derive.mechanics.floats import ArrayDomain
 from derive.motion.motion import Motion
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.motion.torques.loads import loads
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve
-from derive.plans.points import Payload
 from derive.robot.evaluate import parameter_values
-from derive.robot.expression import Name, number
+from derive.robot.expression import Name
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from tests.random_robots import RandomRobot, random_robot, seeds
@@ -173,14 +171,6 @@ def test_a_base_that_falls_freely_carries_no_weight() -> None:
     assert added == pytest.approx(-standing, abs=1e-12)
 
 
-def test_cells_are_read_at_many_configurations() -> None:
-    robot = Robot.from_text("{name: arm, convention: standard, joints: [{type: revolute, theta: q1 + pi/6}]}")
-    domain = ArrayDomain(robot, [np.array([0.0, np.pi / 3])], {})
-    cosine, sine = domain.joint_cosine_sine(0, robot.joints[0])
-    assert cosine == pytest.approx([np.sqrt(3) / 2, 0], abs=1e-15)
-    assert sine == pytest.approx([0.5, 1])
-
-
 PENDULUM = """robot: {name: arm, convention: standard, gravity: [GX, -9.81, 0],
   joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}],
   links: [{mass: 2, com: [-0.2, 0, 0], inertia: {xx: 0, yy: 0.1, zz: 0.1}, friction: {coulomb: DRY, viscous: 0.1}},
@@ -229,47 +219,10 @@ def test_computed_torque_follows_on_a_base_that_turns() -> None:
     assert run.energy_error < 1e-6
 
 
-def cloud(seed: int) -> tuple[CarriedBody, np.ndarray, np.ndarray]:
-    """A body of five points: its mass, centre and inertia by their sums."""
-    random = np.random.default_rng(seed)
-    masses, places = random.uniform(1, 2, 5), random.normal(size=(5, 3))
-    mass, com = masses.sum(), masses @ places / masses.sum()
-    off = places - com
-    inertia = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, off, strict=True))
-    return CarriedBody(float(mass), com, np.array(inertia)), masses, places
-
-
-def test_two_bodies_are_one_of_all_their_points_and_two_that_are_nothing_are_nothing() -> None:
-    (a, m, p), (b, n, r) = cloud(1), cloud(2)
-    masses, places = np.concatenate([m, n]), np.concatenate([p, r])
-    both = a + b
-    assert both.mass == pytest.approx(masses.sum())
-    assert both.com == pytest.approx(masses @ places / masses.sum())
-    about_origin = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, places, strict=True))
-    assert both.about(np.zeros(3)) == pytest.approx(np.array(about_origin))
+def test_two_bodies_that_are_nothing_are_nothing() -> None:
     none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)))
     assert (none + none).mass == 0
     assert not (none + none).inertia.any()
-
-
-def test_columns_are_first_moments_and_inertia_about_the_origin() -> None:
-    body, masses, places = cloud(3)
-    columns = body.columns(6)
-    assert columns["mx6"] == pytest.approx(masses @ places[:, 0])
-    assert columns["Ixy6"] == pytest.approx(-(masses @ (places[:, 0] * places[:, 1])))
-    assert columns["Izz6"] == pytest.approx(masses @ (places[:, 0] ** 2 + places[:, 1] ** 2))
-    assert len(columns) == 10
-
-
-def test_a_payload_stands_in_the_frame_of_the_tool() -> None:
-    robot = Robot.from_text(
-        "{name: arm, convention: standard, joints: [{type: revolute, a: 1}], links: [{mass: 1}], gravity: [0, 0, -9],"
-        " tool: [[1, 0, 0, a], [0, 0, -1, 0], [0, 1, 0, 0.2], [0, 0, 0, 1]]}"
-    )
-    payload = Payload(number(2), (number(1), number(2), number(3)), (number(4), number(5), number(6)))
-    body = CarriedBody.payload(robot, payload, {"a": 0.5})
-    assert body.com.tolist() == [1.5, -3, 2.2]
-    assert np.diag(body.inertia).tolist() == [4, 6, 5]
 
 
 def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
