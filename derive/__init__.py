@@ -15,8 +15,6 @@
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

@@ -1,7 +1,5 @@
 """Arrays of numbers, as the type checker knows them."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 import numpy as np

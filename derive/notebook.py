@@ -4,8 +4,6 @@ The closed forms of `derive.model` know no output and no assumptions; the public
 derived in plain symbols; for SymPy's own simplifications others are put in, real ones and of masses positive ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial

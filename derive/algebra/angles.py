@@ -8,8 +8,6 @@ Joint angles come in groups: those of revolute joints with parallel axes, which 
 expression is written, never what it is: sums of angles are as good a basis as the angles.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from fractions import Fraction

@@ -5,8 +5,6 @@ that are equal by algebra, such as (sqrt(2)/2)**2 and 1/2, are the same constant
 far is zero.
 """
 
-from __future__ import annotations
-
 import copyreg
 from collections.abc import Callable, Mapping
 from fractions import Fraction

@@ -6,8 +6,6 @@ each basis, each s^2 or c^2 is replaced by s^2 + c^2 = 1 where that leaves fewer
 c2*c3 - s2*s3 becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
 """
 
-from __future__ import annotations
-
 from functools import cache, lru_cache
 from itertools import combinations
 from typing import NamedTuple

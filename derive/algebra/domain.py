@@ -1,7 +1,5 @@
 """The polynomial ring of one robot, and the way of an exact expression into it and out again."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from math import prod

@@ -13,8 +13,6 @@ t^j/(1 + t^2)^k = sin(q/2)^j cos(q/2)^(2k - j), and so does the square of one of
 together in a remainder. Roots at infinity are factors 1 + c.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations

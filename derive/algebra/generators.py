@@ -4,8 +4,6 @@ The ring must know its generators before any expression can become a polynomial,
 here for what they contain, in `derive.algebra.domain` for what they are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import Enum

@@ -1,7 +1,5 @@
 """Printed formulas against derived ones, from Python: of a file, or one alone."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace

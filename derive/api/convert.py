@@ -1,7 +1,5 @@
 """The same arm otherwise, from Python: by the table of the other convention, or with physically consistent bodies."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Robots in the formats of other programs, from Python."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from pathlib import Path

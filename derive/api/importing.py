@@ -1,7 +1,5 @@
 """Robots from URDF and xacro, from Python: what ``derive import`` makes and ``derive verify`` tests again."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction

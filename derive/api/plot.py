@@ -1,7 +1,5 @@
 """Figures from Python: the arm with its frames, or its workspace."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

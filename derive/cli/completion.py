@@ -1,7 +1,5 @@
 """``derive completion``: what lets a shell complete commands, options, robots and quantities."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from typing import Any

@@ -1,7 +1,5 @@
 """``derive convert``: the same arm by the table of the other convention."""
 
-from __future__ import annotations
-
 import argparse
 
 from derive.cli.options import add_shared, keywords

@@ -1,7 +1,5 @@
 """``derive export``: a robot in the formats of other programs."""
 
-from __future__ import annotations
-
 import argparse
 
 from derive.cli.options import add_shared, keywords

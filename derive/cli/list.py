@@ -1,7 +1,5 @@
 """``derive list``: the robots that come with derive."""
 
-from __future__ import annotations
-
 import argparse
 
 from derive.cli.options import add_shared

@@ -1,7 +1,5 @@
 """The command ``derive``: reads the arguments, runs one command, turns errors into a message and an exit status."""
 
-from __future__ import annotations
-
 import argparse
 import atexit
 import gc

@@ -1,7 +1,5 @@
 """``derive new``: a commented robot file or motion plan to start from; it loads as it is."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Options that several commands have, one name and one meaning each; and the names that options had before."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

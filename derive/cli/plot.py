@@ -1,7 +1,5 @@
 """``derive plot``: a figure of the arm, or of its workspace."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

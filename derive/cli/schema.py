@@ -1,7 +1,5 @@
 """``derive schema``: the JSON Schema of the robot file or the motion plan, for editors."""
 
-from __future__ import annotations
-
 import argparse
 
 from derive.cli.options import add_shared

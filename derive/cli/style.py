@@ -1,7 +1,5 @@
 """``derive style``: how a book writes its formulas, found from some of them."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

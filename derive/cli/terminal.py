@@ -4,8 +4,6 @@ Results go to standard output, messages and progress to standard error. A wrong 
 and what is allowed.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,7 +1,5 @@
 """``derive verify``: generated functions against an independent recursion."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The way from base to tip may go up the tree of links first: a joint that is pass
 way round.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction

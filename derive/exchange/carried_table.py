@@ -3,8 +3,6 @@
 Many tables are right for one arm. A URDF that `derive export` wrote says from which it was made, so that it comes back.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

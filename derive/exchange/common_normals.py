@@ -5,8 +5,6 @@ parallel have one common normal, two that are have many, and one may be taken; w
 behind the last one is base and tool (Denavit and Hartenberg, 1955; Craig, Introduction to Robotics, 3.4).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise

@@ -1,7 +1,5 @@
 """A robot file in the other convention, with comments that say how it was made and that lead back."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 

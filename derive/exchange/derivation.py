@@ -1,7 +1,5 @@
 """How a table becomes that of the other convention, step by step: as text, and as LaTeX as the handout prints it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Any

@@ -1,7 +1,5 @@
 """The formats of other programs that a robot is written in, and what each of them cannot say."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

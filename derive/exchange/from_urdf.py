@@ -4,8 +4,6 @@ Two axes that 1.57 and -1.5708 turn are not parallel, and have a common normal: 
 rounded to a few decimals, are read as the fractions of pi that they were meant for where the arm hardly moves by that.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress

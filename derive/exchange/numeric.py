@@ -1,7 +1,5 @@
 """A robot whose cells are numbers, as other programs' formats have them, and how a number is written for them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar

@@ -1,7 +1,5 @@
 """An arm as a robot file has it: cells of its table, and links in the frames of the table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from math import floor, log10

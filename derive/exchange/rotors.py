@@ -9,8 +9,6 @@ an inertia J about the axis on the link behind the joint, I - J on the one befor
 the same in every term of the dynamics, wherever both links are bodies that exist.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A robot as scripts for programs that take Denavit-Hartenberg tables, and as a table of numbers."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator
 from io import StringIO

@@ -7,8 +7,6 @@ Z_1 O_2 = O_2 (O_2^-1 Z_1 O_2), that is one body at O_1 O_2 with the motions O_2
 it is seen from the second link, and Z_2. With nothing between them, nothing else is left out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any

@@ -1,7 +1,5 @@
 """A robot as URDF."""
 
-from __future__ import annotations
-
 from math import atan2, hypot
 from typing import Any
 from xml.sax.saxutils import escape

@@ -1,7 +1,5 @@
 """From a robot to its handout, part by part."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 from derive.errors import DeriveError

@@ -5,8 +5,6 @@ are derivations and whatever is too long to be worked out by hand. A matrix is a
 tells by its absence that it is zero. Room and points follow the symbols and numbers of the answer in print.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

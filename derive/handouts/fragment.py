@@ -5,8 +5,6 @@ group of its own, by which TeX breaks equations, chooses between a matrix and it
 smaller, all by the ``\linewidth`` that it finds.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ The same text gives the same bytes: no time of day, no path and no configuration
 run no program and write nowhere else. What went wrong and how many pages there are is read in the log.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

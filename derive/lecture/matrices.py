@@ -1,7 +1,5 @@
 """What a model is put together from: matrices of frames and columns, symbols by their role, bodies one at a time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any

@@ -4,8 +4,6 @@ Numbers are computed with fifty digits, each subexpression once. What cancels ex
 no value at the point, atan2(0, 0), is noticed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any

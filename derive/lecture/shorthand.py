@@ -7,8 +7,6 @@ ways to read them are one too many. What the robot itself calls c1 is never a to
 `read_formula` reads it; `notation_text` writes printed trees in it, grouping and order kept: ``s1*(a2*c2 - d3*s23)``.
 """
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping

@@ -3,8 +3,6 @@
 Symbols are plain, sines and cosines too; a tree is walked, no text is ever evaluated.
 """
 
-from __future__ import annotations
-
 from bisect import insort
 from fractions import Fraction
 from functools import cache, cmp_to_key

@@ -1,7 +1,5 @@
 """Polynomials as lists of terms in the factors that are printed: contracted sines and cosines, variables, symbols."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import NamedTuple

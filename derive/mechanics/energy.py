@@ -9,8 +9,6 @@ what resists the joint's own acceleration (Siciliano et al., Robotics, section 7
 moments of all beyond are carried inward to it: where the two meet changes the cost and not the value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from derive.mechanics.chain import Chain

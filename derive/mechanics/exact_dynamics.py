@@ -6,8 +6,6 @@ rotors included), each a symbol of its own, and the user's symbols are put in af
 are wanted.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Closed-form kinematics: frames and the Jacobians of end effector, links and rotors, as exact polynomials."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

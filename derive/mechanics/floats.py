@@ -1,7 +1,5 @@
 """A robot at a configuration in floats, as scalars of the mechanics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

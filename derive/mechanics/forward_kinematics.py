@@ -23,8 +23,6 @@ across, about). Where x = y = 0 the angles are singular and their rates infinite
 Robotics, section 3.6).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import accumulate
 from typing import Any, Protocol, Self, TypeVar

@@ -10,8 +10,6 @@ acceleration of gravity gamma in joint frame i, g_i = -(h x gamma)_z for a revol
 prismatic one.
 """
 
-from __future__ import annotations
-
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.joint_motion import axis, body_to_parent, generalized_force, origin, to_child, to_parent
 from derive.mechanics.vectors import S, Vector, add, cross, scale

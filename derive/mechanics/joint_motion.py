@@ -4,8 +4,6 @@ The constant part and the turn about z are applied one after the other: for a tw
 costs four multiplications and two additions this way, half of a full matrix product.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from derive.mechanics import vectors

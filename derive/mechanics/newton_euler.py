@@ -16,8 +16,6 @@ rotor of joint i adds to link i-1 the moment c (rate_dot u + rate omega x u) and
 ratio^2 I rate_dot, with u its axis and omega of link i-1 (Siciliano et al., Robotics, section 7.5).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum

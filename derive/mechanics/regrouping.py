@@ -11,8 +11,6 @@ A prismatic joint along the axis about which all joints before it turn leaves al
 the mass does along z: an *axial* mass, which Newton-Euler knows (`Chain.axial`) and the other recursions do not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Closed-form dynamics entry by entry, and C, N and tau as sums of Christoffel symbols times rates."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import cached_property, partial
 from typing import NamedTuple

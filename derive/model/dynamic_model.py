@@ -1,7 +1,5 @@
 """Closed-form dynamics of a robot: B, Christoffel symbols, C, g, tau, energies, regressors, as plain SymPy."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

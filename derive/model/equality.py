@@ -4,8 +4,6 @@ Formulas are also evaluated at random points, with fifty digits: for counter-exa
 algebra cannot decide.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

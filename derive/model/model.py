@@ -1,7 +1,5 @@
 """The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from derive.lecture.point import at_point

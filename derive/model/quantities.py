@@ -1,7 +1,5 @@
 """The registry of quantities: symbol, shape, unit and definition of whatever can be asked for by name."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Books write ``M`` or ``mass matrix``, ``V``, ``T06`` or ``^0T_6``, ``det(J)``, `
 understood, the others are answered with what may be meant.
 """
 
-from __future__ import annotations
-
 import difflib
 import re
 

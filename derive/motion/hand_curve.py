@@ -1,7 +1,5 @@
 """The curve of the hand: where the end effector is and how fast it goes, in numbers and, of formulas, as a formula."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 

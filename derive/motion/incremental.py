@@ -6,8 +6,6 @@ Robotics, 2009, 3.5.2). Where corrections stop all the same, as on a line throug
 leave, they begin anew aside of it, down the square of the distance (Levenberg and Marquardt).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

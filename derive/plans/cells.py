@@ -1,7 +1,5 @@
 """Cells of a motion plan: expressions whose symbols all have numbers, in the units of the plan's robot."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cached_property

@@ -1,7 +1,5 @@
 """What the controller of a simulation does not know: other numbers of the arm, and what pushes its joints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

@@ -9,8 +9,6 @@ same at u = 1 (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machi
 rounded at the ends: pieces that share the values of a point join without a gap in any of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache

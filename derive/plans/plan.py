@@ -3,8 +3,6 @@
 Keys without effect are refused, loads and links that no body has are remarked on.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

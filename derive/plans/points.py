@@ -1,7 +1,5 @@
 """What a plan names: poses, points, what the tool carries, and the segments between points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from derive.errors import Location

@@ -4,8 +4,6 @@ Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots,
 Introduction to Robotics, 3rd edition, 7.3; Siciliano et al., Robotics, 2009, 4.2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """Structure of a motion plan: which keys, which shapes; see `derive.robot.reading.schema`, which robot files follow."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from derive.robot.reading.schema import FORMS, Cell, RobotFile, Vector3, without_null

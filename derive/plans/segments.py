@@ -1,7 +1,5 @@
 """Segments of a motion as plain data: their pieces, the largest values of every joint, and formulas of time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from sympy import Expr, Float, Poly, Symbol, cos, expand, pi

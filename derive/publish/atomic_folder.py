@@ -11,8 +11,6 @@ Single files are all written beside their targets before the first takes its nam
 ``force`` they replace files, whoever wrote those.
 """
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import os

@@ -1,7 +1,5 @@
 """From a robot to its verified folder: render in memory, write beside the target, verify there, take its place."""
 
-from __future__ import annotations
-
 import gc
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """``MANIFEST.json``: what a generated folder was made from, and what is in it."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Collection, Iterable, Mapping

@@ -1,7 +1,5 @@
 """Several robots, one after the other or at once; one failure does not stop the rest."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

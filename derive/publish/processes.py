@@ -1,7 +1,5 @@
 """Work done in another process meanwhile, where that is possible: what does not wait for the search runs beside it."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """All files of one robot: texts, a pure function of the robot file and the tool's version, and libraries from them."""
 
-from __future__ import annotations
-
 import filecmp
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

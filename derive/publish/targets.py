@@ -1,7 +1,5 @@
 """All targets, one row each; the command line, the manifest and the README page of a robot derive from it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from derive.errors import TargetError, near_miss

@@ -5,8 +5,6 @@ inertia is larger than the sum of the other two. Published tensors often break t
 since they know base parameters alone, but simulators refuse such a body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import acos, cos, pi, sqrt

@@ -5,8 +5,6 @@ A *plain number* is an additive term of a cell in which no name occurs: in ``q1 
 Arguments of sin, cos and tan are angles too, in every cell; where pi occurs in an argument, it is in radians already.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 import warnings

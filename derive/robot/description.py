@@ -3,8 +3,6 @@
 The parts show themselves in the words of the file (``Joint(revolute, theta=q1 + pi/2, a=a1)``), not as trees.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """The number of an exact expression tree, independent of the algebra that derives the formulas."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction

@@ -4,8 +4,6 @@ Every link has ten whether the file gives them or not, since a measurement must 
 friction have theirs where the file gives them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from derive.robot.expression import ZERO

@@ -3,8 +3,6 @@
 The catalogue of built-in robots is one YAML file each, under ``derive/robot/catalogue``.
 """
 
-from __future__ import annotations
-
 import keyword
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """Names of velocities and accelerations, labels of joints, and the symbols of a robot with their numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TypeVar

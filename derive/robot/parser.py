@@ -10,8 +10,6 @@
 character and every construction that is not in the grammar is refused with what to write instead.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from enum import Enum

@@ -1,7 +1,5 @@
 """What is wanted of a robot: style, handout, figure and inverse kinematics, by blocks of its file or by a caller."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace

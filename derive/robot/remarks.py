@@ -3,8 +3,6 @@
 An angle is exact in this program: ``1.5708`` is not pi/2, and its cosine is not 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The robot as everything else sees it: frozen, validated, exact, in SI units and radians."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path

@@ -3,8 +3,6 @@
 Closed forms, generated code and verdicts hold exact numbers; what is rounded is their print alone, and it says so.
 """
 
-from __future__ import annotations
-
 from decimal import ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The blocks of a robot file that say what the arm is: its Denavit-Hartenberg table, frames, links and gravity."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 

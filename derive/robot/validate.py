@@ -1,7 +1,5 @@
 """Checks that need the whole robot: names, parameters, and numbers that must make sense."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """A robot as the text of a robot file, which reads back as the same robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction

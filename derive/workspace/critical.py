@@ -8,8 +8,6 @@ followed for itself, so that curves that cross or touch are not taken for one. A
 the picture's curves at its two limits, and circles through the places that are nearest to and farthest from the axis.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial

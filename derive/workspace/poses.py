@@ -1,7 +1,5 @@
 """Where the frames of a robot are, in numbers, for figures; symbols without one get a length or an angle to draw."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

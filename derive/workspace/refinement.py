@@ -6,8 +6,6 @@ reached: a distance function outside of the area. Its level line one cell away r
 too, and the nearest place that is reached from each of its points lies on the boundary itself.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from derive.arrays import Array, Flags, Indices

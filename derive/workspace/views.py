@@ -4,8 +4,6 @@ What is reachable, and what is dexterous: Siciliano et al., Robotics: Modelling,
 Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The drawing of an arm: shaded joints and links in depth, on top of them axes, lengths and joint variables by name."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The drawing of an arm in several configurations over each other: a line for all whose links cover each other."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

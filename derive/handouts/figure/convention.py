@@ -4,8 +4,6 @@ Source: the figures in Siciliano et al., Robotics: Modelling, Planning and Contr
 Introduction to Robotics, ch. 3.4 (modified).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ matplotlib writers print it. A label is LaTeX; for writers without TeX, and to k
 of plain characters.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Curves over time: panels below each other with one axis of time, and beside each other where units differ."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

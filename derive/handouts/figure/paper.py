@@ -1,7 +1,5 @@
 """A paper on which items are put one by one; it finds room for labels, off lines and off other labels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

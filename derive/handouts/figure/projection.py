@@ -1,7 +1,5 @@
 """Orthographic views: the choice of the direction from which an arm is drawn, and its faces as areas on the page."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What there is to draw of an arm: axes of frames, joints, links and lengths, in space and still without a view."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

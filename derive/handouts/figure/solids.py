@@ -1,7 +1,5 @@
 """The solid parts of an arm in page units: base, links, joints and hand as shaded faces in space."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """The plot of a workspace: each of its views with what is reached and what is dexterous, as a file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import cycle
 from typing import Any

@@ -11,8 +11,6 @@ The same drawing gives the same bytes, also through matplotlib. Why LaTeX and SV
 through it: decision 13 in docs/decisions.
 """
 
-from __future__ import annotations
-
 from html import escape
 from io import BytesIO
 from typing import Any

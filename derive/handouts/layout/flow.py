@@ -5,8 +5,6 @@ before a sign outside of brackets, ``\brk1`` inside of one and so on, ``\fac1`` 
 say their definitions in ``templates/handout/fragment.tex.jinja``; TeX finds the cheapest breaks for its own line.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ or minus, outermost brackets first, and between two factors only where nothing e
 continue at an indentation that shows how deep in brackets they start.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -5,8 +5,6 @@ dropped. Where entries are printed one by one, brackets that they share get a sy
 term.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

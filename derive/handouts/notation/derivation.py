@@ -1,7 +1,5 @@
 """The derivation of the inverse kinematics as lines of text, of LaTeX and of Python."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 from typing import Any

@@ -8,8 +8,6 @@ Numbers are boxes too. A robot given by decimals is printed in decimals, any oth
 than six significant digits is rounded in print (`derive.robot.rounding`); the sheet states the rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import IntEnum
 from fractions import Fraction

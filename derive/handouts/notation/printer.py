@@ -1,7 +1,5 @@
 """SymPy expressions and cells of the robot file in the notation of lecture notes, as pieces that lines are made of."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The singularities of an arm as text, LaTeX, Python and JSON, and the aspects between them as text and JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

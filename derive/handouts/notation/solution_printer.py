@@ -1,7 +1,5 @@
 """Printers of solutions: a choice of sign is a plus-minus, and the pose and named quantities have their place."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Any

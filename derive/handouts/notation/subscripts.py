@@ -8,8 +8,6 @@ or q_3); their index is the label of the joint, the digits at the end of the var
 label keeps its name, and so does one whose letter and index would look like another symbol of the robot.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping

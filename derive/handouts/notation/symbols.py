@@ -4,8 +4,6 @@ b_{12}, C_{12}, N_{12}, g_1, t_{11} and J_{11}; Christoffel symbols are c_{1,23}
 c_{123}, the cosine of a sum. Where a name is taken, an entry is written (B)_{12}.
 """
 
-from __future__ import annotations
-
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, bracketed, concatenate, greek, italic, script, upright
 from derive.robot.options.handout import FrameIndices

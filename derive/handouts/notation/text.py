@@ -5,8 +5,6 @@ where it can be read one way: every label is a single digit, none occurs twice, 
 token. Otherwise cosines and sines are spelled out.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The workspace of an arm in formulas, as lines of text, of LaTeX, of Python, and as JSON."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

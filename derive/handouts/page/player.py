@@ -4,8 +4,6 @@ The page computes the motion from the same pieces as everything else does: polyn
 cosines, and formulas of time as trees of numbers; torques come from the JavaScript of the robot's own tapes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

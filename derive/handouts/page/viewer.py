@@ -4,8 +4,6 @@ The pose and the frames come from the JavaScript of the robot's own tapes; three
 figure needs of the robot are numbers: where each joint can go and starts, where the base stands, and where up is.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -4,8 +4,6 @@ The file holds every formula as LaTeX, and KaTeX, which sets it in the reader's 
 the rest while the reader reads. Without scripts the LaTeX is there to be read.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from base64 import b64encode

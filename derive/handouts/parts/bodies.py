@@ -1,7 +1,5 @@
 """The parts about the bodies of a robot, links and rotors: their Jacobians, the energies and the inertia matrix."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The part with the table of the other convention: the same factors in other brackets, and what moves to the ends."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The parts with pictures: the arm with its frames, and the convention with its four parameters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction

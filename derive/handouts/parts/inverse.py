@@ -1,7 +1,5 @@
 """The part with the inverse kinematics: from the pose of the end effector to every configuration that reaches it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The example of the inverse kinematics: one pose, all configurations that reach it, and the arm drawn in each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

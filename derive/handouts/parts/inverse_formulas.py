@@ -1,7 +1,5 @@
 """The formulas of an inverse kinematics as displays: broken into lines, to be copied, blank in an exercise."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """Words for the steps of an inverse kinematics: where their equations come from, and the names of the branches."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Sequence
 

@@ -1,7 +1,5 @@
 """The parts with the transforms of the rows and with the end effector: T as a product and by its entries."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise

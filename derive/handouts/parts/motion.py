@@ -1,7 +1,5 @@
 """The parts with Christoffel symbols, Coriolis matrix, skew symmetry, gravity and the equations of motion."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll); Euler ZYZ: R = Rot
 (Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 

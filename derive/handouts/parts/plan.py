@@ -1,7 +1,5 @@
 """The part about a motion plan: segments, largest values, how coefficients of polynomials are found, formulas."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The part with the singularities: the determinant of a task in factors, or all minors, and where they are zero."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 

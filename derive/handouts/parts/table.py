@@ -1,7 +1,5 @@
 """The parts with the robot's data: the DH table, base and tool, parameters, links."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import fields
 from itertools import chain

@@ -4,8 +4,6 @@ Pages are estimated from what is printed, so that the same robot gives the same 
 estimate is on the high side.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What the parts of one handout share: the robot, its closed forms, the options, and what prints them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 from derive.handouts.layout.quantity import POLICY, Layouter, SheetPolicy

@@ -1,7 +1,5 @@
 """The dynamics of one robot on its way to the page: multiplied out where short, else in entries of B, c_ijk and g."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 

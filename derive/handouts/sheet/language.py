@@ -4,8 +4,6 @@ Every text is written in English where it is used, as ``_("Link %(index)s", inde
 ``derive/handouts/locale/<language>.po``, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field

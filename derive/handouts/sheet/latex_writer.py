@@ -1,7 +1,5 @@
 """A document as LaTeX that stands alone: pdflatex, amsmath, longtable, booktabs and nothing beyond."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from typing import Any

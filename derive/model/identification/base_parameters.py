@@ -16,8 +16,6 @@ exactly where it has none on B(q) and g(q). The set is found in three steps.
 Symbols with a number count as that number, all others and angles that are no multiples of pi/4 or pi/6 as generic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -4,8 +4,6 @@ Cosines and sines of quarter turns are rational; those of other angles are balls
 Whoever computes with them does so inside `derive.mechanics.space.exactly`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from math import prod

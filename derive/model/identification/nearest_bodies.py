@@ -6,8 +6,6 @@ the sum of the links' changes is made least, which leaves most links as they are
 sum of squares.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt

@@ -3,8 +3,6 @@
 The standard parameters are those of the file in the frames of the links; the base parameters combine them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

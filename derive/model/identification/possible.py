@@ -9,8 +9,6 @@ which also says what near means). The changes are rounded to few digits and appl
 out is looked at again: bodies that do not exist are never handed out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace

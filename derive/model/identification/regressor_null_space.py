@@ -12,8 +12,6 @@ A vector of parameters has ten numbers a link in the order of `LINK_PARTS`, in j
 which is DH frame i in the modified convention, and DH frame i before its a and alpha in the standard one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain as joined

@@ -5,8 +5,6 @@ the product of two vectors is the trace of the product of the matrices. The inte
 (Goulart and Chen, 2024), of the extra ``exchange``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum

@@ -8,8 +8,6 @@ gamma being the acceleration of gravity; the rotor of joint i, on link i-1, adds
 (w_b.u + k e_b), with u its axis and k its ratio for its own joint (e_i = 1). Both are linear in the parameters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from operator import mul

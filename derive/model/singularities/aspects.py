@@ -9,8 +9,6 @@ A new general formalism for the kinematic analysis of all nonredundant manipulat
 2019; Salunkhe et al., Necessary and sufficient condition for a generic 3R serial manipulator to be cuspidal, 2022.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

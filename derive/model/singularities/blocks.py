@@ -9,8 +9,6 @@ Six joints: all of J, about the wrist centre if axes 4, 5 and 6 meet there, for 
 J_22 (Siciliano et al., Robotics, sec. 3.3.1).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

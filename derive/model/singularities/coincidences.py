@@ -5,8 +5,6 @@ found by looking: the factor is brought to zero at random configurations, and th
 at the poses that the arm then has.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator, Sequence
 from contextlib import suppress

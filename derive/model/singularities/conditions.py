@@ -1,7 +1,5 @@
 """Where a factor is zero: an equation, its solutions where they can be read off, and the name of the posture."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum

@@ -7,8 +7,6 @@ Everything is exact: the factors multiply to the determinant as polynomials modu
 are moved where a reader expects them: 0.43*c2 + 0.41*s23, not 43*c2 + 41*s23.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction

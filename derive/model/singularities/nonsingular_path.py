@@ -3,8 +3,6 @@
 Source: Kavraki et al., Probabilistic roadmaps for path planning in high-dimensional configuration spaces, 1996.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ Nothing is lost on the way but where factors of several joints are left that sha
 found are not said to be all, unless intervals prove that such factors have no common zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

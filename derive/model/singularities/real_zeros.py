@@ -3,8 +3,6 @@
 The angles of the generators, some of them sums of joint angles, take all values independently of each other.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """What is found of an arm's singularities, and its words: as text, or as LaTeX with the words in ``text``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """Largest speeds and accelerations of a motion, exact where the places of the extremes are square roots at most."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 

@@ -3,8 +3,6 @@
 A recording is a CSV file: recorded angles, or the samples that ``derive move --csv`` writes.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """How long a motion takes where limits of the joints decide: the slowest joint sets the time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Where a motion exceeds what robot and plan allow."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 

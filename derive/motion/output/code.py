@@ -6,8 +6,6 @@
 Both are made of the same tapes, one for each kind of piece (`kernels`), and of one table of pieces.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Films of a motion: the arm frame by frame with the trace of its hand, as GIF through Pillow or MP4 through ffmpeg."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator

@@ -4,8 +4,6 @@ The row of a piece begins with its start and its duration; then come the values 
 its values by the basis of `derive.plans.hermite`, so that nothing is rounded at its ends in any language.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The web page of a motion: the arm that plays it; and the handout's part about the plan, as a sheet on paper."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from derive.arrays import Array

@@ -1,7 +1,5 @@
 """The plane in which the arm of a motion moves, from whose normal films and pages show it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

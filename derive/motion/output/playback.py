@@ -1,7 +1,5 @@
 """A motion as numbers and trees that the web page plays."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil

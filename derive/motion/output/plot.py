@@ -1,7 +1,5 @@
 """The plot of a motion: positions, velocities, accelerations and torques in SI units, their peaks marked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import ceil
 from typing import Any

@@ -3,8 +3,6 @@
 In the data exact numbers stand as texts beside their decimals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

@@ -11,8 +11,6 @@ nothing changes. Bounds are held at both ends of every interval. What the motion
 its bounds, and what is left after that is made good by time.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """From the steps of a plan to segments: which belong together, how long they take, which pieces they are made of."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
 

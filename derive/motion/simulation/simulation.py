@@ -1,7 +1,5 @@
 """The arm under a control law: forward dynamics in time, stage by stage, and where the energy went."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import groupby, pairwise

@@ -3,8 +3,6 @@
 Control laws: Siciliano et al., Robotics, 2009, 8.5.1 (PD with gravity), 8.5.2 (computed torque: inverse dynamics).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """What joints do in a segment: torque, power and work, from torques at many times and between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 

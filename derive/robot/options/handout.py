@@ -1,7 +1,5 @@
 """What a handout shows and how its symbols are written: the keys ``handout`` and ``figure`` of a robot file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """What inverse kinematics is asked for: the key ``inverse`` of a robot file, and the same words on the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """What makes a configuration a solution of a pose: every threshold of closed forms, here and in generated code."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 
 

@@ -3,8 +3,6 @@
 A hint is text for a message only: nothing is read differently because of it.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Callable, Sequence

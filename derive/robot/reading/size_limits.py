@@ -1,7 +1,5 @@
 """Every limit on what a user's text may cost, in one place, each with its reason."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
