@@ -139,12 +139,7 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
 
 
 def check_latex(
-    robot: RobotLike,
-    latex: str | Path,
-    quantity: str = "",
-    *,
-    lines: tuple[int, int] | None = None,
-    section: str = "",
+    robot: RobotLike, latex: str | Path, quantity: str = "", *, lines: tuple[int, int] | None = None, section: str = ""
 ) -> CheckedFile:
     """Compare LaTeX with what follows from a robot's table, as ``derive check ROBOT --latex L`` does.
 

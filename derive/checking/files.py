@@ -28,17 +28,8 @@ UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kin
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
 _KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = (
-    "quantity",
-    "latex",
-    "matrix",
-    "entries",
-    "rest",
-    "status",
-    "kind",
-    "correct",
-    "abbreviations",
-    "abbreviated",
-)
+    "quantity", "latex", "matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated",
+)  # fmt: skip
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 

@@ -175,11 +175,7 @@ def _elementary(name: str, arguments: list[str], where: Location, known: Mapping
 
 
 def _compared(
-    item: YamlMapping,
-    name: str,
-    matrix: Node | None,
-    right: Matrix,
-    corrections: Mapping[tuple[int, int], YamlScalar],
+    item: YamlMapping, name: str, matrix: Node | None, right: Matrix, corrections: Mapping[tuple[int, int], YamlScalar]
 ) -> Iterator[Finding]:
     """Every entry of a printed matrix, and its correction where there is one."""
     said = reading.remark(item)

@@ -22,18 +22,7 @@ from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Number,
-    Product,
-    Sum,
-    add,
-    children,
-    multiply,
-    names,
-    substitute,
-)
+from derive.robot.expression import Call, Expression, Number, Product, Sum, add, children, multiply, names, substitute
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 from derive.robot.robot import Robot

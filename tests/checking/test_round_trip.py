@@ -17,7 +17,6 @@ from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.checking.latex.check import check_latex
-from derive.checking.latex.formula import read_latex
 from derive.checking.report import Item, errata_items, repaired_text
 from derive.cli.main import main
 from derive.errors import CheckError, DeriveError, Location
@@ -31,6 +30,7 @@ from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
+from tests.checking.latex.test_formula import read_latex
 from tests.docs.errata import printouts
 from tests.random_robots import catalogue, swept_catalogue
 

@@ -49,11 +49,14 @@ class Right:
 
     def likeness(self, table: Table) -> float:
         """Which part of the entries of a table in this shape has the same values at a point."""
-        formulas = [
-            (entry.formula, self.value[i, j]) for i, row in enumerate(table.rows) for j, entry in enumerate(row)
-        ]
-        alike = sum(_alike(printed, expression_from_sympy(derived)) for printed, derived in formulas)
-        return alike / len(formulas)
+        pairs = [(entry.formula, expression_from_sympy(e)) for entry, e in zip(table.entries, self.value, strict=True)]
+        points = [at_a_point(printed, derived) for printed, derived in pairs]
+        alike = sum(abs(one - other) <= ALIKE * (1 + abs(other)) for one, other in filter(None, points))
+        return alike / len(pairs)
+
+    def fits(self, table: Table) -> float:
+        """The likeness of a table in any shape; 0 where it does not fit."""
+        return self.likeness(fitting) if (fitting := self.fitting(table)) else 0.0
 
     def agrees(self, asked: Right) -> bool:
         """Whether it is what is asked about, or that is an entry or a part of it."""
@@ -68,14 +71,14 @@ class Right:
         return f"{self.quantity}[{','.join(indices)}]" if indices else self.quantity
 
 
-def _alike(printed: Expression, right: Expression) -> bool:
+def at_a_point(*formulas: Expression) -> list[float]:
+    """The values of formulas at one random point; none where one of them has no value there."""
     rng = random.Random(3)
-    values = {name: rng.uniform(0.3, 1.7) for name in sorted({*names(printed), *names(right)})}
+    values = {name: rng.uniform(0.3, 1.7) for name in sorted({name for e in formulas for name in names(e)})}
     try:
-        one, other = float_value(printed, values), float_value(right, values)
+        return [float_value(e, values) for e in formulas]
     except NO_VALUE:
-        return False
-    return abs(one - other) <= ALIKE * (1 + abs(other))
+        return []
 
 
 class Meanings:

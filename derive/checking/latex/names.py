@@ -115,32 +115,19 @@ class LatexNames:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
-            angles = [
-                add(*terms)
-                if (terms := self._sum_of_angles(x))
-                else resolve_tokens(Name(self._name(f"q{x}")), self.robot)
-                for x in labels
-            ]
+            sums = ((x, sum_of_angles(self.robot, x)) for x in labels)
+            angles = [add(*s) if s else resolve_tokens(Name(self._name(f"q{x}")), self.robot) for x, s in sums]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
             return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
         name = self._name(text)
         try:
             return resolve_tokens(Name(name), self.robot, self.abbreviations)
         except CheckError:
-            if (match := _ANGLE_SUM.fullmatch(text)) and (terms := self._sum_of_angles(match[2])):
+            if (match := _ANGLE_SUM.fullmatch(text)) and (terms := sum_of_angles(self.robot, match[2])):
                 return add(*terms)
             if text in self.entries:
                 return self.entries[text]
             raise
-
-    def _sum_of_angles(self, digits: str) -> tuple[Expression, ...]:
-        r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
-        try:
-            token = resolve_tokens(Name(f"c{digits}"), self.robot)
-        except CheckError:
-            return ()
-        angle = token.arguments[0] if isinstance(token, Call) else token
-        return angle.terms if isinstance(angle, Sum) else ()
 
     def circular(self, symbol: Symbol) -> str:
         r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""
@@ -154,7 +141,8 @@ class LatexNames:
         terms = [name]
         if name not in variables:
             match = _ANGLE_SUM.fullmatch(text)
-            terms = [term.name for term in self._sum_of_angles(match[2]) if isinstance(term, Name)] if match else []
+            angles = sum_of_angles(self.robot, match[2]) if match else ()
+            terms = [term.name for term in angles if isinstance(term, Name)]
         if not terms and dots == 1 and f"{text}'" in self.entries:
             return self.entries[f"{text}'"]
         if not terms:
@@ -189,10 +177,19 @@ class LatexNames:
             if stem == "q" or (stem in ("theta", "th")) is joint.is_revolute:
                 return joint.variable
             if stem != "d":
-                raise CheckError(
-                    f"theta_{label}: joint {label} is prismatic", remedy=f"its variable is d_{label} or q_{label}"
-                )
+                remedy = f"its variable is d_{label} or q_{label}"
+                raise CheckError(f"theta_{label}: joint {label} is prismatic", remedy=remedy)
         return ""
+
+
+def sum_of_angles(robot: Robot, digits: str) -> tuple[Expression, ...]:
+    r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
+    try:
+        token = resolve_tokens(Name(f"c{digits}"), robot)
+    except CheckError:
+        return ()
+    angle = token.arguments[0] if isinstance(token, Call) else token
+    return angle.terms if isinstance(angle, Sum) else ()
 
 
 def _alike(name: str) -> tuple[str, str, str]:

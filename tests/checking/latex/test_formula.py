@@ -10,7 +10,7 @@ import pytest
 from lark.exceptions import UnexpectedInput
 
 from derive.checking.formulas.findings import same_form
-from derive.checking.latex.formula import read_latex
+from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import LatexNames, Symbol
@@ -26,9 +26,13 @@ from tests.lectures.results import ROBOT_FILES, corpus_file, document
 SCARA = Robot.load("scara-perugia-zup")
 WRIST = Robot.load("spherical-wrist")
 
+
+def read_latex(text: str, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> Expression:
+    return LatexReader(robot, text, Location("<latex>"), abbreviations).formula(LatexPiece(cleaned(text), 0))
+
+
 READ = [
     (r"c_1 \left(a_2 c_2 + a_1 c_{12}\right)", "c1*(a2*c2 + a1*c12)"),
-    (r"$ a_1 $", "a1"),
     (r"-a_1\,s_1\;-\quad a_2~s_{12}", "-a1*s1 - a2*s12"),
     (r"a_1\cos\theta_1+a_2\cos(\theta_1+\theta_2)", "a1*c1 + a2*c12"),
     (r"a_1 \cos(\vartheta_1) a_2", "a1*c1*a2"),
