@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from derive.api.check import formula_printout
 from derive.checking.documents import MAX_DEPTH, Manuscript, document_of, expanded, read_document
 from derive.checking.page import verdict_page
+from derive.checking.spelling import from_plain_text, spelled
 from derive.cli.main import main
 from derive.errors import CheckError
 from tests.checking.test_pages import ANT
@@ -172,3 +173,33 @@ def test_only_latex_becomes_a_web_page(tmp_path: Path, capsys: pytest.CaptureFix
     assert not target.exists()
     assert main(["check", "planar-2r-perugia", "--latex", "x = a_1 c_1", "-o", str(target), "--quiet"]) == 1
     assert target.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize(
+    ("typed", "latex"),
+    [
+        ("\u1e8b + q\u0307_1", r"\dot{x} + \dot{q}_1"),
+        ("\u221a(a + b) \u221a3", r"\sqrt{a + b} \sqrt{3}"),
+        (r"\frac l2 \tfrac{a}b \frac{a}{b}", r"\frac{l}{2} \tfrac{a}{b} \frac{a}{b}"),
+        (r"c{12} \sin{2}", r"c_{12} \sin{2}"),
+        (r"\pmatrix{a & b \cr c & d}", r"\begin{pmatrix}a & b \\ c & d\end{pmatrix}"),
+    ],
+)
+def test_what_is_spelled_otherwise_becomes_latex(typed: str, latex: str) -> None:
+    assert spelled(typed)[0] == latex
+
+
+def test_lines_of_plain_text_that_are_equations_become_displays() -> None:
+    text = "My arm\n- x = a1*cos(theta1)\nso x = the length of it\ntheta2 = atan2(y, x)"
+    assert from_plain_text(text)[0].splitlines()[1::2] == [
+        r"$$x = a1*\operatorname{cos}(\theta_{1})$$",
+        r"$$\theta_{2} = \operatorname{atan2}(y, x)$$",
+    ]
+    assert from_plain_text(f"{text} $y$")[0] == f"{text} $y$"
+
+
+@given(st.text(alphabet="\u1e8bq\u0307\u221a(a) \\frac{l}2c12=", max_size=30))
+def test_every_character_of_a_spelling_comes_from_one_in_the_same_order(text: str) -> None:
+    for found, origins in (spelled(text), from_plain_text(text)):
+        assert len(found) == len(origins)
+        assert list(origins) == sorted(origins)

@@ -9,8 +9,11 @@ from functools import cache
 import pytest
 
 from derive.api.robots import load
+from derive.checking.comparison import check_file
+from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
+from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
 from derive.checking.inverse.order import Known, unit_vector
 from derive.checking.inverse.ours import OurSolution
@@ -318,3 +321,13 @@ def test_branches_that_are_met_nowhere_are_missing() -> None:
     assert found.met(tried, lambda place: place.values["q2"] < 0) == (1, ("elbow down",))
     assert found.met(tried, lambda place: True) == (2, ())
     assert found.met(tried, lambda place: place.values["q1"] < 0) == (0, ())
+
+
+@pytest.mark.parametrize("name", POSE_NAMES[:-1])
+def test_every_entry_of_a_pose_has_a_name_in_formulas_of_a_corpus(name: str) -> None:
+    text = f"""\
+robot: {{name: polar, convention: standard, joints: [{{type: revolute, alpha: -pi/2}}, {{type: prismatic, theta: pi}}]}}
+inverse_kinematics: {{formulas: [{{unknown: q1, value: q1, printed: q1 + 2*{name} - {name}*2}}]}}
+"""
+    (found,) = check_file(corpus_from_bytes(text.encode(), "notes.yaml")).findings
+    assert found.verdict.equal

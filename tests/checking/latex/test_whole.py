@@ -3,6 +3,7 @@
 import pytest
 
 from derive.checking.latex.comparing import VAGUE
+from derive.checking.latex.conditions import ways
 from derive.checking.latex.left import Scripts, taken_apart
 from derive.checking.latex.meanings import Meanings
 from derive.checking.latex.poses import MARK, Poses
@@ -11,6 +12,7 @@ from derive.checking.latex.targets import Target, candidates
 from derive.checking.latex.whole import chained, factors, frames_of
 from derive.errors import Location
 from derive.model.model import Model
+from derive.robot.expression import Call, Name, Pi, number
 from derive.robot.robot import Robot
 from tests.checking.test_pages import ANT, checked
 
@@ -215,3 +217,12 @@ def test_a_partial_derivative_is_an_entry_of_the_jacobian() -> None:
     assert Target("J", (2,), (2,)) in candidates(left, 2)
     report = checked(ARM, r"$$\frac{\partial x}{\partial \theta_2} = -a_2 \sin(\theta_1 + \theta_2)$$")
     assert (report.equal, report.wrong) == (1, ())
+
+
+def test_a_condition_says_what_stands_for_what() -> None:
+    one, two, zero = Name("l1"), Name("l2"), number(0)
+    assert ways([one, zero]) == ({"l1": zero},)
+    assert ways([one, two]) == ({"l2": one}, {"l1": two})
+    assert ways([one, two, zero]) == ({"l1": zero, "l2": zero},)
+    assert ways([Call("sin", (one,)), zero]) == ({"l1": zero}, {"l1": Pi()})
+    assert ways([Call("tan", (one,)), zero]) == ()
