@@ -70,9 +70,8 @@ def compose(*frames: Matrix) -> Matrix:
     """The product of frames from left to right, exact and reduced."""
     shapes = [getattr(frame, "shape", None) for frame in frames]
     if not frames or any(shape != (4, 4) for shape in shapes[:-1]) or shapes[-1] not in ((4, 4), (4, 1)):
-        raise ExpressionError(
-            f"frames of shapes {shapes}", allowed="allowed: 4x4 matrices, the last one 4x4 or a point 4x1"
-        )
+        allowed = "allowed: 4x4 matrices, the last one 4x4 or a point 4x1"
+        raise ExpressionError(f"frames of shapes {shapes}", allowed=allowed)
     factors = [[[expression_from_sympy(entry) for entry in row] for row in frame.tolist()] for frame in frames]
     domain = PolynomialDomain(NO_ROBOT, [e for rows in factors for row in rows for e in row], rates=False)
     # multiplied in the ring modulo s^2 + c^2 = 1, not by SymPy, which reduces nothing
@@ -93,9 +92,8 @@ def _scalar(value: Expr) -> Expr:
     except sympy.SympifyError:
         found = None
     if not isinstance(found, sympy.Expr) or found.is_Matrix:
-        raise ExpressionError(
-            f"value of type {type(value).__name__}", allowed="allowed: a number or a SymPy expression"
-        )
+        allowed = "allowed: a number or a SymPy expression"
+        raise ExpressionError(f"value of type {type(value).__name__}", allowed=allowed)
     return expression_to_sympy(expression_from_sympy(found))
 
 
@@ -145,11 +143,8 @@ def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
     """The matrix of a factor such as ``Rot(z, pi/2)``."""
     match = _FACTOR.fullmatch(text.text)
     if match is None or match[1] not in FUNCTIONS:
-        raise CheckError(
-            f"factor {quoted(text.text)}",
-            allowed="allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)",
-            location=text.location,
-        )
+        allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"
+        raise CheckError(f"factor {quoted(text.text)}", allowed=allowed, location=text.location)
     # formulas of frames have no commas of their own
     arguments = [argument.strip() for argument in match[2].split(",")]
     try:

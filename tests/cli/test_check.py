@@ -77,6 +77,7 @@ def test_one_formula_without_a_file(folder: Path, formula: str, status: int) -> 
     done = derive("check", "scara-perugia", "--quantity", "T[1,4]", "--expression", formula, folder=folder)
     assert done.status == status
     assert (done.stdout == "T[1,4]: same form\n") is (status == 0)
+    assert ("error: --expression:1:5: " in done.stderr) is (status == 2)
 
 
 def test_one_formula_in_another_form_is_shown_with_ours(folder: Path) -> None:

@@ -78,8 +78,9 @@ def _solution(node: Node, lines: Sequence[str]) -> InverseText:
     """A whole solution, as lines of text or as LaTeX."""
     item = reading.mapping(node, "inverse_kinematics", (), ("lines", "latex", *_SOLUTION))
     if ("lines" in item.entries) is ("latex" in item.entries):
-        found, remedy = "inverse_kinematics needs either", 'write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]'
-        raise CheckError(f"{found} 'lines', 'latex' or 'formulas'", remedy=remedy, location=item.location)
+        found = "inverse_kinematics needs either 'lines', 'latex' or 'formulas'"
+        remedy = 'write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]'
+        raise CheckError(found, remedy=remedy, location=item.location)
     content = item.entries["lines" if "lines" in item.entries else "latex"][1]
     texts = content.items if isinstance(content, YamlSequence) else [content]
     parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question
-from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
+from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Comparing, Side
 from derive.checking.latex.conditions import explaining, ways
 from derive.checking.latex.equations import Sides
@@ -40,11 +40,6 @@ class LatexReport:
     skipped: tuple[Skipped, ...] = ()  # equations about which nothing is said
     readings: tuple[str, ...] = ()  # how the text as a whole is read, where that is not the usual way
     equations: tuple[Location, ...] = ()  # where each equation begins
-
-    def file_report(self, source: str, robot: str) -> FileReport:
-        """The comparisons as those of a file."""
-        unread = tuple(f"{s.location}: {s.reason}" for s in self.skipped)
-        return FileReport(source, robot, self.findings, unread, readings=self.readings)
 
 
 def check_latex(
@@ -110,28 +105,32 @@ class _Check(Comparing):
         poses = self.scope.poses
         if poses and not known:
             found = self._repositioned(found, poses)
-        judged = list(reversed(poses.judged(claims, self.scope.readings, known))) if poses else []
+        judged = iter(poses.judged(claims, self.scope.readings, known) if poses else ())
         for one in found:
-            finding = judged.pop() if isinstance(one, Claim) else one
-            begin = self._offset(finding.location) if finding is not None else 0
-            if finding is not None and (
-                known_as := explaining(
-                    self.conditions, finding, begin, self.text, self.around.get(finding, frozenset())
-                )
-            ):
-                condition, is_certain = known_as
-                if is_certain:
-                    right = Verdict(equal=True, exact=False)
-                    yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
-                    continue
-                reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
-                self.skipped.append(Skipped(finding.location, reason, finding.text))
-            elif finding is not None:
-                yield finding
-            elif isinstance(one, Claim) and not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
+            if isinstance(one, Finding):
+                yield from self._under_conditions(one)
+            elif (finding := next(judged)) is not None:
+                yield from self._under_conditions(finding)
+            elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
                 self.skipped.append(Skipped(one.where, reason, one.right))
+
+    def _under_conditions(self, finding: Finding) -> Iterator[Finding]:
+        """A verdict, right where a condition of the text makes it so; none where that is not certain to be meant."""
+        line = finding.location.line - self.scope.start.line
+        begin = sum(map(len, self.text.splitlines(keepends=True)[:line])) + finding.location.column
+        begin -= 1 if line else self.scope.start.column
+        around = self.around.get(finding, frozenset())
+        condition, is_certain = explaining(self.conditions, finding, begin, self.text, around) or ("", False)
+        if is_certain:
+            right = Verdict(equal=True, exact=False)
+            yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
+        elif condition:
+            reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
+            self.skipped.append(Skipped(finding.location, reason, finding.text))
+        else:
+            yield finding
 
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
@@ -154,12 +153,6 @@ class _Check(Comparing):
                 self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({right} of {len(printed)} equations)")
                 return [again.get(i, one) for i, one in enumerate(found)]
         return found
-
-    def _offset(self, where: Location) -> int:
-        """The character of the text at a place."""
-        line = where.line - self.scope.start.line
-        begin = sum(map(len, self.text.splitlines(keepends=True)[:line]))
-        return begin + where.column - (1 if line else self.scope.start.column)
 
     def _findings(self) -> Iterator[Finding | Claim]:
         for index, equation in enumerate(self.scope.equations):

@@ -74,6 +74,12 @@ class LatexPiece:
             text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)], self.inline
         )
 
+    def split(self, sign: str) -> list[LatexPiece]:
+        """The parts of it between some signs."""
+        ends = [i for i, letter in enumerate(self.text) if letter == sign]
+        starts = (0, *(i + 1 for i in ends))
+        return [self.part(begin, end) for begin, end in zip(starts, (*ends, len(self.text)), strict=True)]
+
 
 @dataclass(frozen=True, slots=True)
 class PrintedMatrix:
@@ -139,8 +145,8 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
         signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):
-                inner = _split(_flattened(plain, child), "\f")  # a row end behind the last row adds none
-                rows = tuple(tuple(_split(row, "\v")) for row in inner if row.text.strip("\v \n\r"))
+                inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
+                rows = tuple(tuple(row.split("\v")) for row in inner if row.text.strip("\v \n\r"))
                 found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV")))
                 signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
             else:
@@ -184,8 +190,3 @@ def _determinants(piece: LatexPiece) -> LatexPiece:
             continue
         matrices[index] = PrintedMatrix(matrices[index].rows, True)
     return LatexPiece(text, piece.offset, tuple(matrices))
-
-
-def _split(piece: LatexPiece, sign: str) -> list[LatexPiece]:
-    ends = [i for i, letter in enumerate(piece.text) if letter == sign]
-    return [piece.part(a, b) for a, b in zip((0, *(i + 1 for i in ends)), (*ends, len(piece.text)), strict=True)]

@@ -15,7 +15,6 @@ from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
-from derive.checking.inverse.order import Known, unit_vector
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places
 from derive.checking.inverse.printed import JointCombinations
@@ -151,16 +150,6 @@ def test_signs_that_belong_together_are_judged_together_and_circles_refused() ->
 
 
 @pytest.mark.parametrize(
-    ("text", "place"),
-    [("theta1 = atan2(y, zz)", "notes:1:19"), ("theta2 = +-sqrt(1 - ", "notes:1:20"), ("theta1 + 2", "notes:1:1")],
-)
-def test_what_cannot_be_read_has_its_place(text: str, place: str) -> None:
-    with pytest.raises(CheckError) as caught:
-        checked("planar-2r-perugia", text)
-    assert str(caught.value).startswith(f"{place}: ")
-
-
-@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("c2 = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); c2 = +-sqrt(1 - c2**2)", "left side: s2 instead of c2"),
@@ -284,17 +273,6 @@ def test_combinations_are_sums_of_angles_and_what_is_needed_are_their_functions(
     e = add(multiply(Name("a1"), Call("cos", (Name("q23"),))), Name("q1"))
     assert list(JOINTS.needed(e)) == [("cos", (0, 1, 1)), ("", (1, 0, 0))]
     assert JOINTS.meaning(Call("sqrt", (Name("q1"),))) is None
-
-
-def test_a_sum_and_all_but_one_of_its_terms_give_the_last_one() -> None:
-    known = Known([0], 3)
-    assert not known.has("", unit_vector(1, 3))
-    known.add("", (Fraction(0), Fraction(1), Fraction(1)))
-    known.add("cos", unit_vector(2, 3))
-    assert known.has("cos", unit_vector(2, 3))
-    assert not known.has("", unit_vector(1, 3))
-    known.add("sin", unit_vector(2, 3))
-    assert known.has("", unit_vector(1, 3))
 
 
 TEXT = "D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); theta2 = atan2(+-sqrt(1 - D**2), D); theta1 = atan2(y, x)"

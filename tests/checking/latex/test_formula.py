@@ -11,7 +11,7 @@ from lark.exceptions import UnexpectedInput
 
 from derive.checking.formulas.findings import same_form
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.grammar import MisplacedError, parsed
+from derive.checking.latex.grammar import parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import LatexNames, Symbol
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, display_piece
@@ -239,14 +239,6 @@ def made(text: str) -> Expression | Table:
     return parsed(text, LatexNames(SCARA), tables)
 
 
-@pytest.mark.parametrize(
-    ("latex", "plain"),
-    [(r"c_1^2 a_2", "c1**2*a2"), (r"\frac{a_1}{2}", "a1/2"), (r"c(\theta_1)^2", "c1**2"), (r"\dot\theta_1", "qd1")],
-)
-def test_a_formula_is_a_tree_in_the_order_of_print(latex: str, plain: str) -> None:
-    assert made(latex) == read_formula(plain, SCARA)
-
-
 def test_a_matrix_is_scaled_added_and_transposed_and_what_is_outside_the_grammar_refused() -> None:
     table = made(f"2{MATRIX_MARK} + {MATRIX_MARK}")
     assert isinstance(table, Table)
@@ -254,13 +246,6 @@ def test_a_matrix_is_scaled_added_and_transposed_and_what_is_outside_the_grammar
     assert made(f"{MATRIX_MARK}^T") == COLUMN.transposed
     with pytest.raises(UnexpectedInput):
         made("a_1 +")
-
-
-@pytest.mark.parametrize(("text", "offset"), [("a_1 + bogus_1", 6), ("2 3", 2), (r"a_1 \cos^{-1}\theta_1", 4)])
-def test_what_is_misplaced_says_where(text: str, offset: int) -> None:
-    with pytest.raises(MisplacedError) as caught:
-        made(text)
-    assert caught.value.offset == offset
 
 
 START = Location("notes.tex")
