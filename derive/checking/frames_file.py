@@ -146,27 +146,24 @@ def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
         allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"
         raise CheckError(f"factor {quoted(text.text)}", allowed=allowed, location=text.location)
     # formulas of frames have no commas of their own
-    arguments = [argument.strip() for argument in match[2].split(",")]
-    try:
-        return _elementary(match[1], arguments, text.location, known)
-    except (DeriveError, TypeError) as error:
-        shown = CheckError(f"factor {quoted(text.text)}: {error}") if isinstance(error, TypeError) else error
-        raise shown.at(text.location) from None
-
-
-def _elementary(name: str, arguments: list[str], where: Location, known: Mapping[str, Matrix]) -> Matrix:
+    name, where, arguments = match[1], text.location, [argument.strip() for argument in match[2].split(",")]
     if name == "Ref":
         if arguments[0] not in known:
-            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed="allowed: the id of an earlier item")
+            allowed = "allowed: the id of an earlier item"
+            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed=allowed, location=where)
         return known[arguments[0]]
     turns = name.startswith("Rot")
     numbers = [expression_to_sympy(_formula(argument, where)) for argument in (arguments[1:] if turns else arguments)]
     if len(numbers) != (1 if turns else 3):
-        raise CheckError(f"{name} with {len(arguments)} arguments", allowed="Rot takes 2, Trans and Vec take 3")
-    if turns:
+        allowed = "Rot takes 2, Trans and Vec take 3"
+        raise CheckError(f"{name} with {len(arguments)} arguments", allowed=allowed, location=where)
+    if not turns:
+        return translation(*numbers) if name == "Trans" else point(*numbers)
+    try:
         turn = rotation(arguments[0], numbers[0])
-        return turn if name == "Rot" else turn[:3, :3]
-    return translation(*numbers) if name == "Trans" else point(*numbers)
+    except DeriveError as error:
+        raise error.at(where) from None
+    return turn if name == "Rot" else turn[:3, :3]
 
 
 def _compared(

@@ -298,6 +298,5 @@ def _text(edit: Edit, write: Callable[[Expression], str]) -> str:
         case SlipKind.MISSING_TERM:
             return f"missing term: {new}" + (f" beside {old}" if parent is not None else "")
         case kind:
-            return f"{kind.value}: {new} instead of {old}" + (
-                f" in {shown_parent}" if isinstance(parent, Product) else ""
-            )
+            inside = f" in {shown_parent}" if isinstance(parent, Product) else ""
+            return f"{kind.value}: {new} instead of {old}{inside}"

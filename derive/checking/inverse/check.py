@@ -31,7 +31,7 @@ from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInvers
 from derive.checking.inverse.reading import Side, Vocabulary, assembled
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.inverse.text import text_equations
-from derive.checking.latex.names import PlusMinus
+from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, QuantityError, listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
@@ -50,7 +50,7 @@ TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their soluti
 
 def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
-    robot, signs = model.robot, PlusMinus()
+    robot, signs = model.robot, plus_minus()
     equations: list[list[Side]] = []
     words: list[str] = []
     if not any(part.text.strip() for part in solution.parts):

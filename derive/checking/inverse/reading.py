@@ -83,10 +83,13 @@ class Vocabulary:
     def _learn(self, word: str) -> None:
         """A word that is a joint variable, a sum of them, a cosine or sine, or a sign."""
         flat = word.replace("_", "")
+        match = _JOINT.fullmatch(flat)
+        joints = [j for j in self.robot.joints if match is not None and joint_label(j.variable) == match[2]]
+        fitting = [j for j in joints if match and (match[1] == "q" or (match[1] == "d") is not j.is_revolute)]
         if _SIGN_NAME.fullmatch(flat):
             self.meanings[word] = Name(SIGN + flat)
-        elif (match := _JOINT.fullmatch(flat)) and (variables := self._variables(*match.groups())):
-            self.meanings[word] = Name(variables[0])
+        elif fitting:
+            self.meanings[word] = Name(fitting[0].variable)
         elif match := _SUM.fullmatch(flat):
             if terms := sum_of_angles(self.robot, match[1]):
                 self.sums[word], self.meanings[word] = add(*terms), Name(word)
@@ -101,10 +104,6 @@ class Vocabulary:
             return isinstance(resolve_tokens(Name(word), self.robot), Call)
         except CheckError:
             return False
-
-    def _variables(self, stem: str, label: str) -> list[str]:
-        joints = [joint for joint in self.robot.joints if joint_label(joint.variable) == label]
-        return [joint.variable for joint in joints if stem == "q" or (stem == "d") is not joint.is_revolute]
 
     def is_forward(self, word: str, e: Expression) -> bool:
         """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""

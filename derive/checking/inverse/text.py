@@ -105,7 +105,7 @@ def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tup
         kind, token = match.lastgroup, match[0]
         if kind in ("plus", "minus"):
             name = f"plusminus{len(pieces)}"
-            known[name] = signs.another()
+            known[name] = next(signs)
             token = f"{'+' if kind == 'plus' else '-'}{name}*"
         elif kind == "degrees":
             token = "*pi/180"

@@ -8,7 +8,7 @@ Whatever else occurs is refused at its place, in words; nothing is ever guessed 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
@@ -67,10 +67,10 @@ class LatexReader:
         text: str,
         start: Location,
         abbreviations: Mapping[str, Expression] | None = None,
-        entries: Mapping[str, Expression] | None = None,
+        entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
     ) -> None:
-        self.names = LatexNames(robot, abbreviations, entries, signs)
+        self.names = LatexNames(robot, abbreviations, entry, signs)
         self._text = text
         self._start = start
 

@@ -261,7 +261,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         if self._names.signs is None:
             remedy = "these are two formulas; check one sign at a time, or an inverse solution as a whole"
             raise _refused(token.start_pos, f"{token} in a formula", remedy=remedy)
-        return self._names.signs.another()
+        return next(self._names.signs)
 
     def _inverse_function(self, token: Token, exponent: Expression | None, children: Children) -> Expression:
         r"""An arc function, where it has a meaning; ``\cos^{-1}`` is one too."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -210,28 +210,17 @@ def is_rate(name: str) -> bool:
     return _RATE.fullmatch(name) is not None
 
 
-class EntryNames(Mapping[str, Expression]):
-    """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
-
-    def __init__(self, meanings: Meanings, poses: Poses | None = None) -> None:
-        self._meanings, self._poses = meanings, poses
-
-    def __getitem__(self, name: str) -> Expression:
-        if rate := _RATE.fullmatch(name):
-            return self._meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
-        if self._poses is not None and (found := self._poses.placeholder(name)) is not None:
-            return found
-        left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-        for target in self._meanings.targets(left) if left else ():
-            if is_scalar(target) and (right := self._meanings.right(target)):
-                return expression_from_sympy(right.value[0, 0])
-        raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(())
-
-    def __len__(self) -> int:
-        return 0
+def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expression | None:
+    """The entry of a quantity with the name that it has in print, such as b12 and c1,22; None where there is none."""
+    if rate := _RATE.fullmatch(name):
+        return meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
+    if poses is not None and (found := poses.placeholder(name)) is not None:
+        return found
+    left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+    for target in meanings.targets(left) if left else ():
+        if is_scalar(target) and (right := meanings.right(target)):
+            return expression_from_sympy(right.value[0, 0])
+    return None
 
 
 def _whole(quantity: str, value: Matrix) -> Right:

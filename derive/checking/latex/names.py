@@ -3,8 +3,9 @@ r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}``
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import count
 
 from derive.checking.formulas.branches import SIGN
 from derive.errors import CheckError
@@ -33,16 +34,12 @@ _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
 
 
-class PlusMinus:
-    """Gives every plus-minus of a text a name."""
+PlusMinus = Iterator[Name]  # gives every plus-minus of a text a name
 
-    def __init__(self) -> None:
-        self._count = 0
 
-    def another(self) -> Name:
-        """The name of the next one."""
-        self._count += 1
-        return Name(f"{SIGN}{self._count}")
+def plus_minus() -> PlusMinus:
+    """The names of all that a text may have."""
+    return (Name(f"{SIGN}{k}") for k in count(1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +62,11 @@ class LatexNames:
         self,
         robot: Robot,
         abbreviations: Mapping[str, Expression] | None = None,
-        entries: Mapping[str, Expression] | None = None,
+        entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
     ) -> None:
-        self.robot, self.signs = robot, signs
+        self.robot, self.signs, self.entry = robot, signs, entry
         self.abbreviations = dict(abbreviations or {})
-        self.entries = {} if entries is None else entries  # one may be long to count
         self.own = own_names(robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._known: dict[tuple[str, int], Expression] = {}
@@ -99,8 +95,8 @@ class LatexNames:
 
     def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
-        if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine
-            return self.entries[text]
+        if _CHRISTOFFEL.fullmatch(text) and (entry := self.entry(text)):  # c_{1,23}; without the comma it is a cosine
+            return entry
         text = text.replace(",", "")
         # c_{2-3}, the cosine of a difference of joint angles
         opposed = _OPPOSED.fullmatch(text)
@@ -125,8 +121,8 @@ class LatexNames:
         except CheckError:
             if (match := _ANGLE_SUM.fullmatch(text)) and (terms := sum_of_angles(self.robot, match[2])):
                 return add(*terms)
-            if text in self.entries:
-                return self.entries[text]
+            if entry := self.entry(text):
+                return entry
             raise
 
     def circular(self, symbol: Symbol) -> str:
@@ -143,8 +139,8 @@ class LatexNames:
             match = _ANGLE_SUM.fullmatch(text)
             angles = sum_of_angles(self.robot, match[2]) if match else ()
             terms = [term.name for term in angles if isinstance(term, Name)]
-        if not terms and dots == 1 and f"{text}'" in self.entries:
-            return self.entries[f"{text}'"]
+        if not terms and dots == 1 and (entry := self.entry(f"{text}'")):
+            return entry
         if not terms:
             allowed = f"allowed: {', '.join(variables)}"
             raise CheckError(f"derivative of {text}, which is not a joint variable", allowed=allowed)

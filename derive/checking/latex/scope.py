@@ -7,14 +7,15 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import EntryNames, Meanings, Right, is_rate
-from derive.checking.latex.names import PlusMinus
+from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
+from derive.checking.latex.names import plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import is_scalar
@@ -72,7 +73,7 @@ class Scope:
         self.plain = LatexReader(self.robot, text, start)
         self.poses = Poses(model, text) if document else None
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
-        self._signs = PlusMinus() if document else None
+        self._signs = plus_minus() if document else None
         if document:
             self._refuse_other_arm()
         self.readings: list[str] = []
@@ -263,9 +264,8 @@ class Scope:
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
-        return LatexReader(
-            self.robot, self.text, self.start, meanings, EntryNames(self.meanings, self.poses), self._signs
-        )
+        entry = partial(entry_named, self.meanings, self.poses)
+        return LatexReader(self.robot, self.text, self.start, meanings, entry, self._signs)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

@@ -16,7 +16,7 @@ from derive.checking.latex.check import check_latex
 from derive.checking.latex.equations import equations
 from derive.checking.latex.left import Turned, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import EntryNames, Meanings
+from derive.checking.latex.meanings import Meanings, entry_named
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import CheckError, Location
 from derive.handouts.notation.notation import Notation
@@ -238,11 +238,8 @@ def values(text: str) -> list[object]:
 def test_left_sides_and_names_of_entries_stand_for_what_is_derived() -> None:
     assert MODEL.quantity("B") in values(r"\mathbf{B}(\mathbf{q})")
     assert MODEL.quantity("B").extract([0], [1]) in values("b_{12}")
-    names = EntryNames(MEANINGS)
-    assert names["b12"] == expression_from_sympy(MODEL.quantity("B")[0, 1])
-    for name in ("b19", "a1b"):
-        with pytest.raises(KeyError):
-            names[name]
+    assert entry_named(MEANINGS, None, "b12") == expression_from_sympy(MODEL.quantity("B")[0, 1])
+    assert entry_named(MEANINGS, None, "b19") is entry_named(MEANINGS, None, "a1b") is None
 
 
 def test_what_is_asked_about_agrees_with_its_entries_only_and_a_vector_fits_as_a_row_too() -> None:

@@ -147,8 +147,7 @@ def formulas(latex: str) -> Iterator[str]:
 def entries(item: Mapping[str, Any]) -> dict[tuple[int, int], str]:
     if "matrix" in item:
         return {(i, j): t for i, row in enumerate(item["matrix"], 1) for j, t in enumerate(row, 1)}
-    places = {tuple(map(int, f"{place},1".split(",")[:2])): text for place, text in item["entries"].items()}
-    return {(i, j): text for (i, j), text in places.items()}
+    return {tuple(map(int, f"{place},1".split(",")[:2])): text for place, text in item["entries"].items()}
 
 
 def printed_pairs() -> Iterator[tuple[str, Robot, str, list[Expression], Mapping[str, Expression]]]:
