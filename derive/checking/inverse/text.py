@@ -119,12 +119,11 @@ def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tup
 def _function(word: str, behind: str) -> str:
     """What a function is called in the grammar, whose arguments stand behind it."""
     plain = word.lower().replace("_", "").replace(" ", "")
-    if plain in ("atan2", "arctan2", "atan", "arctan"):
-        depth, position = 0, 0
-        # a comma in the brackets that open there, not in brackets of their own, makes two arguments
-        while position < len(behind) and not (behind[position] == "," and depth == 1):
-            depth += {"(": 1, ")": -1}.get(behind[position], 0)
-            position = len(behind) if behind[position] == ")" and depth == 0 else position + 1
-        if position < len(behind):
+    depth = 0
+    for letter in behind if plain in ("atan2", "arctan2", "atan", "arctan") else "":
+        depth += {"(": 1, ")": -1}.get(letter, 0)
+        if letter == "," and depth == 1:  # two arguments: a comma that is not in brackets of its own
             return "atan2" if plain.endswith("2") and word[0] == "a" else COSINE_MAY_BE_FIRST
+        if letter == ")" and depth == 0:
+            break
     return INVERSE.get(plain, plain if plain in ("sqrt", "sin", "cos", "tan") else word)

@@ -134,23 +134,20 @@ class _Check(Comparing):
 
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
-        printed = {
-            i: one for i, one in enumerate(found) if isinstance(one, Finding) and one.quantity == "p" and one.question
-        }
+        printed = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p" and f.question}
         for reading in poses.readings[1:] if len(printed) > 1 else ():
             if reading.reference:
                 continue
             place = self.model.quantity(f"T[{reading.position}]")[:3, 3]
             again = {}
-            for i, one in printed.items():
-                assert one.question is not None
-                question = Question(self.robot, one.question.printed, expression_from_sympy(place[one.row - 1]))
-                again[i] = compared(
-                    question, one.quantity, (one.row, 0), one.role, one.text, place[one.row - 1], one.location
-                )
-            right = sum(one.verdict.equal for one in again.values())
-            if right > 1 and 2 * right > len(printed):
-                self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({right} of {len(printed)} equations)")
+            for i, f in printed.items():
+                assert f.question is not None
+                right = place[f.row - 1]
+                question = Question(self.robot, f.question.printed, expression_from_sympy(right))
+                again[i] = compared(question, f.quantity, (f.row, 0), f.role, f.text, right, f.location)
+            count = sum(f.verdict.equal for f in again.values())
+            if count > 1 and 2 * count > len(printed):
+                self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({count} of {len(printed)} equations)")
                 return [again.get(i, one) for i, one in enumerate(found)]
         return found
 

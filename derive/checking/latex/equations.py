@@ -70,8 +70,8 @@ def equations(text: str, start: Location, *, document: bool = False, time: bool 
 def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int, int]]:
     """Where mathematics begins and ends; the whole text where nothing marks it."""
     fences: list[tuple[int, int]] = []
-    begin_document = plain.find("\\begin{document}") + len("\\begin{document}") if document else 0
-    position = begin_document if document and "\\begin{document}" in plain else 0
+    _, beginning, _ = plain.partition("\\begin{document}") if document else ("", "", "")
+    position = plain.index(beginning) + len(beginning)
     while match := _FENCE.search(plain, position):
         name = match["name"]
         if match["macro"]:  # of the handout's fragments; the second group of \\mx says the same entry by entry
@@ -80,13 +80,10 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
             position = closing_brace(plain, closing + 1) if is_pair else closing
         elif name is None or name in EQUATION_ENVIRONMENTS:
-            if match.lastgroup:
-                fences.append((match.start(), match.end()))
+            fences.append((match.start(), match.end()))
             position = match.end()
-        elif document:
-            position = match.start() + len("\\begin")
         else:
-            position = match.end()
+            position = match.start() + len("\\begin") if document else match.end()
     if document:
         yield from _continued(plain, fences)
         return
