@@ -83,8 +83,7 @@ class Manuscript:
         found = []
         for match in _HEADING.finditer(self.text):
             level = len(match["marks"]) if match["marks"] else _COMMANDS.index(match["command"])
-            heading = " ".join((match["plain"] if match["marks"] else match["title"]).strip(" #").split())
-            found.append((match.start(), level, heading))
+            found.append((match.start(), level, " ".join((match["plain"] or match["title"] or "").strip(" #").split())))
         wanted = " ".join(title.split()).casefold()
         for index, (begin, level, heading) in enumerate(found):
             if wanted in heading.casefold():

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
 import sympy
 
@@ -87,10 +88,9 @@ def compose(*frames: Matrix) -> Matrix:
 
 
 def _scalar(value: Expr) -> Expr:
-    try:
+    found = None
+    with suppress(sympy.SympifyError):
         found = sympy.sympify(value, strict=True)
-    except sympy.SympifyError:
-        found = None
     if not isinstance(found, sympy.Expr) or found.is_Matrix:
         allowed = "allowed: a number or a SymPy expression"
         raise ExpressionError(f"value of type {type(value).__name__}", allowed=allowed)

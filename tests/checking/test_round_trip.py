@@ -141,18 +141,10 @@ def test_a_slip_in_latex_is_named(book: str, old: str, new: str, said: str) -> N
 
 USUAL = ("planar-3r", "scara-perugia", "spherical-wrist", "skeleton-root")
 OTHERS = (
-    *(
-        "anthropomorphic-arm",
-        "anthropomorphic-wrist",
-        "kuka-kr5",
-        "planar-2r-perugia",
-        "puma560-corke",
-        "puma560-laschi",
-    ),
-    *("puma560-usp", "scara-bajd", "scara-matlab", "scara-perugia-zup", "scara-sankyo", "skeleton"),
-    *("skeleton-modified", "spherical-arm", "stanford-deluca", "stanford-laschi", "thumb"),
-)
-
+    "anthropomorphic-arm", "anthropomorphic-wrist", "kuka-kr5", "planar-2r-perugia", "puma560-corke", "puma560-laschi",
+    "puma560-usp", "scara-bajd", "scara-matlab", "scara-perugia-zup", "scara-sankyo", "skeleton", "skeleton-modified",
+    "spherical-arm", "stanford-deluca", "stanford-laschi", "thumb",
+)  # fmt: skip
 MARKS = [pytest.mark.sweep if k % 3 == 0 else pytest.mark.release for k in range(len(OTHERS))]
 
 

@@ -72,10 +72,9 @@ class Question:
     def is_answer(self, formula: Expression) -> bool:
         """Whether a formula is right, decided exactly."""
         whole = substitute(self.compared(formula), self.definitions)
-        try:
+        with suppress(DeriveError):
             return compare(self.robot, self.right, whole).equal
-        except DeriveError:
-            return False
+        return False
 
 
 @dataclass(frozen=True, slots=True)

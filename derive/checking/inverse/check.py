@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property, partial
@@ -87,12 +88,9 @@ def inverse_text(text: str, asked: Asked, *, latex: bool = False, document: bool
 
 def names_inverse(model: Model, quantity: str) -> bool:
     """Whether a quantity that is asked about is the inverse kinematics."""
-    if not quantity:
-        return False
-    try:
-        return parse(model, quantity)[0].name == "inverse"
-    except QuantityError:
-        return False
+    with suppress(QuantityError):
+        return bool(quantity) and parse(model, quantity)[0].name == "inverse"
+    return False
 
 
 class _InverseCheck:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from derive.checking.formulas.branches import SIGN
@@ -100,10 +101,9 @@ class Vocabulary:
 
     def _is_token(self, word: str) -> bool:
         """Whether a word such as c2 is the cosine or sine of joint angles."""
-        try:
+        with suppress(CheckError):
             return isinstance(resolve_tokens(Name(word), self.robot), Call)
-        except CheckError:
-            return False
+        return False
 
     def is_forward(self, word: str, e: Expression) -> bool:
         """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""

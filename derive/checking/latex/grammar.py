@@ -44,12 +44,7 @@ Children = list[Any]
 
 
 class MisplacedError(Exception):
-    """An error with the offset of what caused it.
-
-    Attributes:
-        offset: Where in the text that was read.
-        error: What is wrong.
-    """
+    """An error with the offset of what caused it in the text that was read."""
 
     def __init__(self, offset: int | None, error: DeriveError) -> None:
         super().__init__(str(error))

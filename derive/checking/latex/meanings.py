@@ -75,10 +75,9 @@ def at_a_point(*formulas: Expression) -> list[float]:
     """The values of formulas at one random point; none where one of them has no value there."""
     rng = random.Random(3)
     values = {name: rng.uniform(0.3, 1.7) for name in sorted({name for e in formulas for name in names(e)})}
-    try:
+    with suppress(*NO_VALUE):
         return [float_value(e, values) for e in formulas]
-    except NO_VALUE:
-        return []
+    return []
 
 
 class Meanings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
@@ -87,11 +88,9 @@ class LatexNames:
 
     def knows(self, text: str) -> bool:
         """Whether a printed name without dots stands for something, and for one thing only."""
-        try:
-            self.meaning(Symbol(text, 0))
-        except CheckError:
-            return False
-        return True
+        with suppress(CheckError):
+            return bool(self.meaning(Symbol(text, 0)))
+        return False
 
     def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
@@ -180,12 +179,11 @@ class LatexNames:
 
 def sum_of_angles(robot: Robot, digits: str) -> tuple[Expression, ...]:
     r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
-    try:
+    with suppress(CheckError):
         token = resolve_tokens(Name(f"c{digits}"), robot)
-    except CheckError:
-        return ()
-    angle = token.arguments[0] if isinstance(token, Call) else token
-    return angle.terms if isinstance(angle, Sum) else ()
+        angle = token.arguments[0] if isinstance(token, Call) else token
+        return angle.terms if isinstance(angle, Sum) else ()
+    return ()
 
 
 def _alike(name: str) -> tuple[str, str, str]:

@@ -126,7 +126,7 @@ def display_piece(plain: str, begin: int, end: int, typed: str, start: Location)
                 raise refused(match.start(), f"\\end{{{match['end']}}} without its \\begin", remedy="check it")
             open_now.pop().end = match.span()
         else:
-            open_now[-1].marks.append((*match.span(), "row" if match["row"] else "cell"))
+            open_now[-1].marks.append((*match.span(), "\f" if match["row"] else "\v"))
     if len(open_now) > 1:
         raise refused(open_now[-1].begin[0], f"\\begin{{{open_now[-1].name}}} without its \\end", remedy="add it")
     root.end = (end, end)
@@ -142,7 +142,7 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     while waiting:
         node, is_inner = waiting.pop()
         # marks of environments inside a matrix mean nothing for the display; its own part rows and cells
-        signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
+        signs = [((first, last), " " if is_inner else sign) for first, last, sign in node.marks]
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):
                 inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
@@ -159,9 +159,6 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
     piece = LatexPiece("".join(letters), begin, matrices)
     return _determinants(piece) if matrices else piece
-
-
-_SIGNS = {"row": "\f", "cell": "\v"}
 
 
 def _holds_equations(plain: str, node: _Environment) -> bool:

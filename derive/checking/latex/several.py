@@ -46,9 +46,9 @@ def _said(names: Sequence[str], row: Sequence[_Part], right: Sequence[int], besi
     if right:
         robot = next((robot for robot in beside if robot in right), right[0])
         return robot, row[robot]
-    if len(compared) == 1 or len(around) == len(set(beside)) == 1:
-        robot = compared[0] if len(compared) == 1 else around[0]
-        return robot, row[robot]
+    likely = compared if len(compared) == 1 else around if len(around) == len(set(beside)) else []
+    if len(likely) == 1:
+        return likely[0], row[likely[0]]
     if compared:
         reason = f"wrong for {' and for '.join(names[robot] for robot in compared)}; which is meant is not certain"
         return compared[0], _not_compared(row[compared[0]], reason)
