@@ -137,12 +137,7 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
 
 
 def check_latex(
-    robot: RobotLike,
-    latex: str | Path,
-    quantity: str = "",
-    *,
-    lines: tuple[int, int] | None = None,
-    section: str = "",
+    robot: RobotLike, latex: str | Path, quantity: str = "", *, lines: tuple[int, int] | None = None, section: str = ""
 ) -> CheckedFile:
     """Compare LaTeX with what follows from a robot's table, as ``derive check ROBOT --latex L`` does.
 
@@ -228,13 +223,12 @@ def formula_printout(
     model, source = Model(robot), "--latex" if latex else "--expression"
     if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
         asked = Asked(Location(source), _task(model, task))
-        findings, refused = compare_inverse(model, inverse_text(formula, asked, latex=latex))
-        unread = tuple(f"{one.location}: {one.reason}" for one in refused)
-        return printout_of(FileReport(source, robot.name, findings, unread), robot)
-    if not latex:
-        finding = check_expression(model, quantity, formula)
-        return printout_of(FileReport(robot.name, robot.name, (finding,)), robot)
-    return printout_of(compare_latex(model, formula, quantity, Location(source)).file_report(source, robot.name), robot)
+        report = LatexReport(*compare_inverse(model, inverse_text(formula, asked, latex=latex)))
+    elif latex:
+        report = compare_latex(model, formula, quantity, Location(source))
+    else:
+        report, source = LatexReport((check_expression(model, quantity, formula),)), robot.name
+    return printout_of(_placed(report, None, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -275,10 +269,10 @@ def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -
         return _placed(_compared(model, document, quantity), document, model.robot, document.name)
     asked = Asked(Location(document.name), _task(model, task))
     try:
-        findings, refused = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
+        found = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
     except CheckError as error:
         raise document.moved(error) from None
-    return _placed(LatexReport(tuple(findings), tuple(refused)), document, model.robot, document.name)
+    return _placed(LatexReport(*found), document, model.robot, document.name)
 
 
 def _compared(model: Model, document: Manuscript, quantity: str = "") -> LatexReport:
@@ -288,10 +282,12 @@ def _compared(model: Model, document: Manuscript, quantity: str = "") -> LatexRe
         raise document.moved(error) from None
 
 
-def _placed(report: LatexReport, document: Manuscript, robot: Robot, source: str) -> FileReport:
-    placed = tuple(replace(finding, location=document.placed(finding.location)) for finding in report.findings)
-    unread = tuple(f"{document.placed(one.location)}: {one.reason}" for one in report.skipped)
-    return FileReport(source, robot.name, placed, unread, readings=report.readings)
+def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, source: str) -> FileReport:
+    """Comparisons as those of a file, at their places in the document if there is one."""
+    placed, found = document.placed if document else lambda where: where, report.findings
+    findings = tuple(replace(f, location=placed(f.location)) for f in found) if document else found
+    unread = tuple(f"{placed(one.location)}: {one.reason}" for one in report.skipped)
+    return FileReport(source, robot.name, findings, unread, readings=report.readings)
 
 
 def _task(model: Model, task: str) -> tuple[str, ...] | None:

@@ -100,20 +100,16 @@ def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
             return
     right = derived_matrix(model, item)
     if item.shape is not None and item.shape != right.shape:
-        raise CheckError(
-            f"{item.quantity}: printed with {item.shape[0]} rows and {item.shape[1]} columns",
-            allowed=f"allowed: {right.shape[0]} rows and {right.shape[1]} columns",
-        )
+        printed, allowed = ("{} rows and {} columns".format(*shape) for shape in (item.shape, right.shape))
+        raise CheckError(f"{item.quantity}: printed with {printed}", allowed=f"allowed: {allowed}")
     erratum = item.status == "erratum"
+    places = set(product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)) if item.rest_zero else ())
+    rest = sorted(places - {(entry.row, entry.column) for entry in item.entries})
+    zeros = (Printed(i, j, "0", number(0), item.location) for i, j in rest)
     yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
     yield from (_entry(model, item, right, entry, Role.ABBREVIATED, erratum) for entry in item.abbreviated)
     yield from (_entry(model, item, right, entry, Role.CORRECTION) for entry in item.corrections)
-    if item.rest_zero:
-        printed = {(entry.row, entry.column) for entry in item.entries}
-        for i, j in product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)):
-            if (i, j) not in printed:
-                zero = Printed(i, j, "0", number(0), item.location)
-                yield _entry(model, item, right, zero, Role.REST)
+    yield from (_entry(model, item, right, zero, Role.REST) for zero in zeros)
 
 
 def _entry(
@@ -121,11 +117,8 @@ def _entry(
 ) -> Finding:
     rows, columns = right.shape
     if entry.row > rows or entry.column > columns:
-        raise CheckError(
-            f"{item.quantity}: entry {entry.row},{entry.column}",
-            allowed=f"allowed: rows 1 to {rows}, columns 1 to {columns}",
-            location=entry.location,
-        )
+        found, allowed = f"entry {entry.row},{entry.column}", f"allowed: rows 1 to {rows}, columns 1 to {columns}"
+        raise CheckError(f"{item.quantity}: {found}", allowed=allowed, location=entry.location)
     row = 0 if (rows, columns) == (1, 1) else entry.row
     column = 0 if columns == 1 else entry.column
     if entry.unknown is not None:

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import json
 import re
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 from derive.checking.latex.typography import blank, without_comments
@@ -50,10 +49,13 @@ class Manuscript:
         column = origin - max(self.typed.rfind("\n", begin, origin) + 1, begin) + 1
         return Location(f"{self.name}, {part}" if part else self.name, line, column)
 
+    def _offset(self, found: Location) -> int:
+        lines = self.text.splitlines(keepends=True)
+        return sum(map(len, lines[: found.line - 1])) + found.column - 1
+
     def placed(self, found: Location) -> Location:
         """The place in the file of a place in the text."""
-        lines = self.text.splitlines(keepends=True)
-        return self.location(sum(map(len, lines[: found.line - 1])) + found.column - 1)
+        return self.location(self._offset(found))
 
     def moved(self, error: CheckError) -> CheckError:
         """An error in the text at its place in the file."""
@@ -61,37 +63,27 @@ class Manuscript:
 
     def section_at(self, found: Location) -> int:
         """The number of the section in which a place of the text stands; 0 before the first heading."""
-        lines = self.text.splitlines(keepends=True)
-        offset = sum(map(len, lines[: found.line - 1])) + found.column - 1
+        offset = self._offset(found)
         return sum(match.start() <= offset for match in _HEADING.finditer(self.text))
 
     def within(self, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript:
         """Only some lines of the file, or a section with its subsections; the rest is blank."""
         text = self.text
         if lines is not None:
-            kept = [lines[0] <= self._lines[origin] <= lines[1] for origin in self.origins]
+            ends = [match.start() for match in re.finditer("\n", self.typed)]
+            kept = (lines[0] <= bisect_left(ends, origin) + 1 <= lines[1] for origin in self.origins)
             text = "".join(c if keep or c == "\n" else " " for c, keep in zip(text, kept, strict=True))
         if section:
             begin, end = self._section(section)
             text = blank(text[:begin]) + text[begin:end] + blank(text[end:])
         return replace(self, text=text)
 
-    @cached_property
-    def _lines(self) -> list[int]:
-        """The number of the line of every character of the file."""
-        numbers, line = [], 1
-        for character in self.typed:
-            numbers.append(line)
-            line += character == "\n"
-        return [*numbers, line]
-
     def _section(self, title: str) -> tuple[int, int]:
         """Where a section begins and ends: at the next heading of its level or above."""
         found = []
         for match in _HEADING.finditer(self.text):
             level = len(match["marks"]) if match["marks"] else _COMMANDS.index(match["command"])
-            heading = " ".join((match["plain"] if match["marks"] else match["title"]).strip(" #").split())
-            found.append((match.start(), level, heading))
+            found.append((match.start(), level, " ".join((match["plain"] or match["title"] or "").strip(" #").split())))
         wanted = " ".join(title.split()).casefold()
         for index, (begin, level, heading) in enumerate(found):
             if wanted in heading.casefold():

@@ -28,17 +28,8 @@ UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kin
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
 _KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = (
-    "quantity",
-    "latex",
-    "matrix",
-    "entries",
-    "rest",
-    "status",
-    "kind",
-    "correct",
-    "abbreviations",
-    "abbreviated",
-)
+    "quantity", "latex", "matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated",
+)  # fmt: skip
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 
@@ -61,12 +52,10 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     robot = Robot.from_bytes(data, source)
     node = read_tree(data, source)
     if not isinstance(node, YamlMapping) or "robot" not in node.entries:
-        raise CheckError(
-            "no block 'robot:' beside the printed formulas",
-            allowed="allowed: robot: with the DH table, expected: with what is printed",
-            remedy="indent the robot under 'robot:' and add 'expected:'",
-            location=Location(source),
-        )
+        found = "no block 'robot:' beside the printed formulas"
+        allowed = "allowed: robot: with the DH table, expected: with what is printed"
+        remedy = "indent the robot under 'robot:' and add 'expected:'"
+        raise CheckError(found, allowed=allowed, remedy=remedy, location=Location(source))
     root = reading.mapping(node, "the file", ("robot",), _KEYS)
     expected = reading.items(reading.child(root, "expected"), "expected")
     identities = reading.items(reading.child(root, "identities"), "identities")
@@ -98,11 +87,8 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity
         raise CheckError("corrections without a quantity", remedy=remedy, location=item.location)
     for correction in corrections if in_latex is None else ():
         if (correction.row, correction.column) not in {(entry.row, entry.column) for entry in entries}:
-            raise CheckError(
-                f"correction of {correction.row},{correction.column}, which is not among the printed entries",
-                remedy="print the wrong entry too",
-                location=correction.location,
-            )
+            found = f"correction of {correction.row},{correction.column}, which is not among the printed entries"
+            raise CheckError(found, remedy="print the wrong entry too", location=correction.location)
     abbreviated: tuple[Printed, ...] = ()
     if "abbreviated" in item.entries:  # the entries as they are printed with the abbreviations of the notes
         short = NO_ABBREVIATIONS
@@ -129,22 +115,17 @@ def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tupl
     """The printed entries, and rows and columns where the whole matrix is printed."""
     matrix = reading.child(item, "matrix")
     if len([key for key in ("matrix", "entries", "latex") if key in item.entries]) != 1:
-        raise CheckError(
-            "an item of expected needs either 'matrix' or 'entries' or 'latex'",
-            remedy='write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some, or latex: "..."',
-            location=item.location,
-        )
+        found = "an item of expected needs either 'matrix' or 'entries' or 'latex'"
+        remedy = 'write matrix: [["..."]] for all entries, or entries: {"1,4": "..."} for some, or latex: "..."'
+        raise CheckError(found, remedy=remedy, location=item.location)
     if "latex" in item.entries:
         return (), None
     if matrix is None:
         return tuple(_at_places(reading.pairs(item, "entries", "an entry"), "entries", robot)), None
     rows = reading.rows(matrix, "matrix", "a row of the matrix")
     if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
-        raise CheckError(
-            "matrix whose rows differ in length or are empty",
-            remedy='write rows of equal length, a scalar as [["..."]]',
-            location=matrix.location,
-        )
+        remedy = 'write rows of equal length, a scalar as [["..."]]'
+        raise CheckError("matrix whose rows differ in length or are empty", remedy=remedy, location=matrix.location)
     return tuple(_matrix_entries(rows, robot)), (len(rows), len(rows[0]))
 
 
@@ -161,11 +142,9 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
         match = _PLACE.fullmatch(key.text)
         place = (int(match[1]), int(match[2] or 1)) if match else (0, 0)
         if 0 in place or place in seen:
-            raise CheckError(
-                f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else ""),
-                allowed='allowed: row,column from 1, such as "1,4"; "3" in a vector',
-                location=key.location,
-            )
+            found = f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else "")
+            allowed = 'allowed: row,column from 1, such as "1,4"; "3" in a vector'
+            raise CheckError(found, allowed=allowed, location=key.location)
         seen.add(place)
         yield read_printed(text, robot, place=place)
 

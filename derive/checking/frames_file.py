@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 
 import sympy
 
@@ -70,9 +71,8 @@ def compose(*frames: Matrix) -> Matrix:
     """The product of frames from left to right, exact and reduced."""
     shapes = [getattr(frame, "shape", None) for frame in frames]
     if not frames or any(shape != (4, 4) for shape in shapes[:-1]) or shapes[-1] not in ((4, 4), (4, 1)):
-        raise ExpressionError(
-            f"frames of shapes {shapes}", allowed="allowed: 4x4 matrices, the last one 4x4 or a point 4x1"
-        )
+        allowed = "allowed: 4x4 matrices, the last one 4x4 or a point 4x1"
+        raise ExpressionError(f"frames of shapes {shapes}", allowed=allowed)
     factors = [[[expression_from_sympy(entry) for entry in row] for row in frame.tolist()] for frame in frames]
     domain = PolynomialDomain(NO_ROBOT, [e for rows in factors for row in rows for e in row], rates=False)
     # multiplied in the ring modulo s^2 + c^2 = 1, not by SymPy, which reduces nothing
@@ -88,14 +88,12 @@ def compose(*frames: Matrix) -> Matrix:
 
 
 def _scalar(value: Expr) -> Expr:
-    try:
+    found = None
+    with suppress(sympy.SympifyError):
         found = sympy.sympify(value, strict=True)
-    except sympy.SympifyError:
-        found = None
     if not isinstance(found, sympy.Expr) or found.is_Matrix:
-        raise ExpressionError(
-            f"value of type {type(value).__name__}", allowed="allowed: a number or a SymPy expression"
-        )
+        allowed = "allowed: a number or a SymPy expression"
+        raise ExpressionError(f"value of type {type(value).__name__}", allowed=allowed)
     return expression_to_sympy(expression_from_sympy(found))
 
 
@@ -145,41 +143,31 @@ def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
     """The matrix of a factor such as ``Rot(z, pi/2)``."""
     match = _FACTOR.fullmatch(text.text)
     if match is None or match[1] not in FUNCTIONS:
-        raise CheckError(
-            f"factor {quoted(text.text)}",
-            allowed="allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)",
-            location=text.location,
-        )
+        allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"
+        raise CheckError(f"factor {quoted(text.text)}", allowed=allowed, location=text.location)
     # formulas of frames have no commas of their own
-    arguments = [argument.strip() for argument in match[2].split(",")]
-    try:
-        return _elementary(match[1], arguments, text.location, known)
-    except (DeriveError, TypeError) as error:
-        shown = CheckError(f"factor {quoted(text.text)}: {error}") if isinstance(error, TypeError) else error
-        raise shown.at(text.location) from None
-
-
-def _elementary(name: str, arguments: list[str], where: Location, known: Mapping[str, Matrix]) -> Matrix:
+    name, where, arguments = match[1], text.location, [argument.strip() for argument in match[2].split(",")]
     if name == "Ref":
         if arguments[0] not in known:
-            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed="allowed: the id of an earlier item")
+            allowed = "allowed: the id of an earlier item"
+            raise CheckError(f"Ref to {quoted(arguments[0])}", allowed=allowed, location=where)
         return known[arguments[0]]
     turns = name.startswith("Rot")
     numbers = [expression_to_sympy(_formula(argument, where)) for argument in (arguments[1:] if turns else arguments)]
     if len(numbers) != (1 if turns else 3):
-        raise CheckError(f"{name} with {len(arguments)} arguments", allowed="Rot takes 2, Trans and Vec take 3")
-    if turns:
+        allowed = "Rot takes 2, Trans and Vec take 3"
+        raise CheckError(f"{name} with {len(arguments)} arguments", allowed=allowed, location=where)
+    if not turns:
+        return translation(*numbers) if name == "Trans" else point(*numbers)
+    try:
         turn = rotation(arguments[0], numbers[0])
-        return turn if name == "Rot" else turn[:3, :3]
-    return translation(*numbers) if name == "Trans" else point(*numbers)
+    except DeriveError as error:
+        raise error.at(where) from None
+    return turn if name == "Rot" else turn[:3, :3]
 
 
 def _compared(
-    item: YamlMapping,
-    name: str,
-    matrix: Node | None,
-    right: Matrix,
-    corrections: Mapping[tuple[int, int], YamlScalar],
+    item: YamlMapping, name: str, matrix: Node | None, right: Matrix, corrections: Mapping[tuple[int, int], YamlScalar]
 ) -> Iterator[Finding]:
     """Every entry of a printed matrix, and its correction where there is one."""
     said = reading.remark(item)

@@ -79,14 +79,9 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
         if not isinstance(text, YamlScalar):
             continue
         printed = read_vector(text.text, text.inner)
-        for named in names_in(printed):
-            if named not in known[0]:
-                raise CheckError(
-                    f"unknown name {quoted(named)}",
-                    allowed=f"allowed: {listed(known[0])}",
-                    remedy=near_miss(named, known[0]),
-                    location=text.location,
-                )
+        if unknown := [named for named in names_in(printed) if named not in known[0]]:
+            found, allowed = f"unknown name {quoted(unknown[0])}", f"allowed: {listed(known[0])}"
+            raise CheckError(found, allowed=allowed, remedy=near_miss(unknown[0], known[0]), location=text.location)
         holds = partial(_holds_for_all, cases=known, result=result)
         equal = holds(printed)
         repair = None if equal else diagnose_vector(printed, [n for n in known[0] if n != result], holds)
@@ -116,12 +111,10 @@ def _loop(node: Node) -> Iterator[Finding]:
     name, printed, correct = (required_text(item, key) for key in _LOOP)
     said = reading.remark(item)
     for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
-        shown = f"stop at i = {text.text}"
-        verdict = Verdict(text.text == "1", True)
+        shown, verdict = f"stop at i = {text.text}", Verdict(text.text == "1", True)
         erratum = role is Role.EQUATION and not verdict.equal
-        repair = None
-        if not verdict.equal:
-            repair = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
+        change = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
+        repair = None if verdict.equal else change
         yield Finding(name.text, 0, 0, role, shown, verdict, "stop at i = 1", text.inner, erratum, None, repair, said)
 
 

@@ -30,11 +30,15 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
             (_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal
         ]
         readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
-        unread = _table(("reason", "places"), _unread(report.unread))
+        reasons = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in report.unread))
+        unread = [
+            (_code(reason), ", ".join(_code(place) for _, place in group))
+            for reason, group in groupby(reasons, key=lambda pair: pair[0])
+        ]
         sections += (
             Section(f"reading{ending}", f"{title}How it is read", readings),
             Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot))),
-            Section(f"unread{ending}", f"{title}Not compared", unread),
+            Section(f"unread{ending}", f"{title}Not compared", _table(("reason", "places"), unread)),
             Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right)),
         )
     counts = (summary(replace(printout.report, unread=())) for printout in printouts)
@@ -79,13 +83,6 @@ def _slips(printout: Printout, robot: Robot) -> Iterator[Block]:
                 yield Paragraph(f"Printed minus right: {_code(terms)}")
             if finding.verdict.counter_example is not None:
                 yield Paragraph(_code(numbers(finding.verdict.counter_example)))
-
-
-def _unread(unread: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """What was not compared, by its reason."""
-    pairs = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in unread))
-    for reason, group in groupby(pairs, key=lambda pair: pair[0]):
-        yield _code(reason), ", ".join(_code(place) for _, place in group)
 
 
 def _code(text: object) -> str:

@@ -22,18 +22,7 @@ from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Number,
-    Product,
-    Sum,
-    add,
-    children,
-    multiply,
-    names,
-    substitute,
-)
+from derive.robot.expression import Call, Expression, Number, Product, Sum, add, children, multiply, names, substitute
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 from derive.robot.robot import Robot
@@ -134,13 +123,16 @@ class StyleEvidence:
 
     def finding(self, style: Style) -> StyleFinding:
         """What a style makes of the examples."""
-        return StyleFinding(
-            style,
-            tuple(
-                _finding(example, parts, style, self._robots[example.robot].model(style))
-                for example, parts in zip(self.examples, self._parts, strict=True)
-            ),
-        )
+        found = []
+        for example, parts in zip(self.examples, self._parts, strict=True):
+            written = scalar_quantity(self._robots[example.robot].model(style), example.quantity)
+            outcome, reason = Outcome.SAME_FORM, ""
+            if different := [part for part in parts if not part.fits(style)]:
+                outcome, reason = Outcome.EQUAL, "; ".join(_reason(part, style) for part in different)
+                if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
+                    outcome, reason = Outcome.WRONG, "it is not equal to the derived formula"
+            found.append(ExampleFinding(example, outcome, written, reason))
+        return StyleFinding(style, tuple(found))
 
 
 def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:
@@ -273,12 +265,8 @@ def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
     found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}
     for term in _addends(formula):
         used = set(names(term))
-        if used & accelerations:
-            found["accelerations"].append(term)
-        elif used & velocities:
-            found["friction" if used & frictional else "velocities"].append(term)
-        else:
-            found["gravity"].append(term)
+        moving = "friction" if used & frictional else "velocities"
+        found["accelerations" if used & accelerations else moving if used & velocities else "gravity"].append(term)
     return {title: add(*terms) for title, terms in found.items()}
 
 
@@ -287,27 +275,13 @@ def _addends(e: Expression) -> Iterator[Expression]:
     if isinstance(e, Sum):
         for term in e.terms:
             yield from _addends(term)
-    elif isinstance(e, Product) and isinstance(e.factors[0], Number) and isinstance(e.factors[-1], Sum):
-        rest = multiply(*e.factors[:-1])
-        if len(e.factors) == 2:
-            yield from (multiply(rest, term) for term in _addends(e.factors[-1]))
-        else:
-            yield e
+    elif isinstance(e, Product) and len(e.factors) == 2 and isinstance(e.factors[0], Number):
+        yield from (multiply(e.factors[0], term) for term in _addends(e.factors[1]))
     else:
         yield e
 
 
 # -- what is said
-
-
-def _finding(example: Example, parts: tuple[_ExamplePart, ...], style: Style, model: Model) -> ExampleFinding:
-    written = scalar_quantity(model, example.quantity)
-    different = [part for part in parts if not part.fits(style)]
-    if not different:
-        return ExampleFinding(example, Outcome.SAME_FORM, written)
-    if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
-        return ExampleFinding(example, Outcome.WRONG, written, "it is not equal to the derived formula")
-    return ExampleFinding(example, Outcome.EQUAL, written, "; ".join(_reason(part, style) for part in different))
 
 
 def _reason(part: _ExamplePart, style: Style) -> str:

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import sympy
-
 from derive.checking.documents import Manuscript
+from derive.checking.frames_file import rotation, translation
 from derive.errors import CheckError, DeriveError, Location, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.robot.parser import parse_expression
@@ -70,12 +69,9 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         if not any(match.start() <= origin < match.end() for origin in kept):
             continue
         lines = _split(match, typed)
-        heads = [_head(cells) for _, cells in lines]
-        start = next((i for i, head in enumerate(heads) if head is not None), None)
-        if start is None:
+        start, head = next(((i, head) for i, (_, cells) in enumerate(lines) if (head := _head(cells))), (0, None))
+        if head is None:
             continue
-        head = heads[start]
-        assert head is not None
         where = _location(document, lines[start][0])
         is_khalil = _is_khalil([_column_name(cell) for cell in lines[start][1]], head)
         if is_khalil:
@@ -148,8 +144,7 @@ def _row(
     found, marked = {}, set()
     for kind, i in head.items():
         text = _plain(cells[i]).partition("=")[0]
-        for match in re.finditer(r"([A-Za-z][A-Za-z0-9]*)\^?\*(?![A-Za-z0-9(])", text):
-            marked.add(match[1])
+        marked.update(re.findall(r"([A-Za-z][A-Za-z0-9]*)\^?\*(?![A-Za-z0-9(])", text))
         text = re.sub(r"\^\*|\*(?=[-+)]|$)", "", text)
         unit = " ".join(part for pair in _UNITS.findall(heads[i]) for part in pair).casefold()
         found[kind] = _in_units(text, kind, kind in degrees or "deg" in unit or "°" in unit or "circ" in unit, unit)
@@ -186,19 +181,16 @@ def _in_units(text: str, kind: str, is_degrees: bool, unit: str) -> str:
     """A cell in radians and metres."""
     numbers = r"(?<![A-Za-z0-9_.])([0-9]+(?:\.[0-9]+)?)"
     if kind in ("theta", "alpha"):
-        plain = re.sub(numbers + r"(?:\^?circ|deg)", lambda m: _of_pi(Fraction(m[1]) / 180), text)
-        if is_degrees and "pi" not in plain:
-            return re.sub(numbers, lambda m: _of_pi(Fraction(m[1]) / 180), plain)
-        return plain
+        plain = re.sub(numbers + r"(?:\^?circ|deg)", _of_pi, text)
+        return re.sub(numbers, _of_pi, plain) if is_degrees and "pi" not in plain else plain
     scale = {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}.get(unit.strip())
     return re.sub(numbers, lambda m: str(float(Fraction(m[1]) * scale)), text) if scale else text
 
 
-def _of_pi(turn: Fraction) -> str:
-    """A multiple of pi."""
-    if turn == 0:
-        return "0"
-    whole = "pi" if turn.numerator == 1 else f"{turn.numerator}*pi"
+def _of_pi(match: re.Match[str]) -> str:
+    """An angle in degrees as a multiple of pi."""
+    turn = Fraction(match[1]) / 180
+    whole = "pi" if turn.numerator == 1 else f"{turn.numerator}*pi" if turn else "0"
     return whole if turn.denominator == 1 else f"{whole}/{turn.denominator}"
 
 
@@ -229,18 +221,13 @@ def _joint(row: _Row, index: int) -> tuple[str, str]:
             return kind, variable
     if variable := next((n for n in names[0] if _VARIABLE.fullmatch(n)), ""):
         return "revolute", variable
-    is_slide = (
-        _FIXED.fullmatch(theta) and len(names[1]) == 1 and re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", names[1][0])
-    )
-    return ("prismatic", names[1][0]) if is_slide else ("", "")
+    slide = names[1][0] if _FIXED.fullmatch(theta) and len(names[1]) == 1 else ""
+    return ("prismatic", slide) if re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", slide) else ("", "")
 
 
 def _constant(row: _Row, is_modified: bool) -> list[list[str]]:
     """The transform of a row in which nothing moves."""
     theta, d, a, alpha = (expression_to_sympy(parse_expression(row.cells[c], row.where)) for c in COLUMNS)
-    turn = sympy.rot_ccw_axis3(theta).row_join(sympy.Matrix([0, 0, d]))
-    tilt = sympy.rot_ccw_axis1(alpha).row_join(sympy.Matrix([a, 0, 0]))
-    last = sympy.Matrix([[0, 0, 0, 1]])
-    one, other = (tilt, turn) if is_modified else (turn, tilt)
-    product = one.col_join(last) * other.col_join(last)
+    turn, tilt = translation(0, 0, d) * rotation("z", theta), translation(a, 0, 0) * rotation("x", alpha)
+    product = tilt * turn if is_modified else turn * tilt
     return [[f"'{cell_text(expression_from_sympy(entry))}'" for entry in product.row(i)] for i in range(4)]

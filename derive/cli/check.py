@@ -14,7 +14,6 @@ from derive.cli.terminal import line_range, one_line, print_error, print_json
 from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
-    from derive.checking.documents import Manuscript
     from derive.checking.report import Printout
     from derive.robot.robot import Robot
 
@@ -111,14 +110,13 @@ def _files(arguments: argparse.Namespace) -> int:
     elif not silent:
         lines = (line for printout in checked for line in report_lines(printout))
         print("\n".join(one_line(line) for line in lines))
-    if any(printout.report.undecidable for printout in checked):
-        return 2
-    return 0 if all(printout.report.passed for printout in checked) else 1
+    status = _status(arguments, checked)
+    return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
 
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import formula_lines, formula_printout
+    from derive.api.check import document_named, formula_lines, formula_printout
     from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
     from derive.checking.report import as_dict, finding_dict
@@ -126,7 +124,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None
     if text == "-" and (latex or quantity == "inverse"):
         text = sys.stdin.read()
-    formula = _document(arguments, text) if latex else None
+    formula = document_named(text, arguments.lines, arguments.section) if latex else None
     if arguments.files:
         robot = load(arguments.files[0], remarks_on_bodies=False)
     elif formula is None:
@@ -161,12 +159,12 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
 
 def _several(arguments: argparse.Namespace) -> int:
     """A document about several robots: for each its formulas."""
-    from derive.api.check import document_printouts, formula_lines
+    from derive.api.check import document_named, document_printouts, formula_lines
     from derive.api.robots import load
     from derive.checking.report import as_dict
 
-    document = _document(arguments, sys.stdin.read() if arguments.latex == "-" else arguments.latex)
-    if document is None:
+    text = sys.stdin.read() if arguments.latex == "-" else arguments.latex
+    if (document := document_named(text, arguments.lines, arguments.section)) is None:
         raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
     robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
     printouts = document_printouts(robots, document)
@@ -176,12 +174,6 @@ def _several(arguments: argparse.Namespace) -> int:
     elif not silent:
         print("\n".join(one_line(line) for printout in printouts for line in formula_lines(printout)))
     return _status(arguments, printouts)
-
-
-def _document(arguments: argparse.Namespace, text: str) -> Manuscript | None:
-    from derive.api.check import document_named
-
-    return document_named(text, arguments.lines, arguments.section)
 
 
 def _status(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> int:

@@ -17,7 +17,6 @@ from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse, inverse_text
 from derive.checking.latex.check import check_latex
-from derive.checking.latex.formula import read_latex
 from derive.checking.report import Item, errata_items, repaired_text
 from derive.cli.main import main
 from derive.errors import CheckError, DeriveError, Location
@@ -31,6 +30,7 @@ from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
+from tests.checking.latex.test_formula import read_latex
 from tests.docs.errata import printouts
 from tests.random_robots import catalogue, swept_catalogue
 
@@ -111,15 +111,12 @@ def caught(robot: str, text: str) -> bool | None:
     return bool(lines) and all(judge(finding).repair is not None for finding in lines)
 
 
-@pytest.mark.parametrize(("robot", "kind", "text"), slips(14, 5))
+SWEPT = [pytest.param(*slip, marks=pytest.mark.sweep) for slip in slips(200, 9)]
+
+
+@pytest.mark.parametrize(("robot", "kind", "text"), [*slips(14, 5), *SWEPT])
 def test_every_slip_is_found_and_repaired(robot: str, kind: str, text: str) -> None:
     assert caught(robot, text) is not False, kind
-
-
-@pytest.mark.sweep
-def test_two_hundred_slips_are_found_and_repaired() -> None:
-    found = [(kind, text) for robot, kind, text in slips(200, 9) if caught(robot, text) is False]
-    assert found == []
 
 
 LATEX_SLIPS = [
@@ -144,18 +141,10 @@ def test_a_slip_in_latex_is_named(book: str, old: str, new: str, said: str) -> N
 
 USUAL = ("planar-3r", "scara-perugia", "spherical-wrist", "skeleton-root")
 OTHERS = (
-    *(
-        "anthropomorphic-arm",
-        "anthropomorphic-wrist",
-        "kuka-kr5",
-        "planar-2r-perugia",
-        "puma560-corke",
-        "puma560-laschi",
-    ),
-    *("puma560-usp", "scara-bajd", "scara-matlab", "scara-perugia-zup", "scara-sankyo", "skeleton"),
-    *("skeleton-modified", "spherical-arm", "stanford-deluca", "stanford-laschi", "thumb"),
-)
-
+    "anthropomorphic-arm", "anthropomorphic-wrist", "kuka-kr5", "planar-2r-perugia", "puma560-corke", "puma560-laschi",
+    "puma560-usp", "scara-bajd", "scara-matlab", "scara-perugia-zup", "scara-sankyo", "skeleton", "skeleton-modified",
+    "spherical-arm", "stanford-deluca", "stanford-laschi", "thumb",
+)  # fmt: skip
 MARKS = [pytest.mark.sweep if k % 3 == 0 else pytest.mark.release for k in range(len(OTHERS))]
 
 

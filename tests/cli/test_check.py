@@ -57,9 +57,9 @@ def test_unusable_arguments_end_with_2(folder: Path, arguments: str) -> None:
     refused("check", *arguments.split(), folder=folder)
 
 
-def test_the_report_as_json(folder: Path) -> None:
-    done = derive("check", "wrong.yaml", "--json", folder=folder)
-    (report,) = json.loads(done.stdout)
+def test_the_report_as_json_and_as_a_page_for_a_colleague(folder: Path) -> None:
+    done = derive("check", "wrong.yaml", "right.yaml", "--json", "--report", "errata.md", folder=folder)
+    report, _ = json.loads(done.stdout)
     assert (done.status, report["equal"], report["wrong"], report["robot"]) == (1, 0, 1, "arm")
     (entry,) = report["entries"]
     assert (entry["quantity"], entry["equal"], entry["exact"], entry["line"]) == ("p[1]", False, True, 8)
@@ -70,6 +70,13 @@ def test_the_report_as_json(folder: Path) -> None:
     assert entry["difference"] == ["a2*c2", "-a2*c12"]
     assert entry["counter_example"]["printed"] != entry["counter_example"]["right"]
     assert set(entry["counter_example"]["values"]) == {"a1", "a2", "q1", "q2"}
+    page = (folder / "errata.md").read_text(encoding="utf-8")
+    assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
+    assert page[page.index("- printed:") :].splitlines()[:3] == [
+        "- printed: `a1*c1 + a2*c2`",
+        "- right: `a1*c1 + a2*c12`",
+        "- change: `index: c12 instead of c2 in a2*c2`",
+    ]
 
 
 @pytest.mark.parametrize(("formula", "status"), [("a1*c1 + a2*c12", 0), ("a1*c1", 1), ("a1*(", 2)])
@@ -77,6 +84,7 @@ def test_one_formula_without_a_file(folder: Path, formula: str, status: int) -> 
     done = derive("check", "scara-perugia", "--quantity", "T[1,4]", "--expression", formula, folder=folder)
     assert done.status == status
     assert (done.stdout == "T[1,4]: same form\n") is (status == 0)
+    assert ("error: --expression:1:5: " in done.stderr) is (status == 2)
 
 
 def test_one_formula_in_another_form_is_shown_with_ours(folder: Path) -> None:
@@ -110,19 +118,6 @@ def test_an_unknown_name_is_a_verdict_for_programs(folder: Path) -> None:
     assert "did you mean" in verdict["reason"]
 
 
-def test_the_report_is_a_page_for_a_colleague(folder: Path) -> None:
-    done = derive("check", "right.yaml", "wrong.yaml", "--report", "errata.md", folder=folder)
-    page = (folder / "errata.md").read_text(encoding="utf-8")
-    assert done.status == 1
-    assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
-    entry = page[page.index("- printed:") :].splitlines()
-    assert entry[:3] == [
-        "- printed: `a1*c1 + a2*c2`",
-        "- right: `a1*c1 + a2*c12`",
-        "- change: `index: c12 instead of c2 in a2*c2`",
-    ]
-
-
 MIXED = ARM + ('expected:\n  - {quantity: p, entries: {"1": "a1*c1 + a2*cc", "2": "a1*s1 - a2*s12", "3": "0"}}\n')
 
 
@@ -143,20 +138,15 @@ def test_an_unknown_name_in_a_file_concerns_its_entry_only(mixed: Path) -> None:
     assert lines[-1] == "right.yaml: 1 equal (1 in the same form), 0 wrong"
 
 
-def test_an_unknown_name_in_a_file_for_programs(mixed: Path) -> None:
-    done = derive("check", "mixed.yaml", "--json", folder=mixed)
+def test_an_unknown_name_is_told_to_programs_and_stands_on_the_page_for_a_colleague(mixed: Path) -> None:
+    done = derive("check", "mixed.yaml", "--json", "--report", "errata.md", folder=mixed)
     (report,) = json.loads(done.stdout)
     assert (done.status, report["equal"], report["wrong"], report["undecidable"]) == (2, 1, 1, 1)
     first, *others = report["entries"]
     assert [entry["verdict"] for entry in others] == ["wrong", "same form"]
     assert (first["verdict"], first["line"], first["column"], first["equal"]) == ("undecidable name", 8, 46, None)
     assert first["reason"].startswith("mixed.yaml:8:46: unknown name 'cc'; ")
-
-
-def test_an_unknown_name_stands_on_the_page_for_a_colleague(mixed: Path) -> None:
-    done = derive("check", "mixed.yaml", "--report", "errata.md", folder=mixed)
     page = (mixed / "errata.md").read_text(encoding="utf-8")
-    assert done.status == 2
     assert page.startswith("# Errata\n\n2 formulas compared: 1 wrong, at 1 place;")
     heading, line = page.split("## ")[-1].strip().split("\n\n")
     assert heading == "Undecidable: unknown names"

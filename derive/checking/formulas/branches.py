@@ -43,11 +43,6 @@ class Branches:
     alike: int  # those of them at which some choice of the signs makes them equal
 
     @property
-    def all(self) -> bool:
-        """Whether the sides are equal for some choice of the signs wherever both have a value."""
-        return 0 < self.alike == self.points
-
-    @property
     def some(self) -> bool:
         """Whether they are equal at some of the points only: the other ones belong to other branches."""
         return 0 < self.alike < self.points

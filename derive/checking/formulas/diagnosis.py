@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 
@@ -71,10 +72,9 @@ class Question:
     def is_answer(self, formula: Expression) -> bool:
         """Whether a formula is right, decided exactly."""
         whole = substitute(self.compared(formula), self.definitions)
-        try:
+        with suppress(DeriveError):
             return compare(self.robot, self.right, whole).equal
-        except DeriveError:
-            return False
+        return False
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +99,9 @@ def diagnose(question: Question) -> Repair | None:
     """The least change that repairs a formula, one or two of one kind, or what else it is right for; None if none."""
     repair = _smallest_change(question)
     # beside any repair: the formula as it stands may be right for the same symbol with its indices in another order
-    fitting = (
-        name for name, value in question.others.items() if replace(question, right=value).is_answer(question.printed)
-    )
-    if (meant := next(fitting, None)) is None:
+    others, printed = question.others.items(), question.printed
+    meant = next((name for name, value in others if replace(question, right=value).is_answer(printed)), None)
+    if meant is None:
         return repair
     text = f"other order of the indices: it is {meant}"
     if repair is None:
@@ -112,7 +111,14 @@ def diagnose(question: Question) -> Repair | None:
 
 def _smallest_change(question: Question) -> Repair | None:
     """The first change of those of `_Search` at a point where both formulas have a value."""
-    known_names = _known_names(question)
+    robot = question.robot
+    variables = [joint.variable for joint in robot.joints]
+    rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
+    # a rate may stand for another one only in formulas that have rates at all
+    moving = set(rates).intersection((*names(question.printed), *names(question.right)))
+    defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
+    known = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
+    known_names = list(dict.fromkeys(known))
     # numbers of either sign, all of the size of 1: no term vanishes beside another
     rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
@@ -192,10 +198,9 @@ class _Search:
         return next((made for _, made in ranked[:MAX_PROOFS] if self.question.is_answer(made[-1].formula)), None)
 
     def _places(self, formula: Expression) -> list[Spot]:
-        try:
+        with suppress(*NO_VALUE):
             return list(spots(formula, self.values))
-        except NO_VALUE:
-            return []
+        return []
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
         """The changes that give the right value at the point."""
@@ -211,18 +216,6 @@ class _Search:
                     continue
                 if is_close:
                     yield edit
-
-
-def _known_names(question: Question) -> list[str]:
-    """What a name may be mistaken for; velocities and accelerations only where the formula is about motion."""
-    robot = question.robot
-    variables = [joint.variable for joint in robot.joints]
-    rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
-    # a rate may stand for another one only in formulas that have rates at all
-    moving = set(rates).intersection((*names(question.printed), *names(question.right)))
-    defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
-    found = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
-    return list(dict.fromkeys(found))
 
 
 def _terms_inside(e: Expression) -> Iterator[Expression]:

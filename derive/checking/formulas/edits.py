@@ -195,7 +195,12 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
     node = spot.node
     match kind, node:
         case SlipKind.SIGN, _:
-            yield from _signs(spot)
+            if spot.is_term:
+                yield Edit(kind, spot, negate(node), node)
+            if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
+                for i, term in enumerate(angle.terms):  # one inside the angle of a cosine or sine
+                    turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
+                    yield _replaced(kind, spot, Call(node.function, (turned,)))
         case SlipKind.ORDER, Call(function, (first, second)):
             yield _replaced(kind, spot, Call(function, (second, first)))
         case SlipKind.FUNCTION, Call(function, arguments) if function in SWAPPED:
@@ -234,17 +239,6 @@ def _replaced(kind: SlipKind, spot: Spot, new: Expression) -> Edit:
     return Edit(kind, spot, new, spot.node, new)
 
 
-def _signs(spot: Spot) -> Iterator[Edit]:
-    """The sign of a term, and those inside the angle of a cosine or sine."""
-    node = spot.node
-    if spot.is_term:
-        yield Edit(SlipKind.SIGN, spot, negate(node), node)
-    if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
-        for i, term in enumerate(angle.terms):
-            turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
-            yield _replaced(SlipKind.SIGN, spot, Call(node.function, (turned,)))
-
-
 def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expression]:
     """One angle more, one less, one instead of another; for short arms any run of neighbours."""
     terms = angle.terms if isinstance(angle, Sum) else (angle,)
@@ -279,8 +273,7 @@ def changes_text(made: Sequence[Edit], robot: Robot) -> str:
     rounded = partial(number_text, decimals=is_given_in_decimals(robot))
     texts = []
     for edit in made:
-        both = [notation_text(e, robot, rounded) for e in (edit.old, edit.new) if e is not None]
-        hides = len(both) == 2 and both[0] == both[1]
+        hides = edit.new and notation_text(edit.old, robot, rounded) == notation_text(edit.new, robot, rounded)
         texts.append(_text(edit, partial(notation_text, robot=robot, write=str if hides else rounded)))
     return texts[0] if len(texts) == 1 else f"{len(texts)} changes: {'; '.join(texts)}"
 
@@ -305,6 +298,5 @@ def _text(edit: Edit, write: Callable[[Expression], str]) -> str:
         case SlipKind.MISSING_TERM:
             return f"missing term: {new}" + (f" beside {old}" if parent is not None else "")
         case kind:
-            return f"{kind.value}: {new} instead of {old}" + (
-                f" in {shown_parent}" if isinstance(parent, Product) else ""
-            )
+            inside = f" in {shown_parent}" if isinstance(parent, Product) else ""
+            return f"{kind.value}: {new} instead of {old}{inside}"

@@ -153,19 +153,15 @@ def compared(
 
 def in_degrees(formula: Expression) -> Expression:
     """A formula in which whole numbers that are added to an angle, as in cos(180 - theta2), are degrees."""
-    if isinstance(formula, Call) and formula.function in ("sin", "cos", "tan"):
-        turns = [
-            add(
-                *(
-                    multiply(part, number(Fraction(1, 180)), Pi()) if isinstance(part, Number) else part
-                    for part in a.terms
-                )
-            )
-            if isinstance(a, Sum) and any(isinstance(p, Number) and abs(p.value) >= RIGHT_ANGLE / 3 for p in a.terms)
-            else a
-            for a in formula.arguments
-        ]
-        return Call(formula.function, tuple(turns))
+    match formula:
+        case Call("sin" | "cos" | "tan", (Sum(terms),)) if any(
+            isinstance(term, Number) and abs(term.value) >= RIGHT_ANGLE / 3 for term in terms
+        ):
+            turn = (Number(Fraction(1, 180)), Pi())
+            turned = (multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
+            return Call(formula.function, (add(*turned),))
+        case Call("sin" | "cos" | "tan"):
+            return formula
     return rebuilt(formula, in_degrees)
 
 

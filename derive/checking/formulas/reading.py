@@ -24,16 +24,15 @@ def mapping(node: Node, what: str, required: Collection[str] = (), optional: Col
     known = (*required, *optional)
     for name, (key, _) in node.entries.items():
         if known and name not in known:
-            raise CheckError(
-                f"unknown key {quoted(name)} in {what}",
-                allowed=f"allowed: {listed(known)}",
-                remedy=near_miss(name, known),
-                location=key.location,
-            )
+            raise _not_allowed(f"unknown key {quoted(name)} in {what}", name, known, key.location)
     for name in required:
         if name not in node.entries:
             raise CheckError(f"{what} without {name!r}", remedy=f"add {name}:", location=node.location)
     return node
+
+
+def _not_allowed(found: str, word: str, known: Collection[str], where: Location) -> CheckError:
+    return CheckError(found, allowed=f"allowed: {listed(known)}", remedy=near_miss(word, known), location=where)
 
 
 def items(node: Node | None, what: str) -> list[Node]:
@@ -82,12 +81,7 @@ def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -
         return default
     found = scalar(value, name)
     if found.text not in allowed:
-        raise CheckError(
-            f"{name}: {quoted(found.text)}",
-            allowed=f"allowed: {listed(allowed)}",
-            remedy=near_miss(found.text, allowed),
-            location=found.location,
-        )
+        raise _not_allowed(f"{name}: {quoted(found.text)}", found.text, allowed, found.location)
     return found.text
 
 
@@ -166,11 +160,10 @@ def read_printed(
     """
     try:
         formula = read_formula(text.text, robot, text.inner, further.names)
-    except UnknownNameError as error:
-        return Printed(*place, text.text, ZERO, text.inner, error if text.verbatim else error.moved(text.location))
     except CheckError as error:
-        raise error if text.verbatim else error.moved(text.location) from None
-    for name in _WORD.findall(text.text) if further.unknown else ():
-        if name in further.unknown:
-            return Printed(*place, text.text, ZERO, text.inner, further.unknown[name])
-    return Printed(*place, text.text, formula, text.inner)
+        moved = error if text.verbatim else error.moved(text.location)
+        if not isinstance(moved, UnknownNameError):
+            raise moved from None
+        return Printed(*place, text.text, ZERO, text.inner, moved)
+    unknown = next((further.unknown[name] for name in _WORD.findall(text.text) if name in further.unknown), None)
+    return Printed(*place, text.text, ZERO if unknown else formula, text.inner, unknown)

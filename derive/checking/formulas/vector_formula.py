@@ -72,9 +72,8 @@ def _bracketed(part: Vector) -> str:
 def read_vector(text: str, where: Location) -> Vector:
     """A printed vector equation's right-hand side."""
     if len(text) > MAX_LENGTH:
-        raise CheckError(
-            "vector equation too long", allowed=f"allowed: at most {MAX_LENGTH} characters", location=where
-        )
+        allowed = f"allowed: at most {MAX_LENGTH} characters"
+        raise CheckError("vector equation too long", allowed=allowed, location=where)
     try:
         return _VectorBuilder().transform(_parser().parse(text))
     except UnexpectedInput as error:

@@ -78,11 +78,9 @@ def _solution(node: Node, lines: Sequence[str]) -> InverseText:
     """A whole solution, as lines of text or as LaTeX."""
     item = reading.mapping(node, "inverse_kinematics", (), ("lines", "latex", *_SOLUTION))
     if ("lines" in item.entries) is ("latex" in item.entries):
-        raise CheckError(
-            "inverse_kinematics needs either 'lines', 'latex' or 'formulas'",
-            remedy='write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]',
-            location=item.location,
-        )
+        found = "inverse_kinematics needs either 'lines', 'latex' or 'formulas'"
+        remedy = 'write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]'
+        raise CheckError(found, remedy=remedy, location=item.location)
     content = item.entries["lines" if "lines" in item.entries else "latex"][1]
     texts = content.items if isinstance(content, YamlSequence) else [content]
     parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
@@ -95,11 +93,10 @@ def _task(item: YamlMapping) -> Task | None:
     node = reading.child(item, "task")
     if node is None:
         return None
-    words = (
-        [reading.scalar(word, "a row of the task").text for word in node.items]
-        if isinstance(node, YamlSequence)
-        else reading.scalar(node, "task").text.replace(",", " ").split()
-    )
+    if isinstance(node, YamlSequence):
+        words = [reading.scalar(word, "a row of the task").text for word in node.items]
+    else:
+        words = reading.scalar(node, "task").text.replace(",", " ").split()
     try:
         return chosen_task(words, 6)
     except DeriveError as error:
@@ -123,9 +120,7 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
     if solution.is_angle:
         # the sine of half the difference of two angles is zero where they are equal up to full turns
         question = replace(
-            question,
-            right=ZERO,
-            compared=lambda e: Call("sin", (multiply(HALF, add(solution.value, negate(e))),)),
+            question, right=ZERO, compared=lambda e: Call("sin", (multiply(HALF, add(solution.value, negate(e))),))
         )
     whole = substitute(question.compared(question.printed), definitions)
     verdict = verdict_at(printed.location, model.robot, question.right, whole)

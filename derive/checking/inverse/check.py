@@ -11,9 +11,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property, partial
+from itertools import product
 
 import numpy as np
 
@@ -30,13 +32,13 @@ from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInvers
 from derive.checking.inverse.reading import Side, Vocabulary, assembled
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.inverse.text import text_equations
-from derive.checking.latex.names import PlusMinus
+from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, QuantityError, listed
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
 from derive.model.quantity_names import parse
-from derive.robot.expression import Call, Expression, Name, Number, Pi, add, names, negate, substitute
+from derive.robot.expression import Call, Expression, Name, Pi, add, names, negate, number, substitute
 
 # The changes that are tried where a line is never right.
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -49,7 +51,7 @@ TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their soluti
 
 def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
-    robot, signs = model.robot, PlusMinus()
+    robot, signs = model.robot, plus_minus()
     equations: list[list[Side]] = []
     words: list[str] = []
     if not any(part.text.strip() for part in solution.parts):
@@ -86,12 +88,9 @@ def inverse_text(text: str, asked: Asked, *, latex: bool = False, document: bool
 
 def names_inverse(model: Model, quantity: str) -> bool:
     """Whether a quantity that is asked about is the inverse kinematics."""
-    if not quantity:
-        return False
-    try:
-        return parse(model, quantity)[0].name == "inverse"
-    except QuantityError:
-        return False
+    with suppress(QuantityError):
+        return bool(quantity) and parse(model, quantity)[0].name == "inverse"
+    return False
 
 
 class _InverseCheck:
@@ -102,10 +101,10 @@ class _InverseCheck:
         self.is_wrong = False
         self._places: Sequence[Place] = places(vocabulary.pose, vocabulary.sums)
         self._printed, self._note = self._in_order(printed)
-        if model.robot.parameters and not self._is_right(self._places):
+        if model.robot.parameters and not self._is_right():
             # wrong for arms with this table, but right perhaps for the one whose numbers the file gives
-            numeric = places(vocabulary.pose, vocabulary.sums, numbers=True)
-            self._places = numeric if self._is_right(numeric) else self._places
+            symbolic, self._places = self._places, places(vocabulary.pose, vocabulary.sums, numbers=True)
+            self._places = self._places if self._is_right() else symbolic
         self._primed = tuple(self._second_solution()) if self._printed.primed else ()
         self._ours = OurSolution(model, self._printed, vocabulary.pose, asked.task, self._places)
 
@@ -113,9 +112,8 @@ class _InverseCheck:
     def _required(self) -> tuple[Place, ...]:
         return tuple(place for place in self._places if place.required)
 
-    def _is_right(self, tried: Sequence[Place]) -> bool:
-        printed = self._printed
-        return all(printed.hits(line, place) for line in printed.given for place in tried if place.required)
+    def _is_right(self) -> bool:
+        return all(all(self._hits(line)) for line in self._printed.given)
 
     def _in_order(self, printed: PrintedInverse) -> tuple[PrintedInverse, str]:
         """The solution with atan2 for what may take the cosine first: whichever makes more lines right."""
@@ -147,9 +145,8 @@ class _InverseCheck:
             self.is_wrong, repaired = True, self._primed_repair()
             wrong = {repaired[0]} if repaired else set(self._printed.primed)
         for line in self._printed.primed:
-            said = repaired[1] if repaired and line in wrong else None
-            name, verdict = f"{line.quantity}'", WRONG if line in wrong else RIGHT
-            yield self._finding(name, line.formulas[0], verdict, repair=said)
+            said, verdict = (repaired and repaired[1], WRONG) if line in wrong else (None, RIGHT)
+            yield self._finding(f"{line.quantity}'", line.formulas[0], verdict, repair=said)
 
     def _leads_back(self, printed: PrintedInverse, place: Place) -> bool:
         """Whether primed lines lead from a configuration to one of the same pose."""
@@ -160,16 +157,13 @@ class _InverseCheck:
         """The change of one primed line with which they lead to the same pose."""
         robot = self._model.robot
         joints = tuple(joint.variable for joint in robot.joints)
-        half_turns = (Pi(), negate(Pi()))
-        may = Replacements(names=joints, angles=(), terms=(*half_turns, *map(Name, joints)))
-        for kind in KINDS:
-            for line in self._printed.primed:
-                for spot in spots(line.formulas[0].expression):
-                    for edit in edits(spot, may, kind):
-                        changed = self._printed.changed(line, line.formulas[0], edit.formula)
-                        if all(self._leads_back(changed, place) for place in self._places[:3]):
-                            text = changes_text((edit,), robot)
-                            return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
+        may = Replacements(names=joints, angles=(), terms=(Pi(), negate(Pi()), *map(Name, joints)))
+        for kind, line in product(KINDS, self._printed.primed):
+            for edit in (edit for spot in spots(line.formulas[0].expression) for edit in edits(spot, may, kind)):
+                changed = self._printed.changed(line, line.formulas[0], edit.formula)
+                if all(self._leads_back(changed, place) for place in self._places[:3]):
+                    text = changes_text((edit,), robot)
+                    return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
         return None
 
     # -- lines
@@ -178,31 +172,30 @@ class _InverseCheck:
         """The verdict on every line; of one that is wrong because of a quantity that it names, on that quantity."""
         found: dict[PrintedFormula, Finding] = {}
         failing = [line for line in self._printed.given if not all(self._hits(line))]
-        for line in self._printed.given:
-            if line not in failing:
-                never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
-                rest = tuple(f for f in line.formulas if f not in never)
-                found.update(never)
-                if rest:
-                    is_same = len(rest) == 1 and self._ours.has_form(rest[0])
-                    whole = replace(rest[0], text=" or ".join(f.text for f in rest))
-                    right = self._ours.text(line)
-                    found[rest[0]] = self._finding(line.quantity, whole, RIGHT, right=right, same=is_same)
+        for line in (line for line in self._printed.given if line not in failing):
+            never = {f: wrong for f in line.formulas if (wrong := self._never_right(line, f))}
+            rest = tuple(f for f in line.formulas if f not in never)
+            found.update(never)
+            if rest:
+                is_same = len(rest) == 1 and self._ours.has_form(rest[0])
+                whole = replace(rest[0], text=" or ".join(f.text for f in rest))
+                right = self._ours.text(line)
+                found[rest[0]] = self._finding(line.quantity, whole, RIGHT, right=right, same=is_same)
         done: set[PrintedLine] = set()  # what one change repairs has one verdict
         for line in failing:
             if line not in done:
                 repaired, finding, place = self._failing(line, failing)
                 found[place] = finding
                 done.update(repaired)
-        for group in self._printed.coupled():
-            if len(group) > 1 and not any(line in failing for line in group):
+        for group in (group for group in self._printed.coupled() if not any(line in failing for line in group)):
+            if len(group) > 1:
                 self._check_together(group, found)
-            if not self.is_wrong and not any(line in failing for line in group):
+            if not self.is_wrong:
                 self._check_signs(group, found)
         yield from sorted((*found.values(), *self._primed), key=lambda f: (f.location.line, f.location.column))
 
-    def _hits(self, line: PrintedLine) -> list[bool]:
-        return [self._printed.hits(line, place) for place in self._required]
+    def _hits(self, line: PrintedLine) -> Iterator[bool]:
+        return (self._printed.hits(line, place) for place in self._required)
 
     def _never_right(self, line: PrintedLine, formula: PrintedFormula) -> Finding | None:
         """The verdict on an alternative that is right nowhere, although another one is."""
@@ -224,10 +217,8 @@ class _InverseCheck:
         joints: list[Expression] = [Name(joint.variable) for joint in robot.joints]
         own = [angle, *(Call(f, (angle,)) for f in ("cos", "sin", "tan"))]
         others = [Call(meaning[0], (joint,)) if meaning[0] else joint for joint in joints]
-        for target in (*own, *others):
-            if target != line.target and all(
-                self._printed.hits(replace(line, target=target), x) for x in self._required
-            ):
+        for target in (target for target in (*own, *others) if target != line.target):
+            if all(self._hits(replace(line, target=target))):
                 text = notation_text(target, robot)
                 return Repair((SlipKind.SYMBOL,), f"left side: {text} instead of {line.quantity}", Name(text))
         return None
@@ -236,7 +227,7 @@ class _InverseCheck:
         self, line: PrintedLine, failing: Sequence[PrintedLine]
     ) -> tuple[list[PrintedLine], Finding, PrintedFormula]:
         """What is wrong with a line: itself, or a quantity that it names; with the lines that this repairs."""
-        hits = self._hits(line)
+        hits = list(self._hits(line))
         bad = [place for place, hit in zip(self._required, hits, strict=True) if not hit]
         # a change is tried first where the line fails, so that wrong ones are dropped at once
         ordered = [*bad, *(place for place in self._required if place not in bad)]
@@ -245,9 +236,12 @@ class _InverseCheck:
         is_partial = sum(hits) >= max(1, len(hits) // 8)
         kinds = (SlipKind.PLUS_MINUS, SlipKind.ATAN2, *KINDS) if is_partial else (*KINDS, SlipKind.ATAN2)
         has_arc = self._printed.has_arc(line)
-        second = is_partial and not has_arc and self._lacks_second(line, ordered)
-        repair, repaired = (None, [line]) if second else self._repair(line, failing, ordered, kinds)
-        if second or (repair is None and is_partial and self._lacks_second(line, ordered)):
+        # whether it only lacks the solution half a turn away, which explains it where no arc function may be wrong
+        others = [replace(f, expression=add(f.expression, Pi())) for f in line.formulas]
+        both = replace(line, formulas=(*line.formulas, *others))
+        lacks = is_partial and self._printed.is_angle(line) and all(self._printed.hits(both, x) for x in ordered)
+        repair, repaired = (None, [line]) if lacks and not has_arc else self._repair(line, failing, ordered, kinds)
+        if lacks and repair is None:
             text = f"second solution missing: or {line.quantity} + pi"
             either = f"{line.formulas[0].text} or {line.quantity} + pi"
             said = Repair((SlipKind.PLUS_MINUS,), text, Name(either))
@@ -255,19 +249,11 @@ class _InverseCheck:
             return [line], replace(finding, some=True), line.formulas[0]
         is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
         self.is_wrong = self.is_wrong or not is_some
-        if repair is None:
-            other = self._other_side(line)
-            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=other)
-            return repaired, replace(finding, some=is_some), line.formulas[0]
-        return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
-
-    def _lacks_second(self, line: PrintedLine, ordered: Sequence[Place]) -> bool:
-        """Whether a line only lacks the solution half a turn away."""
-        if not self._printed.is_angle(line):
-            return False
-        others = [replace(f, expression=add(f.expression, Pi())) for f in line.formulas]
-        both = replace(line, formulas=(*line.formulas, *others))
-        return all(self._printed.hits(both, place) for place in ordered)
+        if repair is not None:
+            return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
+        other = self._other_side(line)
+        finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=other)
+        return repaired, replace(finding, some=is_some), line.formulas[0]
 
     def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
         """The verdict on a line that is repaired."""
@@ -320,7 +306,7 @@ class _InverseCheck:
                 continue
             self.is_wrong = True
             part, formula = holders[0]
-            right = substitute(formula.expression, {sign: Number(Fraction(int(useful[0])))})
+            right = substitute(formula.expression, {sign: number(int(useful[0]))})
             text = shown(notation_text(right, self._model.robot))
             said = Repair((SlipKind.SIGN,), f"+- that is not needed: {text}", Name(text))
             found[formula] = self._finding(part.quantity, formula, WRONG, right=text, repair=said)
@@ -331,9 +317,8 @@ class _InverseCheck:
         robot, pose = self._model.robot, self._vocabulary.pose
         named = [line.name for line in self._printed.lines if line.target is None]
         usable = (name for name in (*pose.entries, *pose.relatives, *pose.wrist) if name in self._places[0].values)
-        return tuple(
-            dict.fromkeys((*geometry_symbols(robot), *(joint.variable for joint in robot.joints), *usable, *named))
-        )
+        joints = (joint.variable for joint in robot.joints)
+        return tuple(dict.fromkeys((*geometry_symbols(robot), *joints, *usable, *named)))
 
     def _example(self, line: PrintedLine, bad: Sequence[Place]) -> CounterExample | None:
         """A configuration at which a line fails most visibly, with the value that is nearest to the right one there."""
@@ -388,8 +373,8 @@ class _InverseCheck:
             met, missing = ours.met(self._required[:TRIED_FOR_BRANCHES], is_met)
             what = f"{met} of {ours.count} solutions" if met else "some solutions"
         needed = {part for line in self._printed.given for part in self._printed.named_before(line)}
-        pose = self._vocabulary.pose.entries
-        idle = [n for n, line in self._printed.named.items() if line not in needed and n not in pose]
+        entries = self._vocabulary.pose.entries
+        idle = [n for n, line in self._printed.named.items() if line not in needed and n not in entries]
         unused = f"; {listed(idle)} not used" if idle else ""
         text, where = f"{what}{of}{unused}{self._note}", self._asked.location
         verdict = RIGHT if is_whole else WRONG

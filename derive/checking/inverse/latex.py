@@ -34,10 +34,8 @@ def latex_equations(
 ) -> tuple[list[list[Side]], list[str]]:
     """The equations of a LaTeX text."""
     marked = _OR.sub(lambda match: _OR_MARK.ljust(len(match[0])), text)
-    found = []
-    for equation in equations(marked, start, document=document, time=False):
-        found.append([_side(piece, text, robot, start, signs) for piece in equation])
-    return found, list(printed_words(text))
+    found = equations(marked, start, document=document, time=False)
+    return [[_side(piece, text, robot, start, signs) for piece in e] for e in found], list(printed_words(text))
 
 
 def gives_joints(text: str, robot: Robot) -> bool:
@@ -69,24 +67,14 @@ def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: Pl
     if is_primed:
         piece, left = replace(piece, text=plain), taken_apart(plain)
     word = left.flat if left is not None and left.is_plain and not left.arguments else ""
+    # alternatives are the first column of cases, or what stands between the words or
+    of_cases = [row[0] for row in piece.matrices[0].rows] if piece.text.strip() == MATRIX_MARK else None
     parts = []
-    for part in _alternatives(piece):
+    for part in of_cases or piece.split(_OR_MARK):
         shown = " ".join(text[part.start : part.end].split())
         read = partial(_formula, part, text, robot, start, signs)
         parts.append(Alternative(shown, place(text, part.start, start), read))
     return Side(tuple(parts), word, is_primed)
-
-
-def _alternatives(piece: LatexPiece) -> Iterator[LatexPiece]:
-    """What stands between the words or, and the first column of cases."""
-    if piece.text.strip() == MATRIX_MARK and len(piece.matrices) == 1:
-        yield from (row[0] for row in piece.matrices[0].rows)
-        return
-    begin = 0
-    for match in re.finditer(_OR_MARK, piece.text):
-        yield piece.part(begin, match.start())
-        begin = match.end()
-    yield piece.part(begin, len(piece.text))
 
 
 def _formula(

@@ -163,10 +163,6 @@ class OurSolution:
                     known[line.symbol] = array_value(line.value, known)
             own = {j.variable: np.broadcast_to(known[sympy.Symbol(j.variable)], len(places)) for j in joints}
             angles = ({n: float(q[k]) for n, q in own.items()} for k in range(len(places)))
-            yield (
-                solution.name,
-                [
-                    self._printed.moved(place, q) if all(map(math.isfinite, q.values())) else None
-                    for place, q in zip(places, angles, strict=True)
-                ],
-            )
+            pairs = zip(places, angles, strict=True)
+            met = (self._printed.moved(place, q) if all(map(math.isfinite, q.values())) else None for place, q in pairs)
+            yield solution.name, list(met)

@@ -89,7 +89,13 @@ class PoseNames:
                     angle = Name("(phi)")
                     angles[word] = Call(function, (angle,)) if function else angle
         wrist = wrist if any_wrist or example.wrist is not None else {}
-        relatives = {other: place for word in entries for other, place in _relatives(word, entries[word])}
+        relatives: dict[str, tuple[int, int]] = {}  # names with other indices, r21 beside r12, p_y beside p_x
+        for word, (_, column) in entries.items():
+            if word[-1].isdigit():
+                columns = (1, 2, 3, 4) if word[0] in "tT" else (1, 2, 3)
+                relatives |= {f"{word[:-2]}{i}{j}": (i, j) for i in (1, 2, 3) for j in columns}
+            else:
+                relatives |= {f"{word[:-1]}{axis}": (i, column) for i, axis in enumerate("xyz", 1)}
         relatives = {name: at for name, at in relatives.items() if name not in own and name not in words}
         return cls(robot, entries, wrist, angles, relatives)
 
@@ -101,12 +107,10 @@ class PoseNames:
     @property
     def rows(self) -> tuple[str, ...]:
         """The rows of a task that says as much as these names do; none where they say less than a position."""
-        found = {"xyz"[row - 1] for row, column in self.entries.values() if column == 4}
-        found |= {"xyz"[k] for k in self.wrist.values()}
         if any(column < 4 for _, column in self.entries.values()):
             return ()
-        rows = tuple(row for row in "xyz" if row in found)
-        return (*rows, *(("phi",) if self.angles else ()))
+        found = {*(row - 1 for row, _ in self.entries.values()), *self.wrist.values()}
+        return (*("xyz"[k] for k in sorted(found)), *(("phi",) if self.angles else ()))
 
 
 class _Arm:
@@ -147,15 +151,6 @@ class _Arm:
         return centre if max(gaps) < 1e-9 else None
 
 
-def _relatives(word: str, place: tuple[int, int]) -> Iterator[tuple[str, tuple[int, int]]]:
-    """Names with other indices than one, and their entries."""
-    if word[-1].isdigit():
-        columns = (1, 2, 3, 4) if word[0] in "tT" else (1, 2, 3)
-        yield from ((f"{word[:-2]}{i}{j}", (i, j)) for i in (1, 2, 3) for j in columns)
-    else:
-        yield from ((f"{word[:-1]}{axis}", (i, place[1])) for i, axis in enumerate("xyz", 1))
-
-
 def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = False) -> tuple[Place, ...]:
     """Random configurations with everything that a formula may know; the same ones each time."""
     return tuple(place for batch in range(BATCHES) for place in _places(names, sums, random.Random(batch), numbers))
@@ -177,7 +172,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
     for joint in robot.joints:
         if joint.is_revolute:
             own = np.array([rng.choice(ANGLES) for _ in range(CONFIGURATIONS)])
-        elif (limits := _limits(joint.limits, values)) is not None:
+        elif limits := _limits(joint.limits, values):
             own = np.array([round(rng.uniform(*limits), 2) for _ in range(CONFIGURATIONS)])
         else:
             # books take slides for positive: a third is negative, and need not be given

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.findings import Skipped
 from derive.checking.inverse.poses import PoseNames
 from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine, closeness
+from derive.checking.latex.names import sum_of_angles
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, resolve_tokens
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate
@@ -82,17 +84,16 @@ class Vocabulary:
     def _learn(self, word: str) -> None:
         """A word that is a joint variable, a sum of them, a cosine or sine, or a sign."""
         flat = word.replace("_", "")
+        match = _JOINT.fullmatch(flat)
+        joints = [j for j in self.robot.joints if match is not None and joint_label(j.variable) == match[2]]
+        fitting = [j for j in joints if match and (match[1] == "q" or (match[1] == "d") is not j.is_revolute)]
         if _SIGN_NAME.fullmatch(flat):
             self.meanings[word] = Name(SIGN + flat)
-        elif (match := _JOINT.fullmatch(flat)) and (variables := self._variables(*match.groups())):
-            self.meanings[word] = Name(variables[0])
+        elif fitting:
+            self.meanings[word] = Name(fitting[0].variable)
         elif match := _SUM.fullmatch(flat):
-            try:
-                token = resolve_tokens(Name(f"c{match[1]}"), self.robot)
-            except CheckError:
-                return
-            if isinstance(token, Call):
-                self.sums[word], self.meanings[word] = token.arguments[0], Name(word)
+            if terms := sum_of_angles(self.robot, match[1]):
+                self.sums[word], self.meanings[word] = add(*terms), Name(word)
         elif (match := _CIRCULAR.fullmatch(flat)) and flat != word:
             self.meanings[word] = resolve_tokens(Name(match[1].lower() + match[2]), self.robot)
         elif match and match[1].isupper():
@@ -100,14 +101,9 @@ class Vocabulary:
 
     def _is_token(self, word: str) -> bool:
         """Whether a word such as c2 is the cosine or sine of joint angles."""
-        try:
+        with suppress(CheckError):
             return isinstance(resolve_tokens(Name(word), self.robot), Call)
-        except CheckError:
-            return False
-
-    def _variables(self, stem: str, label: str) -> list[str]:
-        joints = [joint for joint in self.robot.joints if joint_label(joint.variable) == label]
-        return [joint.variable for joint in joints if stem == "q" or (stem == "d") is not joint.is_revolute]
+        return False
 
     def is_forward(self, word: str, e: Expression) -> bool:
         """Whether an equation is one of the forward kinematics: an entry of the pose by joint variables alone."""
@@ -137,7 +133,12 @@ def assembled(
             continue
         for line in found_here:
             _merge(lines, line, before)
-    lines = [_without_itself(line) for line in lines]
+    for i, line in enumerate(lines):
+        if isinstance(line.target, Name):
+            # an alternative such as ``q4 + pi`` means the first one by the unknown's own name
+            own, (first, *others) = line.target.name, line.formulas
+            others = [replace(f, first=own if own in names(f.expression) else "") for f in others]
+            lines[i] = replace(line, formulas=(first, *others))
     found = PrintedInverse(robot, lines, vocabulary.sums, closeness(lines))
     found.check_size()
     # a name that stands alone on a side and that no line defines
@@ -146,8 +147,8 @@ def assembled(
         for name in (name for name in names(formula.expression) if name in unknown):
             known = listed(dict.fromkeys((*found.named, *(joint.variable for joint in robot.joints))))
             remedy = near_miss(name, found.named) or f"write a line {name} = ..."
-            what, known = f"unknown name {quoted(name)}", f"known: {known}"
-            raise UnknownNameError(what, allowed=known, remedy=remedy, location=formula.location)
+            what = f"unknown name {quoted(name)}"
+            raise UnknownNameError(what, allowed=f"known: {known}", remedy=remedy, location=formula.location)
     if not found.given:
         where = equations[0][0].parts[0].location if equations else None
         variables = ", ".join(joint.variable for joint in robot.joints)
@@ -167,9 +168,8 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLin
         yield replace(_about(vocabulary, first, others[0].formulas), primed=True)
         return
     if not others:
-        raise CheckError(
-            "formula without a left side", remedy="write theta1 = ...", location=first.formulas[0].location
-        )
+        where = first.formulas[0].location
+        raise CheckError("formula without a left side", remedy="write theta1 = ...", location=where)
     if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
         # D = ... defines a name; a further side with joint variables, D = ... = cos(theta2), is a line about them
         value = next((side for side in others if not joints(side.expression)), others[0])
@@ -213,13 +213,3 @@ def _merge(lines: list[PrintedLine], line: PrintedLine, before: int) -> None:
             lines[i] = replace(other, formulas=(*other.formulas, *new))
             return
     lines.append(line)
-
-
-def _without_itself(line: PrintedLine) -> PrintedLine:
-    """A line whose alternatives such as ``q4 + pi`` mean the first one by the unknown's own name."""
-    if not isinstance(line.target, Name):
-        return line
-    first, *others = line.formulas
-    own = line.target.name
-    others = [replace(f, first=own if own in names(f.expression) else "") for f in others]
-    return replace(line, formulas=(first, *others))

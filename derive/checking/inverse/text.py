@@ -48,9 +48,8 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
         sides = _cut(text, lead.end() if lead else begin, end, re.compile("="))
         if len(sides) < 2 or any(not text[a:b].strip() for a, b in sides):
             where = place(text, begin + len(text[begin:end]) - len(text[begin:end].lstrip()), start)
-            raise CheckError(
-                "a line is not an equation", remedy="write theta1 = ..., one quantity a line", location=where
-            )
+            remedy = "write theta1 = ..., one quantity a line"
+            raise CheckError("a line is not an equation", remedy=remedy, location=where)
         found.append([_side(text, span, robot, start, signs) for span in sides])
         if len(found) > MAX_LINES:
             raise CheckError("too many lines", allowed=f"allowed: at most {MAX_LINES}", location=start)
@@ -76,8 +75,7 @@ def _side(text: str, span: tuple[int, int], robot: Robot, start: Location, signs
     parts = []
     for begin, end in _cut(text, *span, _OR):
         shown = text[begin:end].strip()
-        begin += len(text[begin:end]) - len(text[begin:end].lstrip())
-        where = place(text, begin, start)
+        where = place(text, begin + len(text[begin:end]) - len(text[begin:end].lstrip()), start)
         parts.append(Alternative(shown, where, partial(_formula, shown, robot, where, signs)))
     return Side(tuple(parts), whole if WORD.fullmatch(whole) else "", is_primed)
 
@@ -107,34 +105,25 @@ def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tup
         kind, token = match.lastgroup, match[0]
         if kind in ("plus", "minus"):
             name = f"plusminus{len(pieces)}"
-            known[name] = signs.another()
+            known[name] = next(signs)
             token = f"{'+' if kind == 'plus' else '-'}{name}*"
         elif kind == "degrees":
             token = "*pi/180"
         elif kind in ("word", "tan") and text[match.end() :].lstrip()[:1] == "(":
-            token = _function(token, _has_two_arguments(text, match.end()))
+            token = _function(token, text[match.end() :])
         pieces.append((" " if token in "\n\r\t" else token, match.start()))
     origins = [offset for token, offset in pieces for _ in token]
     return "".join(token for token, _ in pieces), origins
 
 
-def _function(word: str, two: bool) -> str:
-    """What a function is called in the grammar."""
+def _function(word: str, behind: str) -> str:
+    """What a function is called in the grammar, whose arguments stand behind it."""
     plain = word.lower().replace("_", "").replace(" ", "")
-    if two and plain in ("atan2", "arctan2"):
-        return "atan2" if word[0] == "a" else COSINE_MAY_BE_FIRST
-    if two and plain in ("atan", "arctan"):
-        return COSINE_MAY_BE_FIRST
-    return INVERSE.get(plain, plain if plain in ("sqrt", "sin", "cos", "tan") else word)
-
-
-def _has_two_arguments(text: str, offset: int) -> bool:
-    """Whether a comma stands in the brackets that open at a place, not in brackets of their own."""
     depth = 0
-    for letter in text[offset:]:
+    for letter in behind if plain in ("atan2", "arctan2", "atan", "arctan") else "":
         depth += {"(": 1, ")": -1}.get(letter, 0)
-        if letter == "," and depth == 1:
-            return True
+        if letter == "," and depth == 1:  # two arguments: a comma that is not in brackets of its own
+            return "atan2" if plain.endswith("2") and word[0] == "a" else COSINE_MAY_BE_FIRST
         if letter == ")" and depth == 0:
-            return False
-    return False
+            break
+    return INVERSE.get(plain, plain if plain in ("sqrt", "sin", "cos", "tan") else word)

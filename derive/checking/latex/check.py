@@ -13,14 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question
-from derive.checking.formulas.findings import (
-    FileReport,
-    Finding,
-    Role,
-    Skipped,
-    compared,
-    undecidable,
-)
+from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Comparing, Side
 from derive.checking.latex.conditions import explaining, ways
 from derive.checking.latex.equations import Sides
@@ -47,11 +40,6 @@ class LatexReport:
     skipped: tuple[Skipped, ...] = ()  # equations about which nothing is said
     readings: tuple[str, ...] = ()  # how the text as a whole is read, where that is not the usual way
     equations: tuple[Location, ...] = ()  # where each equation begins
-
-    def file_report(self, source: str, robot: str) -> FileReport:
-        """The comparisons as those of a file."""
-        unread = tuple(f"{s.location}: {s.reason}" for s in self.skipped)
-        return FileReport(source, robot, self.findings, unread, readings=self.readings)
 
 
 def check_latex(
@@ -80,7 +68,7 @@ def _names_its_columns(piece: LatexPiece) -> bool:
     """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
     if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
         return False
-    lefts = [taken_apart(cell.text) for row in piece.matrices[0].rows for cell in row if cell.text.strip() not in "01"]
+    lefts = [taken_apart(cell.text) for cell in piece.cells if cell.text.strip() not in "01"]
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
         return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
     plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
@@ -89,8 +77,7 @@ def _names_its_columns(piece: LatexPiece) -> bool:
 
 def _is_no_claim(piece: LatexPiece) -> bool:
     """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
-    cells = [cell.text for matrix in piece.matrices for row in matrix.rows for cell in row]
-    return _names_its_columns(piece) or (bool(cells) and all("\\partial" in cell for cell in cells))
+    return _names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
 
 
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
@@ -109,7 +96,6 @@ class _Check(Comparing):
         self.skipped: list[Skipped] = []
         self.reader = scope.reader(0)
         self.around: dict[Finding, frozenset[str]] = {}  # the names that are printed in the matrix of an entry
-        self.joints = {joint.variable: joint for joint in self.robot.joints}
         self.lone = len(scope.equations) - len(scope.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
@@ -121,56 +107,51 @@ class _Check(Comparing):
         poses = self.scope.poses
         if poses and not known:
             found = self._repositioned(found, poses)
-        judged = list(reversed(poses.judged(claims, self.scope.readings, known))) if poses else []
+        judged = iter(poses.judged(claims, self.scope.readings, known) if poses else ())
         for one in found:
-            finding = judged.pop() if isinstance(one, Claim) else one
-            begin = self._offset(finding.location) if finding is not None else 0
-            if finding is not None and (
-                known_as := explaining(
-                    self.conditions, finding, begin, self.text, self.around.get(finding, frozenset())
-                )
-            ):
-                condition, is_certain = known_as
-                if is_certain:
-                    right = Verdict(equal=True, exact=False)
-                    yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
-                    continue
-                reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
-                self.skipped.append(Skipped(finding.location, reason, finding.text))
-            elif finding is not None:
-                yield finding
-            elif isinstance(one, Claim) and not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
+            if isinstance(one, Finding):
+                yield from self._under_conditions(one)
+            elif (finding := next(judged)) is not None:
+                yield from self._under_conditions(finding)
+            elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
                 self.skipped.append(Skipped(one.where, reason, one.right))
 
+    def _under_conditions(self, finding: Finding) -> Iterator[Finding]:
+        """A verdict, right where a condition of the text makes it so; none where that is not certain to be meant."""
+        line = finding.location.line - self.scope.start.line
+        begin = sum(map(len, self.text.splitlines(keepends=True)[:line])) + finding.location.column
+        begin -= 1 if line else self.scope.start.column
+        around = self.around.get(finding, frozenset())
+        condition, is_certain = explaining(self.conditions, finding, begin, self.text, around) or ("", False)
+        if is_certain:
+            right = Verdict(equal=True, exact=False)
+            yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
+        elif condition:
+            reason = f"it is right where {condition}, as the text says elsewhere, and not otherwise"
+            self.skipped.append(Skipped(finding.location, reason, finding.text))
+        else:
+            yield finding
+
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
-        printed = {
-            i: one for i, one in enumerate(found) if isinstance(one, Finding) and one.quantity == "p" and one.question
-        }
+        printed = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p" and f.question}
         for reading in poses.readings[1:] if len(printed) > 1 else ():
             if reading.reference:
                 continue
             place = self.model.quantity(f"T[{reading.position}]")[:3, 3]
             again = {}
-            for i, one in printed.items():
-                assert one.question is not None
-                question = Question(self.robot, one.question.printed, expression_from_sympy(place[one.row - 1]))
-                again[i] = compared(
-                    question, one.quantity, (one.row, 0), one.role, one.text, place[one.row - 1], one.location
-                )
-            right = sum(one.verdict.equal for one in again.values())
-            if right > 1 and 2 * right > len(printed):
-                self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({right} of {len(printed)} equations)")
+            for i, f in printed.items():
+                assert f.question is not None
+                right = place[f.row - 1]
+                question = Question(self.robot, f.question.printed, expression_from_sympy(right))
+                again[i] = compared(question, f.quantity, (f.row, 0), f.role, f.text, right, f.location)
+            count = sum(f.verdict.equal for f in again.values())
+            if count > 1 and 2 * count > len(printed):
+                self.scope.readings.append(f"{reading.shown(Settled.PLACE)} ({count} of {len(printed)} equations)")
                 return [again.get(i, one) for i, one in enumerate(found)]
         return found
-
-    def _offset(self, where: Location) -> int:
-        """The character of the text at a place."""
-        line = where.line - self.scope.start.line
-        begin = sum(map(len, self.text.splitlines(keepends=True)[:line]))
-        return begin + where.column - (1 if line else self.scope.start.column)
 
     def _findings(self) -> Iterator[Finding | Claim]:
         for index, equation in enumerate(self.scope.equations):
@@ -202,12 +183,9 @@ class _Check(Comparing):
                 yield from found
         if self.document:
             yield from self._said_twice()
-            yield from self._defined_points()
-        if self.document:
-            yield from self._defined_energies()
-        for name, side in self.scope.unused() if self.document else ():
-            reason = f"defines {name}, which no other formula uses"
-            self.skipped.append(Skipped(self.plain.location(side.start), reason, self._typed(side)))
+            yield from self._defined()
+            for name, side in self.scope.unused():
+                self._skip_for(side, f"defines {name}, which no other formula uses")
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""
@@ -215,8 +193,7 @@ class _Check(Comparing):
             (_, first), *others = meanings
             for index, other in others:
                 side = next(s for s in self.scope.equations[index] if (index, s.offset) not in self.names)
-                text, where = self._typed(side), self.plain.location(side.start)
-                claim = Claim(first, other, name, text, where, is_open=True)
+                claim = Claim(first, other, name, self._typed(side), self.plain.location(side.start), is_open=True)
                 if is_constant(first) or is_constant(other):
                     continue  # a number that an example gives
                 if names_of_pose(first, other):
@@ -224,36 +201,27 @@ class _Check(Comparing):
                 elif (found := claim.read(self.robot)).verdict.equal:
                     yield found
                 else:
-                    self.skipped.append(Skipped(where, _TWO_FORMULAS.format(name), text))
+                    self._skip_for(side, _TWO_FORMULAS.format(name))
 
-    def _defined_points(self) -> Iterator[Claim]:
-        """Points of links, which other formulas take as they are defined here."""
-        for name, meanings in self.scope.definitions.items():
-            for index, meaning in meanings:
-                side = next(s for s in self.scope.equations[index] if (index, s.offset) in self.names)
-                left = taken_apart(side.text)
-                if left is not None and left.is_point and (point := self._stands_for(left)) is not None:
-                    text, where = self._typed(side), self.plain.location(side.start)
-                    yield Claim(point, meaning, name, text, where, is_open=True)
-
-    def _defined_energies(self) -> Iterator[Finding]:
-        """Energies of links, which other formulas take as they are defined here."""
-        for name, meanings in self.scope.definitions.items():
-            for index, meaning in meanings:
-                side = next(s for s in self.scope.equations[index] if (index, s.offset) in self.names)
-                left = taken_apart(side.text)
-                targets = self.meanings.targets(left) if left else ()
-                rights = [self.meanings.right(t) for t in targets if t.quantity.startswith(("kinetic[", "potential["))]
-                text, where = self._typed(side), self.plain.location(side.start)
-                for right in filter(None, rights[:1]):
-                    (found,) = self._entries(right, Table(((Entry(meaning, text, side.start),),)), side.start)
-                    if found.verdict.equal:
-                        yield found
-                    else:
-                        reason = f"{name} is used as it is defined here, though it is not {right.quantity}"
-                        self.skipped.append(Skipped(where, reason, text))
+    def _defined(self) -> Iterator[Finding | Claim]:
+        """Points and then energies of links, which other formulas take as they are defined here."""
+        lefts = [(*defined, taken_apart(defined[-1].text)) for defined in self.scope.defined()]
+        for name, _, meaning, side, left in lefts:
+            if left is not None and left.is_point and (point := self._stands_for(left)) is not None:
+                yield Claim(point, meaning, name, self._typed(side), self.plain.location(side.start), is_open=True)
+        for name, _, meaning, side, left in lefts:
+            targets = self.meanings.targets(left) if left else ()
+            of_links = [target for target in targets if target.quantity.startswith(("kinetic[", "potential["))]
+            if not of_links or (right := self.meanings.right(of_links[0])) is None:
+                continue
+            (found,) = self._entries(right, Table(((Entry(meaning, self._typed(side), side.start),),)), side.start)
+            if found.verdict.equal:
+                yield found
+            else:
+                self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
+<<<<<<< HEAD
         line = self.text[self.text.rfind("\n", 0, side.start) + 1 :].lstrip()[:1]
         if line == "|" and "=" not in self.text[side.start : side.end + 2]:
             return  # a cell of a table
@@ -261,13 +229,17 @@ class _Check(Comparing):
             return  # prose speaks of symbols, numbers and conditions all the time
         where = error.location or self.plain.location(side.start)
         self.skipped.append(Skipped(where, error.found, self._typed(side)))
+=======
+        """Tell that an equation is not compared; prose speaks of symbols, numbers and conditions all the time."""
+        if side.inline and "\\partial" not in side.text:
+            left = taken_apart(side.text) if "=" in self.text[side.end :].lstrip()[:2] else None
+            if left is None or self.scope.is_own(left) or not self.meanings.targets(left):
+                return
+        self._skip_for(side, error.found, error.location)
+>>>>>>> w4-chk
 
-    def _names_a_quantity(self, side: LatexPiece) -> bool:
-        """Whether a piece is the left side of an equation about the robot."""
-        left = taken_apart(side.text)
-        if left is None or "=" not in self.text[side.end :].lstrip()[:2] or self.scope.is_own(left):
-            return False
-        return bool(self.meanings.targets(left))
+    def _skip_for(self, side: LatexPiece, reason: str, where: Location | None = None) -> None:
+        self.skipped.append(Skipped(where or self.plain.location(side.start), reason, self._typed(side)))
 
     # -- one equation
 
@@ -281,8 +253,7 @@ class _Check(Comparing):
         if len(pieces) > 1 and any(map(_is_no_claim, pieces)):
             pieces = [piece for piece in pieces if not _is_no_claim(piece)]
             if len(pieces) < 2:
-                where = self.plain.location(equation[-1].start)
-                raise CheckError("a matrix that gives names to the entries of a pose", location=where)
+                raise self._refused(equation[-1], "a matrix that gives names to the entries of a pose")
         # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
         kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
         return kept if len(kept) > 1 and any(piece.matrices for piece in pieces) else pieces
@@ -301,9 +272,12 @@ class _Check(Comparing):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
-        for side in sides:  # J(theta_2 = 0)
-            if side.left is not None and "=" in side.left.arguments:
-                self._stated_in(side)
+        for side in sides:
+            for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
+                if "=" in part:  # J(theta_2 = 0)
+                    with suppress(CheckError):
+                        values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
+                        self._states(side.piece, part, ways(values), is_of_side=True)
         # sides that name quantities, and what the others say about them
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
         if is_scalar_equation and isinstance(first.value, Name) and first.value.name in self.joints:
@@ -313,8 +287,7 @@ class _Check(Comparing):
         named = [side for side in named if side.left is None or side.left.head not in ANY] or named
         said = [side for side in sides if side.value is not None and side not in named]
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
-            where = self.plain.location(first.piece.start)
-            raise CheckError("a configuration, joint by joint", location=where)
+            raise self._refused(first.piece, "a configuration, joint by joint")
         if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):
             weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
@@ -335,14 +308,13 @@ class _Check(Comparing):
         if not named and not self.asked and (said or first.error is None):
             remedy = "write its left side, such as T_3^0 = or b_{11} =, or give the quantity"
             found = f"{quoted(self._typed(first.piece))} names no quantity of this robot" if others else "formula alone"
-            raise CheckError(found, remedy=remedy, location=self.plain.location(first.piece.start))
+            raise self._refused(first.piece, found, remedy)
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         moving = [side for side in said if isinstance(side.value, Table) or not is_constant(side.value or ZERO)]
         # det J = a1 a2 s2 = 0 says where the arm is singular
-        for side in (
-            moving if self.document and moving and any(not isinstance(s.value, Table) for s in moving) else said
-        ):
+        is_singular = self.document and any(not isinstance(side.value, Table) for side in moving)
+        for side in moving if is_singular else said:
             assert side.value is not None
             text, start = self._typed(side.piece), side.piece.start
             table = side.value if isinstance(side.value, Table) else Table(((Entry(side.value, text, start),),))
@@ -351,49 +323,39 @@ class _Check(Comparing):
                 if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side, findings)
                     if name.left is not None and name.left.head in _VECTORS and any(s.error for s in sides):
-                        text = quoted(self._typed(name.piece))
-                        what = f"{text} is defined by what cannot be read"
-                        raise CheckError(what, location=self.plain.location(name.piece.start))
+                        what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
+                        raise self._refused(name.piece, what)
                 yield from findings
 
     def _is_configuration(self, side: Side, table: Table) -> bool:
         """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
-        cells = [entry.formula for row in table.rows for entry in row]
-        is_all = side.left is not None and side.left.head in ("theta", "q") and side.left.is_plain
-        if not (
-            is_all and side.left and not side.left.sub and len(cells) == self.robot.n and all(map(is_constant, cells))
-        ):
+        cells, left = [entry.formula for entry in table.entries], side.left
+        is_all = left is not None and left.head in ("theta", "q") and left.is_plain and not left.sub
+        if not is_all or len(cells) != self.robot.n or not all(map(is_constant, cells)):
             return False
         end = self.text.find("$", side.piece.start)
         values = dict(zip(self.joints, cells, strict=True))
         self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
         return True
 
-    def _stated_in(self, side: Side) -> None:
-        """Keep the conditions in the arguments of a left side."""
-        assert side.left is not None
-        for part in side.left.arguments.strip("{}()").split(","):
-            with suppress(CheckError):
-                values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
-                self._states(side.piece, part, ways(values), is_of_side=True)
-
     def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""
-        entries = [e.formula for row in side.value.rows for e in row] if isinstance(side.value, Table) else [side.value]
+        entries = [e.formula for e in side.value.entries] if isinstance(side.value, Table) else [side.value]
         decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
         # a whole matrix of numbers for one that moves, such as that of the home position
         moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
         is_example = len(entries) > 1 and moves and all(e is not None and is_constant(e) for e in entries)
         if self.document and (len(decimals) * 2 > len(entries) or is_example):
-            where = self.plain.location(side.piece.start)
             what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
-            raise CheckError(f"{what} is a numeric example", location=where)
+            raise self._refused(side.piece, f"{what} is a numeric example")
 
     def _side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
         left = None if is_formula else taken_apart(piece.text)
-        if left is not None and self._is_power(left):
-            left = None
+        joint = self._branch_of(left) if left is not None else None
+        if left is not None and joint is None and left.sup.isdigit() and replace(left, sup="").is_plain:
+            known = self.plain.names  # a_1^2 is a power of a symbol of the robot
+            left = None if left.flat in known.own or (left.head in "dq" and known.knows(left.flat)) else left
         targets = self.meanings.targets(left) if left else ()
         if may_name and left is None and (span := _SPAN.fullmatch("".join(_PLAIN.sub("", piece.text).split()))):
             places = [self.robot.n if end.isalpha() else int(end) for end in (span[1] or "e", span[2] or "e")]
@@ -401,10 +363,9 @@ class _Check(Comparing):
                 quantity = f"p[{places[0]}]-p[{places[1]}]"
                 return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
         if may_name and left is None and (chain := factors(piece.text)):
-            where = self.plain.location(piece.start)
-            error = CheckError("a product of matrices", remedy="multiply it out", location=where)
+            error = self._refused(piece, "a product of matrices", "multiply it out")
             return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
-        if may_name and left is not None and (joint := self._branch_of(left)) is not None:
+        if may_name and joint is not None:
             return Side(piece, left, (), joint, is_branch=True)
         if may_name and left is not None:
             point = self._stands_for(left) if has_points and left.is_point and not left.dots else None
@@ -417,11 +378,6 @@ class _Check(Comparing):
         except CheckError as error:
             return Side(piece, left, targets, error=error)
 
-    def _is_power(self, left: Left) -> bool:
-        """Whether it is a power of a symbol of the robot, such as a_1^2, and no label of a branch."""
-        known = left.flat in self.plain.names.own or (left.head in "dq" and self.plain.names.knows(left.flat))
-        return left.sup.isdigit() and known and replace(left, sup="").is_plain and self._branch_of(left) is None
-
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
         poses = self.scope.poses
@@ -429,8 +385,7 @@ class _Check(Comparing):
 
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
-        cells = [cell for matrix in piece.matrices for row in matrix.rows for cell in row]
-        lefts = [taken_apart(cell.text) for cell in cells]
+        lefts = [taken_apart(cell.text) for cell in piece.cells]
         if piece.text.strip() != MATRIX_MARK or len(lefts) < 2:
             return False
         return all(left and left.is_plain and left.sub and not self.scope.is_own(left) for left in lefts)
@@ -458,9 +413,8 @@ class _Check(Comparing):
         value = next((right.value for right in rights if right is not None), None)
         if value is None:
             return read
-        rows = value.tolist()
-        table = Table(tuple(tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in rows))
-        return Side(side.piece, value=table)
+        rows = (tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in value.tolist())
+        return Side(side.piece, value=Table(tuple(rows)))
 
     def _unread(self, side: Side, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""
@@ -470,24 +424,18 @@ class _Check(Comparing):
             self._skip(side.piece, error)
         elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):
             target = named[0].targets[0] if named else Target(self.asked)
-            place = (*target.rows, 0, 0)[:1] + (*target.columns, 0)[:1]
-            yield undecidable(
-                target.quantity, (place[0], place[1]), Role.PRINTED, self._typed(side.piece), error, False
-            )
+            place = ((*target.rows, 0)[0], (*target.columns, 0)[0])
+            yield undecidable(target.quantity, place, Role.PRINTED, self._typed(side.piece), error, False)
         else:
             raise error
 
     def _named_cells(self, first: Side, second: Side) -> list[tuple[Side, Entry]]:
         """Cells of a matrix of names beside those of the matrix that says what they are."""
-        matrices = first.piece.matrices
-        if len(matrices) != 1 or first.piece.text.strip() != MATRIX_MARK or not isinstance(second.value, Table):
+        cells = first.piece.cells
+        if first.piece.text.strip() != MATRIX_MARK or not isinstance(second.value, Table):
             return []
-        cells = [cell for row in matrices[0].rows for cell in row]
-        lefts = [taken_apart(cell.text) for cell in cells]
-        entries = [entry for row in second.value.rows for entry in row]
-        if len(cells) != len(entries):
-            return []
+        lefts, entries = [taken_apart(cell.text) for cell in cells], second.value.entries
         targets = [tuple(filter(is_scalar, self.meanings.targets(left))) if left else () for left in lefts]
-        if not all(targets):
+        if len(cells) != len(entries) or not all(targets):
             return []
         return [(Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]

@@ -9,13 +9,7 @@ from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
-from derive.checking.formulas.findings import (
-    NOTHING_KNOWN,
-    Finding,
-    Role,
-    compared,
-    undecidable,
-)
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
 from derive.checking.latex.conditions import Condition, Values, ways
 from derive.checking.latex.left import Left
 from derive.checking.latex.matrices import Table
@@ -29,18 +23,7 @@ from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Name,
-    Sum,
-    add,
-    is_constant,
-    names,
-    negate,
-    substitute,
-)
+from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, names, negate, substitute
 from derive.robot.names import own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
@@ -72,50 +55,48 @@ class Comparing:
         self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
         self.meanings, self.plain = scope.meanings, scope.plain
         self.conditions: list[Condition] = []
-        self.parameters = own_names(self.robot) - {joint.variable for joint in self.robot.joints}
+        self.joints = {joint.variable: joint for joint in self.robot.joints}
+        self.rates = set(map(velocity_name, self.joints))
+        self.parameters = own_names(self.robot) - self.joints.keys()
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
+    def _refused(self, side: LatexPiece, found: str, remedy: str = "") -> CheckError:
+        """An error about a side."""
+        return CheckError(found, remedy=remedy, location=self.plain.location(side.start))
+
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
         """Keep a condition of the text."""
-        line = self.plain.location(side.start).line or 0
-        end = side.end if is_of_side else self._end_of(text, side.start)
+        line, end, letters = self.plain.location(side.start).line or 0, side.end, "".join(text.split())
+        if not is_of_side:  # where what was typed ends, blanks aside
+            end = side.start
+            while letters and end < len(self.text):
+                letters, end = letters.removeprefix(self.text[end]), end + 1
         if values:
             self.conditions.append(Condition(line, end, text, values, is_of_side))
-
-    def _end_of(self, text: str, start: int) -> int:
-        """Where what was typed ends that begins there, blanks aside."""
-        letters = "".join(text.split())
-        for end in range(start, len(self.text)):
-            if not letters:
-                return end
-            letters = letters.removeprefix(self.text[end])
-        return len(self.text)
 
     def _identities(self, said: list[Side]) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should."""
         first = said[0]
-        joints = {joint.variable for joint in self.robot.joints}
         is_parameter = (
-            isinstance(first.value, Name) and first.value.name not in joints and not names_of_pose(first.value)
+            isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
         )
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
         is_name = is_angle or isinstance(first.value, Name | Call)
-        constant = any(not isinstance(s.value, Table) and s.value and self._is_fixed(s.value) for s in said[1:])
-        if is_parameter or (is_name and constant):
-            where = self.plain.location(first.piece.start)
+        others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
+        if is_parameter or (is_name and any(self.parameters.issuperset(names(other)) for other in others)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
             self._states(first.piece, " = ".join(self._typed(side.piece) for side in said), ways(values))
             remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
-            raise CheckError(f"{quoted(self._typed(first.piece))} is {what}", remedy=remedy, location=where)
+            raise self._refused(first.piece, f"{quoted(self._typed(first.piece))} is {what}", remedy)
         for side in said[1:]:
             if isinstance(first.value, Table) and isinstance(side.value, Table):
                 yield from self._entry_by_entry(first.piece, first.value, side.piece, side.value)
                 continue
             if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
-                raise CheckError("matrices on both sides", location=self.plain.location(side.piece.start))
+                raise self._refused(side.piece, "matrices on both sides")
             where = self.plain.location(side.piece.start)
             question = Question(self.robot, side.value, first.value)
             left, right = self._typed(first.piece), self._typed(side.piece)
@@ -124,54 +105,45 @@ class Comparing:
                 continue
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
             if first.is_branch and not found.verdict.equal:
-                label = f"the label in {quoted(left)} may be that of a branch"
-                raise CheckError(label, location=where)
+                raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
             found = self._rounded(found, first.value, side.value, left, right)
-            if not found.verdict.equal and self._constrains(first.value, side.value):
+            is_constraint = not found.verdict.equal and self._constrains(first.value, side.value)
+            if is_constraint:
                 self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
-                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
-            if not found.verdict.equal and is_constant(first.value) != is_constant(side.value):
-                raise CheckError(f"{quoted(left)} = {quoted(right)} is a condition", location=where)
+            if is_constraint or (not found.verdict.equal and is_constant(first.value) != is_constant(side.value)):
+                raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
 
     def _constrains(self, one: Expression, other: Expression) -> bool:
         """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
-        rates = {velocity_name(joint.variable) for joint in self.robot.joints}
-        moving = rates | {joint.variable for joint in self.robot.joints}
-        is_moving = isinstance(one, Name) and one.name in moving
-        known = self.parameters | moving
-        return self.document and isinstance(one, Name) and is_moving and (known - {one.name}).issuperset(names(other))
-
-    def _is_fixed(self, formula: Expression) -> bool:
-        """Whether a formula holds nothing but numbers and parameters of the robot."""
-        return self.parameters.issuperset(names(formula))
+        moving = self.rates | self.joints.keys()
+        if not self.document or not isinstance(one, Name) or one.name not in moving:
+            return False
+        return ((self.parameters | moving) - {one.name}).issuperset(names(other))
 
     def _entry_by_entry(
         self, first: LatexPiece, one: Table, second: LatexPiece, other: Table
     ) -> Iterator[Finding | Claim]:
         """Two matrices that are said to be equal."""
-        where = self.plain.location(second.start)
         if one.shape != other.shape or not self.document:
-            raise CheckError("matrices on both sides", location=where)
-        entries = [
-            (a, b) for row, others in zip(one.rows, other.rows, strict=True) for a, b in zip(row, others, strict=True)
-        ]
+            raise self._refused(second, "matrices on both sides")
+        entries = list(zip(one.entries, other.entries, strict=True))
         unknown = next((entry.unknown for pair in entries for entry in pair if entry.unknown), None)
         if unknown is not None:
             raise unknown
         if all(isinstance(a.formula, Name) and is_constant(b.formula) for a, b in entries):
             values = {a.formula.name: b.formula for a, b in entries if isinstance(a.formula, Name)}
             self._states(second, self._typed(second), (values,))
-            raise CheckError("a configuration, joint by joint", location=where)
+            raise self._refused(second, "a configuration, joint by joint")
         found: list[Finding | Claim] = []
         for a, b in entries:
             left, right = a.text or self._typed(first), b.text or self._typed(second)
-            claim = Claim(a.formula, b.formula, left, right, where)
+            claim = Claim(a.formula, b.formula, left, right, self.plain.location(second.start))
             is_open = names_of_pose(a.formula, b.formula)
             found.append(claim if is_open else self._rounded(claim.read(self.robot), a.formula, b.formula, left, right))
         is_right = all(isinstance(one, Finding) and one.verdict.equal for one in found)
         if not is_right and all(self._constrains(a.formula, b.formula) for a, b in entries):
-            raise CheckError("a condition on the joints", location=where)
+            raise self._refused(second, "a condition on the joints")
         yield from found
 
     def _rounded(self, found: Finding, one: Expression, other: Expression, left: str, right: str) -> Finding:
@@ -188,7 +160,7 @@ class Comparing:
 
     def _compared(self, name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings for the first quantity that is meant of which everything is right; else for the first one."""
-        known = names_of_pose(*(entry.formula for row in table.rows for entry in row))
+        known = names_of_pose(*(entry.formula for entry in table.entries))
         if known and self.scope.poses is not None:
             yield from self._posed(self.scope.poses, known, name, table, offset)
             return
@@ -201,8 +173,7 @@ class Comparing:
         is_vague = name.left is not None and name.left.is_vague
         if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
-            where = self.plain.location(name.piece.start)
-            raise CheckError(f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}", location=where)
+            raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
         for right, fitting in fits:
             found = tuple(self._entries(right, fitting, offset))
             if all(finding.unknown or finding.verdict.equal for finding in found):
@@ -226,16 +197,15 @@ class Comparing:
             side = Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
             # but an entry of C has velocities
-            rates = {velocity_name(joint.variable) for joint in self.robot.joints}
-            is_token = name.left is not None and name.left.head in ("c", "s") and rates.isdisjoint(names(entry.formula))
+            has_rates = not self.rates.isdisjoint(names(entry.formula))
+            is_token = name.left is not None and name.left.head in ("c", "s") and not has_rates
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen and not rights:
             where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
             raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
         if not chosen:
             shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
-            quantity = rights[0].quantity if rights else self.asked
-            printed = f"{quantity} printed as {table.shape[0]}x{table.shape[1]}"
+            printed = f"{rights[0].quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
 
@@ -257,10 +227,7 @@ class Comparing:
         if name.left is None or name.left.scripts is None or table.shape == (1, 1):
             return None
         other = self.meanings.reading ^ frozenset([name.left.scripts])
-        for right in self.scope.rights_read(name.left, other):
-            if (fitting := right.fitting(table)) is not None and right.likeness(fitting) == 1:
-                return right
-        return None
+        return next((right for right in self.scope.rights_read(name.left, other) if right.fits(table) == 1), None)
 
     def _meant(self, name: Side) -> Iterator[Right]:
         """What a left side may mean, of that only what is asked about, if something is."""
@@ -280,11 +247,8 @@ class Comparing:
         ]
         if not agreeing and all_meant and name.left is not None and name.left.head not in ANY:
             text, means = self._typed(name.piece), all_meant[0]
-            raise CheckError(
-                f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}",
-                remedy="leave one of them out",
-                location=self.plain.location(name.piece.start),
-            )
+            found = f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}"
+            raise self._refused(name.piece, found, "leave one of them out")
         yield from agreeing or asked
 
     def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
@@ -300,14 +264,10 @@ class Comparing:
                 others = other_orders(self.model, right.quantity)
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
                 found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
-                yield self._up_to_a_constant(found) if right.quantity.startswith("potential") else found
-
-    def _up_to_a_constant(self, found: Finding) -> Finding:
-        """A potential energy counts from any height."""
-        if found.verdict.equal or found.question is None:
-            return found
-        difference = add(found.question.printed, negate(found.question.right))
-        at_rest = substitute(difference, {joint.variable: ZERO for joint in self.robot.joints})
-        if not compare(self.robot, difference, at_rest).equal:
-            return found
-        return replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
+                if right.quantity.startswith("potential") and found.question and not found.verdict.equal:
+                    # a potential energy counts from any height
+                    difference = add(question.printed, negate(question.right))
+                    at_rest = substitute(difference, dict.fromkeys(self.joints, ZERO))
+                    if compare(self.robot, difference, at_rest).equal:
+                        found = replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
+                yield found

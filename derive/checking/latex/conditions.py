@@ -49,10 +49,6 @@ class Condition:
     ways: tuple[Values, ...]  # each fulfils it
     is_of_side: bool = False  # whether it belongs to one left side alone
 
-    def holds_at(self, line: int) -> bool:
-        """Whether a formula in a line may be meant under it."""
-        return self.line <= line <= self.line + (0 if self.is_of_side else REACH)
-
     def is_near(self, begin: int, text: str) -> bool:
         """Whether a formula that begins there belongs to the same sentence."""
         between = _MATHEMATICS.sub(" ", text[self.end : begin].strip("$ "))
@@ -91,7 +87,8 @@ def explaining(
     if finding.verdict.equal or question is None:
         return None
     known = set(names(question.printed))
-    holding = [(c, c.is_near(begin, text)) for c in conditions if c.holds_at(line)]
+    within = (c for c in conditions if c.line <= line <= c.line + (0 if c.is_of_side else REACH))
+    holding = [(c, c.is_near(begin, text)) for c in within]
     for said, values, is_near in _combined(holding, known | around):
         is_replaced = values.keys().isdisjoint(known | around)
         if not is_replaced and finding.role is not Role.IDENTITY:

@@ -70,8 +70,8 @@ def equations(text: str, start: Location, *, document: bool = False, time: bool 
 def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int, int]]:
     """Where mathematics begins and ends; the whole text where nothing marks it."""
     fences: list[tuple[int, int]] = []
-    begin_document = plain.find("\\begin{document}") + len("\\begin{document}") if document else 0
-    position = begin_document if document and "\\begin{document}" in plain else 0
+    _, beginning, _ = plain.partition("\\begin{document}") if document else ("", "", "")
+    position = plain.index(beginning) + len(beginning)
     while match := _FENCE.search(plain, position):
         name = match["name"]
         if match["macro"]:  # of the handout's fragments; the second group of \\mx says the same entry by entry
@@ -80,21 +80,15 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
             position = closing_brace(plain, closing + 1) if is_pair else closing
         elif name is None or name in EQUATION_ENVIRONMENTS:
-            if match.lastgroup:
-                fences.append((match.start(), match.end()))
+            fences.append((match.start(), match.end()))
             position = match.end()
-        elif document:
-            position = match.start() + len("\\begin")
         else:
-            position = match.end()
-    outside, last = [], 0
-    for begin, end in (*fences, (len(plain), len(plain))):
-        outside.append((last, plain[last:begin]))
-        last = end
-    strange = [(offset, text) for offset, text in outside if not _PROSE.fullmatch(text)]
+            position = match.start() + len("\\begin") if document else match.end()
     if document:
         yield from _continued(plain, fences)
         return
+    gaps = zip((0, *(end for _, end in fences)), (*(begin for begin, _ in fences), len(plain)), strict=True)
+    strange = [(begin, plain[begin:end]) for begin, end in gaps if not _PROSE.fullmatch(plain[begin:end])]
     if fences and not strange:
         yield from fences
         return
@@ -225,26 +219,15 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
         if found:
             first, last = found[-1]
             before = text[first:last].rstrip(" \v\n\r")
-            relations = _relations(text, begin, end)
+            relations, earlier = _relations(text, begin, end), _relations(text, first, last)
             # a row of align with a left side of its own is an equation, even if that begins with a sign: -s1*px &= 0
-            is_aligned = all(
-                found and text[: found[0][0]].rstrip(" \n\r").endswith("\v")
-                for found in (relations, _relations(text, first, last))
-            )
+            is_aligned = all(r and text[: r[0][0]].rstrip(" \n\r").endswith("\v") for r in (relations, earlier))
+            is_row = is_aligned and text[begin : relations[0][0]].strip(" \v\n\r")
             # in other displays one that begins with a minus and has a left side is an equation, too: -p_z = a3 s23
-            is_new = relations and part[0] == "-" and _relations(text, first, last)
+            is_new = is_row or (relations and part[0] == "-" and earlier)
             # an operator at the break, an open bracket, or no relation of its own: still the equation before
-            continues = (
-                (
-                    _OPERATOR.match(part)
-                    and not is_new
-                    and not (is_aligned and text[begin : relations[0][0]].strip(" \v\n\r"))
-                )
-                or _ENDS_OPEN.search(before)
-                or _depths(text, first, last) > 0
-                or (not relations and _relations(text, first, last))
-            )
-            if continues:
+            is_open = _ENDS_OPEN.search(before) or _depths(text, first, last) > 0 or (not relations and earlier)
+            if is_open or (_OPERATOR.match(part) and not is_new):
                 found[-1] = (first, end)
                 continue
         found.append((begin, end))

@@ -8,7 +8,7 @@ Whatever else occurs is refused at its place, in words; nothing is ever guessed 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
@@ -16,7 +16,7 @@ from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, PRIME, LatexNames, PlusMinus
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
-from derive.checking.latex.typography import PRIMED, cleaned
+from derive.checking.latex.typography import PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
 from derive.robot.expression import ZERO, Expression, expanded_terms
 from derive.robot.parser import place
@@ -58,18 +58,6 @@ _MACRO_REMEDIES = {
 }
 
 
-def read_latex(
-    text: str,
-    robot: Robot,
-    location: Location | None = None,
-    abbreviations: Mapping[str, Expression] | None = None,
-) -> Expression:
-    r"""A LaTeX formula as an expression in the robot's own names."""
-    start = location or Location("<latex>")
-    piece = LatexPiece(_without_dollars(cleaned(text)), 0)
-    return LatexReader(robot, text, start, abbreviations).formula(piece)
-
-
 class LatexReader:
     """Reads the pieces of one text."""
 
@@ -79,10 +67,10 @@ class LatexReader:
         text: str,
         start: Location,
         abbreviations: Mapping[str, Expression] | None = None,
-        entries: Mapping[str, Expression] | None = None,
+        entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
     ) -> None:
-        self.names = LatexNames(robot, abbreviations, entries, signs)
+        self.names = LatexNames(robot, abbreviations, entry, signs)
         self._text = text
         self._start = start
 
@@ -90,11 +78,14 @@ class LatexReader:
         """The place of a character."""
         return place(self._text, offset, self._start)
 
+    def _refused(self, offset: int, found: str, allowed: str = "", remedy: str = "") -> CheckError:
+        return CheckError(found, allowed=allowed, remedy=remedy, location=self.location(offset))
+
     def formula(self, piece: LatexPiece) -> Expression:
         """What a piece says that is no matrix."""
         found = self.value(piece)
         if isinstance(found, Table):
-            raise CheckError("matrix where a formula is expected", location=self.location(piece.start))
+            raise self._refused(piece.start, "matrix where a formula is expected")
         return found
 
     def value(self, piece: LatexPiece) -> Expression | Table:
@@ -116,10 +107,10 @@ class LatexReader:
         except DeriveError as error:
             raise error.at(self.location(piece.start)) from None
         except ZeroDivisionError:
-            raise CheckError("division by zero", location=self.location(piece.start)) from None
-        formulas = [found] if not isinstance(found, Table) else [e.formula for row in found.rows for e in row]
+            raise self._refused(piece.start, "division by zero") from None
+        formulas = [found] if not isinstance(found, Table) else [entry.formula for entry in found.entries]
         if any(expanded_terms(formula, MAX_EXPANDED_TERMS) > MAX_EXPANDED_TERMS for formula in formulas):
-            raise CheckError("formula has too many terms when multiplied out", location=self.location(piece.start))
+            raise self._refused(piece.start, "formula has too many terms when multiplied out")
         return found
 
     def _long_name(self, match: re.Match[str]) -> str:
@@ -148,17 +139,14 @@ class LatexReader:
             remedy = r"check & and \\ of its rows"
             raise CheckError(f"matrix whose rows have {lengths} entries", remedy=remedy, location=where)
         table = Table(tuple(tuple(self._entry(cell) for cell in row) for row in matrix.rows))
-        if not matrix.is_determinant:
-            return table
-        determinant = table.determinant
-        if determinant.unknown is not None:
+        if matrix.is_determinant and (determinant := table.determinant).unknown is not None:
             raise determinant.unknown
-        return determinant.formula
+        return determinant.formula if matrix.is_determinant else table
 
     def _entry(self, cell: LatexPiece) -> Entry:
         text = " ".join(self._text[cell.start : cell.end].split())
         if not cell.text.strip():
-            raise CheckError("empty entry", remedy="write 0", location=self.location(cell.start))
+            raise self._refused(cell.start, "empty entry", remedy="write 0")
         try:
             return Entry(self.formula(cell), text, cell.start)
         except UnknownNameError as error:
@@ -168,18 +156,15 @@ class LatexReader:
         """Refuse what is empty or beyond a limit."""
         text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
         if len(text) > longest:
-            where = self.location(piece.start)
-            raise CheckError(
-                f"formula of {len(text)} characters", allowed=f"allowed: at most {longest}", location=where
-            )
+            raise self._refused(piece.start, f"formula of {len(text)} characters", f"allowed: at most {longest}")
         if not text.strip(" \t\r\n$"):
-            raise CheckError("empty formula", remedy="write the right-hand side", location=self.location(piece.offset))
+            raise self._refused(piece.offset, "empty formula", remedy="write the right-hand side")
         depth = 0
         for match in _BRACKET.finditer(text):
             depth += 1 if match[0] in "([{" else -1
             if depth > deepest:
-                where = self.location(piece.offset + match.start())
-                raise CheckError("brackets nested too deeply", allowed=f"allowed: at most {deepest}", location=where)
+                allowed = f"allowed: at most {deepest}"
+                raise self._refused(piece.offset + match.start(), "brackets nested too deeply", allowed)
 
     def _refusal(self, piece: LatexPiece, error: UnexpectedInput) -> CheckError:
         """The message for text that the grammar does not know."""
@@ -187,27 +172,26 @@ class LatexReader:
         if isinstance(error, UnexpectedToken | UnexpectedCharacters):
             at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
             offset = offset if at_end else error.pos_in_stream or 0
-        where, rest = self.location(piece.offset + offset), text[offset:]
+        where, rest = piece.offset + offset, text[offset:]
         if not rest.strip():
-            return CheckError("formula ends too early", remedy="check brackets and braces", location=where)
+            return self._refused(where, "formula ends too early", remedy="check brackets and braces")
         before = text[:offset].rstrip()
         script_start = len(before) - 1 if before.endswith(("_", "^")) else offset  # reading may stop in mid script
         if match := _LONG_SCRIPT.match(text, script_start):
-            where = self.location(piece.offset + match.start())
             mark, script = match[1], match[2]
             shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
-            return CheckError(shown, remedy=f"write {mark}{{{script}}}", location=where)
+            return self._refused(piece.offset + match.start(), shown, remedy=f"write {mark}{{{script}}}")
         if match := _MACRO.match(rest):
             name = match[0][1:]
             if name in MACROS:
-                return CheckError(f"{match[0]} at a place where it has no meaning", location=where)
-            hint = near_miss(name, MACROS).replace("'", "\\", 1).replace("'", "")
+                return self._refused(where, f"{match[0]} at a place where it has no meaning")
             if name in _MACRO_REMEDIES:
-                return CheckError(f"{match[0]} in a formula", remedy=_MACRO_REMEDIES[name], location=where)
+                return self._refused(where, f"{match[0]} in a formula", remedy=_MACRO_REMEDIES[name])
+            hint = near_miss(name, MACROS).replace("'", "\\", 1).replace("'", "")
             hint = hint or "allowed: " + ", ".join(f"\\{macro}" for macro in (*MACROS[:5], "cdot")) + ", Greek letters"
-            return CheckError(f"unknown macro {quoted(match[0])}".replace("\\\\", "\\"), remedy=hint, location=where)
+            return self._refused(where, f"unknown macro {quoted(match[0])}".replace("\\\\", "\\"), remedy=hint)
         sign = "'" if rest[0] in PRIMED.values() else rest[0]
-        return CheckError(f"unexpected {quoted(sign)}", remedy=_REMEDIES.get(sign, "check it"), location=where)
+        return self._refused(where, f"unexpected {quoted(sign)}", remedy=_REMEDIES.get(sign, "check it"))
 
 
 # A run of letters that is no macro, no script and no word in roman letters, with its subscript.
@@ -229,14 +213,3 @@ _PRIMED_NAME = re.compile(
     rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
 _BRACKET = re.compile(r"[][(){}]")
-
-
-def _without_dollars(text: str) -> str:
-    """The text with blanks for the dollar signs around it, so that every offset stays."""
-    inner = text.strip()
-    for dollars in ("$$", "$"):
-        if inner.startswith(dollars) and inner.endswith(dollars) and len(inner) > 2 * len(dollars):
-            first, last = text.index(dollars), text.rindex(dollars)
-            blank = " " * len(dollars)
-            return text[:first] + blank + text[first + len(dollars) : last] + blank + text[last + len(dollars) :]
-    return text

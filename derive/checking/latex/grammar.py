@@ -19,19 +19,7 @@ from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, LatexNames, Symbol
 from derive.checking.latex.typography import PRIMED
 from derive.errors import CheckError, DeriveError
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Number,
-    Pi,
-    Power,
-    Product,
-    add,
-    multiply,
-    negate,
-    number,
-    power,
-)
+from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, add, multiply, negate, number, power
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 
 
@@ -56,12 +44,7 @@ Children = list[Any]
 
 
 class MisplacedError(Exception):
-    """An error with the offset of what caused it.
-
-    Attributes:
-        offset: Where in the text that was read.
-        error: What is wrong.
-    """
+    """An error with the offset of what caused it in the text that was read."""
 
     def __init__(self, offset: int | None, error: DeriveError) -> None:
         super().__init__(str(error))
@@ -229,11 +212,16 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             if isinstance(child, _Digits) and isinstance(before, _Digits):
                 raise _refused(child.offset, "two numbers side by side", remedy=r"write \cdot between them")
             before = child
-            if not function and child is not children[-1]:  # c before an angle, as in c \theta_1
-                function, exponent = self._circular(child)
+            # c before an angle, as in c \theta_1; c^2 \theta is the square of the cosine
+            base, of_c = (child.base, child.exponent) if isinstance(child, _Raised) else (child, number(1))
+            if not function and child is not children[-1] and isinstance(base, Symbol) and isinstance(of_c, Number):
+                function, exponent = self._names.circular(base), int(of_c.value)
                 if function:
                     continue
-            value = self._applied(function, child, exponent) if function else self._settled(child)
+            if function and isinstance(child, _Raised):  # what the angle bears belongs to the cosine
+                value: Expression | Table = self._power(Call(function, (self._tree(base),)), of_c)
+            else:
+                value = power(Call(function, (self._tree(child),)), exponent) if function else self._settled(child)
             if divide:
                 if isinstance(value, Table):
                     raise CheckError("division by a matrix", remedy="write the inverse out")
@@ -249,33 +237,16 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         product = reduce(Table.times, tables)
         return product.changed(partial(multiply, scale)) if formulas else product
 
-    def _circular(self, child: Value) -> tuple[str, int]:
-        """The function that c or s stands for, and the exponent that it bears."""
-        # c^2 \theta is the square of the cosine
-        base, exponent = (child.base, child.exponent) if isinstance(child, _Raised) else (child, number(1))
-        if not isinstance(base, Symbol) or not isinstance(exponent, Number):
-            return "", 1
-        return self._names.circular(base), int(exponent.value)
-
-    def _applied(self, function: str, child: Value, exponent: int) -> Expression:
-        """``c`` before an angle, which may bear the exponent that belongs to the cosine."""
-        if isinstance(child, _Raised):
-            return self._power(Call(function, (self._tree(child.base),)), child.exponent)
-        return power(Call(function, (self._tree(child),)), exponent)
-
     def _matrix(self, data: str, children: Children) -> Expression | Table:
         """A matrix, a list, or the transpose of one."""
+        first, last = children[0], children[-1]
         if data == "list":
-            entries = tuple(Entry(self._tree(child)) for child in children if not isinstance(child, Token))
-            table = Table((entries,))
-            return table.transposed if isinstance(children[-1], Token) and children[-1].type == "TRANSPOSE" else table
-        first = children[0]
+            table = Table((tuple(Entry(self._tree(child)) for child in children if not isinstance(child, Token)),))
+            return table.transposed if isinstance(last, Token) and last.type == "TRANSPOSE" else table
         value = self._tables[first.start_pos or 0] if isinstance(first, Token) else self._settled(first)
-        if data == "transpose":
-            if not isinstance(value, Table):
-                raise CheckError("transpose of a formula", remedy="transpose matrices only")
-            return value.transposed
-        return value
+        if data == "transpose" and not isinstance(value, Table):
+            raise CheckError("transpose of a formula", remedy="transpose matrices only")
+        return value.transposed if data == "transpose" and isinstance(value, Table) else value
 
     def _call(self, token: Token, argument: Value) -> Expression:
         return Call("sqrt" if token.type == "ROOT" else _function(token), (self._tree(argument),))
@@ -285,7 +256,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         if self._names.signs is None:
             remedy = "these are two formulas; check one sign at a time, or an inverse solution as a whole"
             raise _refused(token.start_pos, f"{token} in a formula", remedy=remedy)
-        return self._names.signs.another()
+        return next(self._names.signs)
 
     def _inverse_function(self, token: Token, exponent: Expression | None, children: Children) -> Expression:
         r"""An arc function, where it has a meaning; ``\cos^{-1}`` is one too."""
@@ -324,14 +295,8 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
 
 # How books write them, in Italian ones too.
 _NAMES_OF_FUNCTIONS = {
-    "cos": "cos",
-    "sen": "sin",
-    "sin": "sin",
-    "tan": "tan",
-    "tg": "tan",
-    "sgn": "sign",
-    "sign": "sign",
-}
+    "cos": "cos", "sen": "sin", "sin": "sin", "tan": "tan", "tg": "tan", "sgn": "sign", "sign": "sign",
+}  # fmt: skip
 
 
 def _function(token: Token) -> str:
@@ -378,9 +343,8 @@ def _bounded(e: Expression) -> Expression:
     if isinstance(first, Number):
         bits = max(first.value.numerator.bit_length(), first.value.denominator.bit_length())
         if bits > FORMULA_LIMITS.number_bits:
-            raise CheckError(
-                "number too large or too fine", allowed=f"allowed: at most {FORMULA_LIMITS.number_bits} bits"
-            )
+            allowed = f"allowed: at most {FORMULA_LIMITS.number_bits} bits"
+            raise CheckError("number too large or too fine", allowed=allowed)
     return e
 
 

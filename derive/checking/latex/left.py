@@ -153,19 +153,8 @@ def taken_apart(text: str) -> Left | None:
     if match := _TURNED.fullmatch(raised):
         turned = Turned.INVERTED if match["inverse"] else Turned.BOTH if match["both"] else Turned.TRANSPOSED
         raised = match["script"]
-    return Left(
-        head,
-        after.get("_", ""),
-        raised,
-        before.get("^", ""),
-        before.get("_", ""),
-        dots,
-        len(after.get("'", "")),
-        arguments,
-        determinant,
-        factor,
-        turned,
-    )
+    sub, primes, sup, lowered = after.get("_", ""), len(after.get("'", "")), before.get("^", ""), before.get("_", "")
+    return Left(head, sub, raised, sup, lowered, dots, primes, arguments, determinant, factor, turned)
 
 
 def _undressed(text: str) -> tuple[str, bool]:
@@ -190,9 +179,8 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
         if text[0] == "'":
             found["'"], text = found.get("'", "") + "'", text[1:]
         elif match := _SCRIPT.match(text):
-            script = re.sub(
-                r"[_^{}()\\]", "", re.sub(r"\\([A-Za-z]+)", lambda m: FLAT.get(m[1], m[1]), match["script"])
-            )
+            script = re.sub(r"\\([A-Za-z]+)", lambda m: FLAT.get(m[1], m[1]), match["script"])
+            script = re.sub(r"[_^{}()\\]", "", script)
             mark = "'" if script and not script.strip("'") else match["mark"]
             found[mark], text = found.get(mark, "") + script, text[match.end() :]
         else:

@@ -38,6 +38,11 @@ class Table:
         return len(self.rows), len(self.rows[0])
 
     @property
+    def entries(self) -> tuple[Entry, ...]:
+        """Its entries row by row."""
+        return tuple(chain(*self.rows))
+
+    @property
     def transposed(self) -> Table:
         """Rows as columns."""
         return Table(tuple(zip(*self.rows, strict=True)))
@@ -49,35 +54,28 @@ class Table:
     def plus(self, other: Table) -> Table:
         """The sum."""
         if self.shape != other.shape:
-            raise CheckError(
-                f"sum of matrices {_size(self)} and {_size(other)}", allowed="allowed: matrices of one shape"
-            )
+            found = f"sum of matrices {_size(self)} and {_size(other)}"
+            raise CheckError(found, allowed="allowed: matrices of one shape")
         pairs = (zip(a, b, strict=True) for a, b in zip(self.rows, other.rows, strict=True))
         return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
 
     def times(self, other: Table) -> Table:
         """The product; of two columns with three entries the cross product."""
         if self.shape == other.shape == (3, 1):
-            a, b = ([row[0] for row in table.rows] for table in (self, other))
-            entries = [
-                _computed(
-                    add(multiply(a[j].formula, b[k].formula), negate(multiply(a[k].formula, b[j].formula))), *a, *b
-                )
-                for j, k in ((1, 2), (2, 0), (0, 1))
-            ]
-            return Table(tuple((entry,) for entry in entries))
+            (a1, a2, a3), (b1, b2, b3) = ([entry.formula for entry in table.entries] for table in (self, other))
+            pairs = (((a2, b3), (a3, b2)), ((a3, b1), (a1, b3)), ((a1, b2), (a2, b1)))
+            differences = (add(multiply(*first), negate(multiply(*second))) for first, second in pairs)
+            return Table(tuple((_computed(e, *self.entries, *other.entries),) for e in differences))
         if self.shape[1] != other.shape[0]:
-            raise CheckError(
-                f"product of matrices {_size(self)} and {_size(other)}", allowed="allowed: shapes that fit"
-            )
-        rows = []
-        for row in self.rows:
-            products = []
-            for column in zip(*other.rows, strict=True):
-                terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
-                products.append(_computed(add(*terms), *row, *column))
-            rows.append(tuple(products))
-        return Table(tuple(rows))
+            found = f"product of matrices {_size(self)} and {_size(other)}"
+            raise CheckError(found, allowed="allowed: shapes that fit")
+
+        def product(row: tuple[Entry, ...], column: tuple[Entry, ...]) -> Entry:
+            terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
+            return _computed(add(*terms), *row, *column)
+
+        columns = other.transposed.rows
+        return Table(tuple(tuple(product(row, column) for column in columns) for row in self.rows))
 
     @property
     def determinant(self) -> Entry:
@@ -87,7 +85,7 @@ class Table:
             allowed = f"allowed: square matrices of up to {LARGEST_DETERMINANT} rows"
             raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
         formula = _expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows))
-        return _computed(formula, *chain(*self.rows))
+        return _computed(formula, *self.entries)
 
 
 def _computed(formula: Expression, *parts: Entry) -> Entry:

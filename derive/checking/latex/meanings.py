@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -52,11 +52,14 @@ class Right:
 
     def likeness(self, table: Table) -> float:
         """Which part of the entries of a table in this shape has the same values at a point."""
-        formulas = [
-            (entry.formula, self.value[i, j]) for i, row in enumerate(table.rows) for j, entry in enumerate(row)
-        ]
-        alike = sum(_alike(printed, expression_from_sympy(derived)) for printed, derived in formulas)
-        return alike / len(formulas)
+        pairs = [(entry.formula, expression_from_sympy(e)) for entry, e in zip(table.entries, self.value, strict=True)]
+        points = [at_a_point(printed, derived) for printed, derived in pairs]
+        alike = sum(abs(one - other) <= ALIKE * (1 + abs(other)) for one, other in filter(None, points))
+        return alike / len(pairs)
+
+    def fits(self, table: Table) -> float:
+        """The likeness of a table in any shape; 0 where it does not fit."""
+        return self.likeness(fitting) if (fitting := self.fitting(table)) else 0.0
 
     def agrees(self, asked: Right) -> bool:
         """Whether it is what is asked about, or that is an entry or a part of it."""
@@ -71,14 +74,13 @@ class Right:
         return f"{self.quantity}[{','.join(indices)}]" if indices else self.quantity
 
 
-def _alike(printed: Expression, right: Expression) -> bool:
+def at_a_point(*formulas: Expression) -> list[float]:
+    """The values of formulas at one random point; none where one of them has no value there."""
     rng = random.Random(3)
-    values = {name: rng.uniform(0.3, 1.7) for name in sorted({*names(printed), *names(right)})}
-    try:
-        one, other = float_value(printed, values), float_value(right, values)
-    except NO_VALUE:
-        return False
-    return abs(one - other) <= ALIKE * (1 + abs(other))
+    values = {name: rng.uniform(0.3, 1.7) for name in sorted({name for e in formulas for name in names(e)})}
+    with suppress(*NO_VALUE):
+        return [float_value(e, values) for e in formulas]
+    return []
 
 
 class Meanings:
@@ -218,28 +220,17 @@ def is_rate(name: str) -> bool:
     return _RATE.fullmatch(name) is not None
 
 
-class EntryNames(Mapping[str, Expression]):
-    """Entries of quantities by the names that they have in print, such as b12 and c1,22."""
-
-    def __init__(self, meanings: Meanings, poses: Poses | None = None) -> None:
-        self._meanings, self._poses = meanings, poses
-
-    def __getitem__(self, name: str) -> Expression:
-        if rate := _RATE.fullmatch(name):
-            return self._meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
-        if self._poses is not None and (found := self._poses.placeholder(name)) is not None:
-            return found
-        left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-        for target in self._meanings.targets(left) if left else ():
-            if is_scalar(target) and (right := self._meanings.right(target)):
-                return expression_from_sympy(right.value[0, 0])
-        raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(())
-
-    def __len__(self) -> int:
-        return 0
+def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expression | None:
+    """The entry of a quantity with the name that it has in print, such as b12 and c1,22; None where there is none."""
+    if rate := _RATE.fullmatch(name):
+        return meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
+    if poses is not None and (found := poses.placeholder(name)) is not None:
+        return found
+    left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+    for target in meanings.targets(left) if left else ():
+        if is_scalar(target) and (right := meanings.right(target)):
+            return expression_from_sympy(right.value[0, 0])
+    return None
 
 
 def _whole(quantity: str, value: Matrix) -> Right:

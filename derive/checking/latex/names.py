@@ -3,8 +3,10 @@ r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}``
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import count
 
 from derive.checking.formulas.branches import SIGN
 from derive.errors import CheckError
@@ -33,16 +35,12 @@ _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
 
 
-class PlusMinus:
-    """Gives every plus-minus of a text a name."""
+PlusMinus = Iterator[Name]  # gives every plus-minus of a text a name
 
-    def __init__(self) -> None:
-        self._count = 0
 
-    def another(self) -> Name:
-        """The name of the next one."""
-        self._count += 1
-        return Name(f"{SIGN}{self._count}")
+def plus_minus() -> PlusMinus:
+    """The names of all that a text may have."""
+    return (Name(f"{SIGN}{k}") for k in count(1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +63,11 @@ class LatexNames:
         self,
         robot: Robot,
         abbreviations: Mapping[str, Expression] | None = None,
-        entries: Mapping[str, Expression] | None = None,
+        entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
     ) -> None:
-        self.robot, self.signs = robot, signs
+        self.robot, self.signs, self.entry = robot, signs, entry
         self.abbreviations = dict(abbreviations or {})
-        self.entries = {} if entries is None else entries  # one may be long to count
         self.own = own_names(robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._known: dict[tuple[str, int], Expression] = {}
@@ -91,16 +88,14 @@ class LatexNames:
 
     def knows(self, text: str) -> bool:
         """Whether a printed name without dots stands for something, and for one thing only."""
-        try:
-            self.meaning(Symbol(text, 0))
-        except CheckError:
-            return False
-        return True
+        with suppress(CheckError):
+            return bool(self.meaning(Symbol(text, 0)))
+        return False
 
     def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
-        if _CHRISTOFFEL.fullmatch(text) and text in self.entries:  # c_{1,23}; without the comma it is a cosine
-            return self.entries[text]
+        if _CHRISTOFFEL.fullmatch(text) and (entry := self.entry(text)):  # c_{1,23}; without the comma it is a cosine
+            return entry
         text = text.replace(",", "")
         # c_{2-3}, the cosine of a difference of joint angles
         opposed = _OPPOSED.fullmatch(text)
@@ -115,32 +110,19 @@ class LatexNames:
             return Call(_ANGLE[text[0].lower()], (Name(angle),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
-            angles = [
-                add(*terms)
-                if (terms := self._sum_of_angles(x))
-                else resolve_tokens(Name(self._name(f"q{x}")), self.robot)
-                for x in labels
-            ]
+            sums = ((x, sum_of_angles(self.robot, x)) for x in labels)
+            angles = [add(*s) if s else resolve_tokens(Name(self._name(f"q{x}")), self.robot) for x, s in sums]
             others = (negate(a) if sign == "-" else a for sign, a in zip(signs, angles[1:], strict=True))
             return Call(_ANGLE[opposed[1].lower()], (add(angles[0], *others),))
         name = self._name(text)
         try:
             return resolve_tokens(Name(name), self.robot, self.abbreviations)
         except CheckError:
-            if (match := _ANGLE_SUM.fullmatch(text)) and (terms := self._sum_of_angles(match[2])):
+            if (match := _ANGLE_SUM.fullmatch(text)) and (terms := sum_of_angles(self.robot, match[2])):
                 return add(*terms)
-            if text in self.entries:
-                return self.entries[text]
+            if entry := self.entry(text):
+                return entry
             raise
-
-    def _sum_of_angles(self, digits: str) -> tuple[Expression, ...]:
-        r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
-        try:
-            token = resolve_tokens(Name(f"c{digits}"), self.robot)
-        except CheckError:
-            return ()
-        angle = token.arguments[0] if isinstance(token, Call) else token
-        return angle.terms if isinstance(angle, Sum) else ()
 
     def circular(self, symbol: Symbol) -> str:
         r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""
@@ -154,9 +136,10 @@ class LatexNames:
         terms = [name]
         if name not in variables:
             match = _ANGLE_SUM.fullmatch(text)
-            terms = [term.name for term in self._sum_of_angles(match[2]) if isinstance(term, Name)] if match else []
-        if not terms and dots == 1 and f"{text}'" in self.entries:
-            return self.entries[f"{text}'"]
+            angles = sum_of_angles(self.robot, match[2]) if match else ()
+            terms = [term.name for term in angles if isinstance(term, Name)]
+        if not terms and dots == 1 and (entry := self.entry(f"{text}'")):
+            return entry
         if not terms:
             allowed = f"allowed: {', '.join(variables)}"
             raise CheckError(f"derivative of {text}, which is not a joint variable", allowed=allowed)
@@ -189,10 +172,18 @@ class LatexNames:
             if stem == "q" or (stem in ("theta", "th")) is joint.is_revolute:
                 return joint.variable
             if stem != "d":
-                raise CheckError(
-                    f"theta_{label}: joint {label} is prismatic", remedy=f"its variable is d_{label} or q_{label}"
-                )
+                remedy = f"its variable is d_{label} or q_{label}"
+                raise CheckError(f"theta_{label}: joint {label} is prismatic", remedy=remedy)
         return ""
+
+
+def sum_of_angles(robot: Robot, digits: str) -> tuple[Expression, ...]:
+    r"""The joint angles of ``\theta_{12}``; none where the digits are no labels of revolute joints."""
+    with suppress(CheckError):
+        token = resolve_tokens(Name(f"c{digits}"), robot)
+        angle = token.arguments[0] if isinstance(token, Call) else token
+        return angle.terms if isinstance(angle, Sum) else ()
+    return ()
 
 
 def _alike(name: str) -> tuple[str, str, str]:

@@ -55,13 +55,16 @@ class LatexPiece:
         return self.offset + len(self.text.rstrip())
 
     @property
+    def cells(self) -> tuple[LatexPiece, ...]:
+        """The entries of its matrices."""
+        return tuple(cell for matrix in self.matrices for row in matrix.rows for cell in row)
+
+    @property
     def texts(self) -> Iterator[str]:
         """Its text and those of the entries of its matrices."""
         yield self.text
-        for matrix in self.matrices:
-            for row in matrix.rows:
-                for cell in row:
-                    yield from cell.texts
+        for cell in self.cells:
+            yield from cell.texts
 
     def part(self, begin: int, end: int) -> LatexPiece:
         """A part of it."""
@@ -70,6 +73,12 @@ class LatexPiece:
         return LatexPiece(
             text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)], self.inline
         )
+
+    def split(self, sign: str) -> list[LatexPiece]:
+        """The parts of it between some signs."""
+        ends = [i for i, letter in enumerate(self.text) if letter == sign]
+        starts = (0, *(i + 1 for i in ends))
+        return [self.part(begin, end) for begin, end in zip(starts, (*ends, len(self.text)), strict=True)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +102,10 @@ class _Environment:
 
 def display_piece(plain: str, begin: int, end: int, typed: str, start: Location) -> LatexPiece:
     """A display as one piece, in which row ends and cell marks of its own are form feeds and vertical tabs."""
+
+    def refused(offset: int, found: str, allowed: str = "", remedy: str = "") -> CheckError:
+        return CheckError(found, allowed=allowed, remedy=remedy, location=place(typed, offset, start))
+
     root = _Environment("", (begin, begin))
     open_now = [root]
     for match in _STRUCTURE.finditer(plain, begin, end):
@@ -100,27 +113,22 @@ def display_piece(plain: str, begin: int, end: int, typed: str, start: Location)
             name = match["begin"]
             if name not in EQUATION_ENVIRONMENTS and name not in _GRIDS:
                 allowed = f"allowed: {listed((*MATRICES[:-1], *DISPLAYS))}"
-                found = f"environment {quoted(name)}"
-                raise CheckError(found, allowed=allowed, location=place(typed, match.start(), start))
+                raise refused(match.start(), f"environment {quoted(name)}", allowed)
             stop = match.end() if name in _WITH_COLUMNS or not match["columns"] else match.start("columns")
             child = _Environment(name, (match.start(), stop))
             open_now[-1].children.append(child)
             open_now.append(child)
             if len(open_now) > MAX_NESTED:
-                where = place(typed, match.start(), start)
-                raise CheckError(
-                    "environments nested too deeply", allowed=f"allowed: at most {MAX_NESTED - 1}", location=where
-                )
+                allowed = f"allowed: at most {MAX_NESTED - 1}"
+                raise refused(match.start(), "environments nested too deeply", allowed)
         elif match["end"]:
             if match["end"] != open_now[-1].name:
-                where = place(typed, match.start(), start)
-                raise CheckError(f"\\end{{{match['end']}}} without its \\begin", remedy="check it", location=where)
+                raise refused(match.start(), f"\\end{{{match['end']}}} without its \\begin", remedy="check it")
             open_now.pop().end = match.span()
         else:
-            open_now[-1].marks.append((*match.span(), "row" if match["row"] else "cell"))
+            open_now[-1].marks.append((*match.span(), "\f" if match["row"] else "\v"))
     if len(open_now) > 1:
-        where = place(typed, open_now[-1].begin[0], start)
-        raise CheckError(f"\\begin{{{open_now[-1].name}}} without its \\end", remedy="add it", location=where)
+        raise refused(open_now[-1].begin[0], f"\\begin{{{open_now[-1].name}}} without its \\end", remedy="add it")
     root.end = (end, end)
     return _flattened(plain, root)
 
@@ -134,12 +142,12 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     while waiting:
         node, is_inner = waiting.pop()
         # marks of environments inside a matrix mean nothing for the display; its own part rows and cells
-        signs = [(mark[:2], " " if is_inner else _SIGNS[mark[2]]) for mark in node.marks]
+        signs = [((first, last), " " if is_inner else sign) for first, last, sign in node.marks]
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):
-                found.append(
-                    (child.begin[0], PrintedMatrix(tuple(_rows(_flattened(plain, child))), child.name[0] in "vV"))
-                )
+                inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
+                rows = tuple(tuple(row.split("\v")) for row in inner if row.text.strip("\v \n\r"))
+                found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV")))
                 signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
             else:
                 signs += [(child.begin, " "), (child.end, " ")]
@@ -151,9 +159,6 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
     matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
     piece = LatexPiece("".join(letters), begin, matrices)
     return _determinants(piece) if matrices else piece
-
-
-_SIGNS = {"row": "\f", "cell": "\v"}
 
 
 def _holds_equations(plain: str, node: _Environment) -> bool:
@@ -174,27 +179,11 @@ def _determinants(piece: LatexPiece) -> LatexPiece:
             bars = (len(before) - 1, position + 1 + len(after) - len(after.lstrip()))
             text = "".join(" " if i in bars else letter for i, letter in enumerate(text))
         elif match := re.search(r"\\det\s*\(?\s*$|\\(?:mathrm|operatorname)\{det\}\s*$", text[:position]):
-            bracket = "(" in match[0]
-            text = (
-                text[: match.start()]
-                + " " * len(match[0].rstrip("( "))
-                + text[match.start() + len(match[0].rstrip("( ")) :]
-            )
-            if bracket and not after.lstrip().startswith(")"):
+            word = match[0].rstrip("( ")
+            text = text[: match.start()] + " " * len(word) + text[match.start() + len(word) :]
+            if "(" in match[0] and not after.lstrip().startswith(")"):
                 continue
         else:
             continue
         matrices[index] = PrintedMatrix(matrices[index].rows, True)
     return LatexPiece(text, piece.offset, tuple(matrices))
-
-
-def _rows(piece: LatexPiece) -> Iterator[tuple[LatexPiece, ...]]:
-    """The entries of a matrix; a row end behind the last row adds none."""
-    for row in _split(piece, "\f"):
-        if row.text.strip("\v \n\r"):
-            yield tuple(_split(row, "\v"))
-
-
-def _split(piece: LatexPiece, sign: str) -> list[LatexPiece]:
-    ends = [i for i, letter in enumerate(piece.text) if letter == sign]
-    return [piece.part(a, b) for a, b in zip((0, *(i + 1 for i in ends)), (*ends, len(piece.text)), strict=True)]

@@ -189,18 +189,16 @@ class Poses:
         places += [
             (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
         ]
-        return tuple(self._reading(position, reference) for position, reference in places)
-
-    def _reading(self, position: int, reference: int) -> PoseReading:
-        n, quantity = self._model.n, self._model.quantity
-        place = quantity("T") if position == n else quantity(f"T[{position}]")
-        turn = quantity(f"T[{reference},{n}]") if reference else quantity("T")
-        entries = {
-            name: (place if column == 4 else turn)[row - 1, column - 1]
-            for name, (row, column) in self._names.entries.items()
-        }
-        values = _placed(entries) | self._wrist(self._wrists()[0]) | self._values(Points.END)
-        return PoseReading(position, reference, values, position == n and not reference)
+        readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END)
+        for position, reference in places:
+            place = whole if position == n else self._model.quantity(f"T[{position}]")
+            turn = self._model.quantity(f"T[{reference},{n}]") if reference else whole
+            at = self._names.entries.items()
+            entries = {name: (place if j == 4 else turn)[i - 1, j - 1] for name, (i, j) in at}
+            readings.append(
+                PoseReading(position, reference, _placed(entries) | others, (position, reference) == (n, 0))
+            )
+        return tuple(readings)
 
     def _wrists(self) -> list[int]:
         """The frames whose origins may be the wrist: that of the three last joints, or of the last one."""
@@ -226,11 +224,8 @@ class Poses:
         kinds = {name: Points.CENTRE if name in self._centres else kind for name in self._points}
         found = {name: self._point(k, kinds[name]) for name, (_, k) in self._points.items()}
         points = {name: found[name][axis] for name, (axis, _) in self._points.items() if axis < 3}
-        speeds = {
-            name: sympy.sqrt(sympy.Add(*(self._rate(x) ** 2 for x in found[name])))
-            for name, (axis, _) in self._points.items()
-            if axis == 3
-        }
+        squares = {name: [self._rate(x) ** 2 for x in found[name]] for name in found if name not in points}
+        speeds = {name: sympy.sqrt(sympy.Add(*terms)) for name, terms in squares.items()}
         return _placed(points | speeds | {f"{name}'": self._rate(point) for name, point in points.items()})
 
     def _point(self, link: int, kind: Points) -> Matrix:

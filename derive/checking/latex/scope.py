@@ -7,14 +7,15 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.meanings import EntryNames, Meanings, Right, is_rate
-from derive.checking.latex.names import PlusMinus
+from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
+from derive.checking.latex.names import plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import is_scalar
@@ -74,7 +75,7 @@ class Scope:
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
-        self._signs = PlusMinus() if document else None
+        self._signs = plus_minus() if document else None
         if document:
             self._refuse_other_arm()
         self.readings: list[str] = []
@@ -96,25 +97,35 @@ class Scope:
         n = self.robot.n
         if [joint_label(joint.variable) for joint in self.robot.joints] != [str(i) for i in range(1, n + 1)]:
             return
-        named = [max(map(int, labels)) for e in self.equations if (labels := _JOINTS.findall(self._plain_text(e)))]
-        beyond = [label for label in named if label > n]
-        if len(beyond) > 2 and 2 * len(beyond) > len(named):
-            found = (
-                f"a document that names joint {max(beyond)} in {len(beyond)} formulas, for {self.robot.name} with {n}"
-            )
-            raise CheckError(found, remedy="give the robot that the document is about", location=self.start)
-
-    def _plain_text(self, equation: Sides) -> str:
-        return " ".join(self.text[side.start : side.end] for side in equation)
+        texts = (" ".join(self.text[side.start : side.end] for side in equation) for equation in self.equations)
+        named = [max(map(int, labels)) for text in texts if (labels := _JOINTS.findall(text))]
+        if len(beyond := [label for label in named if label > n]) > 2 and 2 * len(beyond) > len(named):
+            many = f"names joint {max(beyond)} in {len(beyond)} formulas, for {self.robot.name} with {n}"
+            remedy = "give the robot that the document is about"
+            raise CheckError(f"a document that {many}", remedy=remedy, location=self.start)
 
     def unused(self) -> Iterator[tuple[str, LatexPiece]]:
         """Names that no other formula uses, though what defines them may be wrong."""
+        for name, index, _, side in self.defined():
+            others = (text for i, e in enumerate(self.equations) if i != index for s in e for text in s.texts)
+            if not side.inline and not any(side.text.strip() in text for text in others):
+                yield name, side
+
+    def defined(self) -> Iterator[tuple[str, int, Expression, LatexPiece]]:
+        """Names with the number of the equation that defines each, what it stands for, and the side that it is."""
         for name, meanings in self.definitions.items():
-            for index, _ in meanings:
-                side = next((s for s in self.equations[index] if (index, s.offset) in self.names), None)
-                others = (text for i, e in enumerate(self.equations) if i != index for s in e for text in s.texts)
-                if side is not None and not side.inline and not any(side.text.strip() in text for text in others):
-                    yield name, side
+            for index, meaning in meanings:
+                yield name, index, meaning, next(s for s in self.equations[index] if (index, s.offset) in self.names)
+
+    def _lefts_and_tables(self, equation: Sides) -> tuple[list[Left], list[Table]]:
+        """The sides of an equation that name quantities, and those that are matrices which can be read."""
+        lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+        tables = []
+        for side in equation:
+            with suppress(CheckError):
+                if side.matrices and isinstance(value := self._reads.value(side), Table):
+                    tables.append(value)
+        return [left for left in lefts if self.meanings.targets(left)], tables
 
     def _settled_reading(self) -> Reading:
         """Which frame of a transform is the reference: what most matrices of the text need, else what is usual."""
@@ -122,41 +133,35 @@ class Scope:
         seen: Counter[Scripts] = Counter()
         self._vote_by_products(votes, seen)
         for equation in self.equations:
-            lefts = [taken_apart(side.text) for side in equation if not side.matrices]
-            named = [left for left in lefts if left is not None and left.scripts and self.meanings.targets(left)]
-            tables = [table for side in equation if side.matrices and (table := self._table(side)) is not None]
-            for left, table in product(named[:1], tables[-1:]):
+            lefts, tables = self._lefts_and_tables(equation)
+            for left, table in product([left for left in lefts if left.scripts][:1], tables[-1:]):
                 usual, turned = (
-                    max((right.likeness(t) for right in rights if (t := right.fitting(table))), default=0.0)
+                    max((right.fits(table) for right in self.rights_read(left, reading)), default=0.0)
                     for reading in (frozenset[Scripts](), frozenset(Scripts))
-                    for rights in [self.rights_read(left, reading)]
                 )
                 assert left.scripts is not None
                 votes[left.scripts] += (turned > usual) - (turned < usual)
                 seen[left.scripts] += turned != usual
-        for scripts in (scripts for scripts, vote in votes.items() if vote > 0):
+        turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
+        for scripts in turned_round:
             agreeing = (votes[scripts] + seen[scripts]) // 2
             matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
-        return frozenset(scripts for scripts, vote in votes.items() if vote > 0)
+        return frozenset(turned_round)
 
     def _settled_rows(self) -> bool:
         """Whether whole Jacobians have the angular velocity above the linear one: what most of them need."""
         votes = []
         for equation in self.equations:
-            lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
-            tables = [table for side in equation if side.matrices and (table := self._table(side)) is not None]
-            targets = [target for left in lefts if left.head == "J" for target in self.meanings.targets(left)[:1]]
-            for target, table in product(targets, (table for table in tables if table.shape[0] == 6)):
-                usual, turned = (
-                    right.likeness(table) if (right := self.meanings.right(one)) and right.fitting(table) else 0.0
-                    for one in (target, replace(target, rows=(4, 5, 6, 1, 2, 3)))
-                )
-                votes.append((turned > usual) - (turned < usual))
+            for left, table in product(*self._lefts_and_tables(equation)):
+                if left.head == "J" and table.shape[0] == 6:
+                    target = self.meanings.targets(left)[0]
+                    both = map(self.meanings.right, (target, replace(target, rows=(4, 5, 6, 1, 2, 3))))
+                    usual, turned = (right.fits(table) if right else 0.0 for right in both)
+                    votes.append((turned > usual) - (turned < usual))
         if is_turned := sum(votes) > 0:
-            self.readings.append(
-                "Jacobians are read with the rows of the angular velocity above those of the linear one"
-            )
+            rows = "the rows of the angular velocity above those of the linear one"
+            self.readings.append(f"Jacobians are read with {rows}")
         return is_turned
 
     def _opposes_gravity(self, equation: Sides) -> bool:
@@ -177,32 +182,27 @@ class Scope:
                 printed += [(left, Table(((Entry(formula),),))) for left in lefts]
         votes = []
         for self.meanings.torque in range(3):
-            targets = (next(iter(self.meanings.targets(left)), None) for left, _ in printed)
-            rights = [self.meanings.right(target) if target else None for target in targets]
-            alike = [right.likeness(table) for right, (_, table) in zip(rights, printed, strict=True) if right]
-            votes.append(sum(alike))
+            targets = [(target, table) for left, table in printed for target in self.meanings.targets(left)[:1]]
+            votes.append(sum(right.likeness(table) for one, table in targets if (right := self.meanings.right(one))))
         self.meanings.torque = 0
         best = max(range(3), key=votes.__getitem__)
         if best:
-            place = ("", "second", "third")[best]
-            self.readings.append(
-                f"of Christoffel symbols the {place} index is that of the torque ({votes[best]:g} agree)"
-            )
+            index = f"the {('', 'second', 'third')[best]} index is that of the torque ({votes[best]:g} agree)"
+            self.readings.append(f"of Christoffel symbols {index}")
         return best
 
     def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
         """A product of transforms is a chain in one order of the frames only."""
         usual = self.meanings.reading
         for lefts in filter(None, (factors(side.text) for e in self.equations for side in e if not side.matrices)):
-            scripts = {left.scripts for left in lefts}
-            if len(scripts) > 1 or None in scripts:
+            scripts, *others = {left.scripts for left in lefts}
+            if others or scripts is None:
                 continue
             fits = []
             for self.meanings.reading in (frozenset[Scripts](), frozenset(Scripts)):
                 fits.append(chained(self.meanings, lefts, self.robot.n) is not None)
-            for one in filter(None, scripts):
-                votes[one] += fits[1] - fits[0]
-                seen[one] += fits[1] != fits[0]
+            votes[scripts] += fits[1] - fits[0]
+            seen[scripts] += fits[1] != fits[0]
         self.meanings.reading = usual
 
     def rights_read(self, left: Left, reading: Reading) -> list[Right]:
@@ -211,13 +211,6 @@ class Scope:
         targets = self.meanings.targets(left)
         self.meanings.reading = usual
         return [right for target in targets if (right := self.meanings.right(target)) is not None]
-
-    def _table(self, side: LatexPiece) -> Table | None:
-        """The matrix that a side is; None where it cannot be read."""
-        with suppress(CheckError):
-            value = self._reads.value(side)
-            return value if isinstance(value, Table) else None
-        return None
 
     # -- definitions
 
@@ -273,9 +266,8 @@ class Scope:
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
-        return LatexReader(
-            self.robot, self.text, self.start, meanings, EntryNames(self.meanings, self.poses), self._signs
-        )
+        entry = partial(entry_named, self.meanings, self.poses)
+        return LatexReader(self.robot, self.text, self.start, meanings, entry, self._signs)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
@@ -293,14 +285,11 @@ class Scope:
         is_angle = left.head in _ANGLES and not left.sub
         if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
             return ""
-        others = (
-            part
-            for i, e in enumerate(self.equations)
-            if i != index
-            for part in (e if is_angle or left.is_point else e[1:])
-        )
-        others = (part for part in others if part.text.strip() != side.text.strip())
-        return left.flat if any(side.text.strip() in text for part in others for text in part.texts) else ""
+        # what is a quantity by its letter is a name only where another formula has it
+        first, own = 0 if is_angle or left.is_point else 1, side.text.strip()
+        parts = (part for i, e in enumerate(self.equations) if i != index for part in e[first:])
+        is_used = any(own in text for part in parts if part.text.strip() != own for text in part.texts)
+        return left.flat if is_used else ""
 
     def _is_known(self, side: LatexPiece) -> bool:
         """Whether what looks like one name is a product of known ones, such as dC_{23}."""

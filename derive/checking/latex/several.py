@@ -16,11 +16,6 @@ class _Part:
     findings: tuple[Finding, ...]
     skipped: tuple[Skipped, ...]
 
-    @property
-    def is_right(self) -> bool:
-        """Whether something was compared, and all of it is right."""
-        return bool(self.findings) and all(finding.verdict.equal for finding in self.findings)
-
 
 def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:
     """Of the reports on one document, one for each robot, the parts that are about that robot.
@@ -29,7 +24,8 @@ def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequ
     Other equations are about the robot of the equations beside them; where these do not say which, nothing is said.
     """
     rows = list(zip(*map(_by_equation, reports), strict=True))
-    right = [[robot for robot, part in enumerate(row) if part.is_right] for row in rows]
+    verdicts = [[[finding.verdict.equal for finding in part.findings] for part in row] for row in rows]
+    right = [[robot for robot, equal in enumerate(row) if equal and all(equal)] for row in verdicts]
     sure = {index: robots[0] for index, robots in enumerate(right) if len(robots) == 1}
     said = [_said(names, row, right[index], _beside(index, sure, sections)) for index, row in enumerate(rows)]
     found = []
@@ -50,9 +46,9 @@ def _said(names: Sequence[str], row: Sequence[_Part], right: Sequence[int], besi
     if right:
         robot = next((robot for robot in beside if robot in right), right[0])
         return robot, row[robot]
-    if len(compared) == 1 or len(around) == len(set(beside)) == 1:
-        robot = compared[0] if len(compared) == 1 else around[0]
-        return robot, row[robot]
+    likely = compared if len(compared) == 1 else around if len(around) == len(set(beside)) else []
+    if len(likely) == 1:
+        return likely[0], row[likely[0]]
     if compared:
         reason = f"wrong for {' and for '.join(names[robot] for robot in compared)}; which is meant is not certain"
         return compared[0], _not_compared(row[compared[0]], reason)

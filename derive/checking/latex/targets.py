@@ -16,39 +16,10 @@ from derive.model.quantities import REGISTRY
 
 Indices = tuple[int, ...]
 
-_END = frozenset(
-    [
-        "e",
-        "ee",
-        "eef",
-        "eff",
-        "E",
-        "EE",
-        "EEF",
-        "n",
-        "N",
-        "t",
-        "tool",
-        "Tool",
-        "TOOL",
-        "tcp",
-        "TCP",
-        "H",
-        "h",
-        "end",
-        "hand",
-        "Hand",
-        "F",
-        "G",
-        "gripper",
-        "Gripper",
-        "grip",
-        "tip",
-        "flange",
-        "fingertip",
-        "endeffector",
-    ]
-)
+_END = frozenset((
+    "e", "ee", "eef", "eff", "E", "EE", "EEF", "n", "N", "t", "tool", "Tool", "TOOL", "tcp", "TCP", "H", "h", "end",
+    "hand", "Hand", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
+))  # fmt: skip
 _BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
 _ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
@@ -71,33 +42,23 @@ def candidates(
     """What a left side may mean, the likeliest first; the frame behind the last one is that of a tool."""
     if left.is_of_parameters:
         return ()
-    if left.scripts in reading:
-        left = _exchanged(left)
+    if left.scripts in reading:  # the two frames in each other's place
+        match left.scripts:
+            case Scripts.LEFT:
+                left = replace(left, before=left.before_sub, before_sub=left.before)
+            case Scripts.RIGHT:
+                left = replace(left, sub=left.sup, sup=left.sub)
+            case Scripts.PAIR:
+                left = replace(left, sub=left.sub[::-1])
     if tool and str(n + 1) in (left.sub, left.before_sub) and left.sup + left.before in _BASE:
         left = replace(left, sub="tool" if left.sub else "", before_sub="tool" if left.before_sub else "")
-    others = _kinematics(left, n, first) if first != 1 else ()
-    found = (
-        *_named(left),
-        *_dynamics(left, n),
-        *_velocities(left),
-        *_jacobians(left, n),
-        *others,
-        *_kinematics(left, n, 1),
-    )
+    found = (*_named(left), *_dynamics(left, n), *_velocities(left), *_jacobians(left, n))
+    for label in dict.fromkeys((first, 1)):
+        found = (*found, *_kinematics(left, n, label))
     if left.is_determinant:
         whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
         found = (*whole, *(replace(target, is_determinant=True) for target in found))
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
-
-
-def _exchanged(left: Left) -> Left:
-    """The left side with its two frames in each other's place."""
-    match left.scripts:
-        case Scripts.LEFT:
-            return replace(left, before=left.before_sub, before_sub=left.before)
-        case Scripts.RIGHT:
-            return replace(left, sub=left.sup, sup=left.sub)
-    return replace(left, sub=left.sub[::-1])
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
@@ -115,11 +76,11 @@ def _named(left: Left) -> Iterator[Target]:
     for name in REGISTRY:
         if len(name) > 2 and left.flat.casefold() == name.replace("_", "").casefold():
             yield Target(name)
-    angles = {"roll": 1, "pitch": 2, "yaw": 3}
+    angles, euler = ("roll", "pitch", "yaw"), ("phi", "theta", "psi")
     if left.head in angles and not left.sub:
-        yield Target("rpy", (angles[left.head],))
-    if left.head in ("phi", "theta", "psi") and not left.sub + left.sup + left.before:
-        index = ("phi", "theta", "psi").index(left.head) + 1
+        yield Target("rpy", (angles.index(left.head) + 1,))
+    if left.head in euler and not left.sub + left.sup + left.before:
+        index = euler.index(left.head) + 1
         yield from (Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
     if left.head == "phi" and left.sub in ("RPY", "rpy"):
         yield Target("rpy")
@@ -320,8 +281,8 @@ def _indices(text: str, largest: int) -> Indices:
     parts = [part for part in re.split(r"[,;]", text) if part]
     if not all(part.isascii() and part.isdigit() for part in parts):
         return ()
-    digits = [part if int(part) <= largest and len(parts) > 1 else list(part) for part in parts]
-    found = tuple(int(digit) for part in digits for digit in ([part] if isinstance(part, str) else part))
-    if len(parts) == 1 and 9 < int(parts[0]) <= largest:
-        found = (int(parts[0]),)
+    # a number of one index stays whole where commas part it from others, or where it is too large for a digit
+    wholes = [int(part) <= largest and (len(parts) > 1 or int(part) > 9) for part in parts]
+    digits = (digit for part, whole in zip(parts, wholes, strict=True) for digit in ([part] if whole else part))
+    found = tuple(map(int, digits))
     return found if all(1 <= index <= largest for index in found) else ()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -11,16 +10,15 @@ from itertools import combinations, pairwise
 import numpy as np
 import numpy.typing as npt
 
-from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import Finding
 from derive.checking.latex.left import Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
-from derive.checking.latex.meanings import ALIKE, Meanings, Right
+from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
 from derive.checking.latex.targets import Target
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Expression, Name, add, multiply, names, number
+from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.names import velocity_name
 
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
@@ -64,30 +62,12 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
 
 def one_cause(right: Right, table: Table) -> str:
     """What makes a whole printed matrix right, where one change does; empty where none does."""
-    rows = [[entry.formula for entry in row] for row in table.rows]
-    derived = [[expression_from_sympy(entry) for entry in row] for row in right.value.tolist()]
-    printed_at, right_at = _numbers(rows, derived)
-    if printed_at is None or right_at is None:
+    values = at_a_point(*(entry.formula for entry in table.entries), *map(expression_from_sympy, right.value))
+    if not values:
         return ""
-
-    def _same(changed: npt.NDArray[np.float64]) -> bool:
-        return changed.shape == right_at.shape and np.allclose(changed, right_at, rtol=ALIKE, atol=ALIKE)
-
-    return next((cause for cause, changed in _changes(printed_at) if _same(changed)), "")
-
-
-def _numbers(
-    *matrices: list[list[Expression]],
-) -> tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]:
-    """The values of two matrices at one point; None where they have none."""
-    rng = random.Random(5)
-    known = sorted({name for rows in matrices for row in rows for e in row for name in names(e)})
-    values = {name: rng.uniform(0.3, 1.7) for name in known}
-    try:
-        one, other = (np.array([[float_value(e, values) for e in row] for row in rows]) for rows in matrices)
-    except NO_VALUE:
-        return None, None
-    return one, other
+    wanted, printed = np.reshape(values, (2, *table.shape))[::-1]
+    changes = ((cause, a) for cause, a in _changes(printed) if a.shape == wanted.shape)
+    return next((cause for cause, a in changes if np.allclose(a, wanted, rtol=ALIKE, atol=ALIKE)), "")
 
 
 def _changes(a: npt.NDArray[np.float64]) -> Iterator[tuple[str, npt.NDArray[np.float64]]]:

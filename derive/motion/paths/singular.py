@@ -1,5 +1,7 @@
 """Where an arm loses a direction of its end effector, and which of its singularities that is."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 

@@ -10,8 +10,8 @@ import pytest
 from lark.exceptions import UnexpectedInput
 
 from derive.checking.formulas.findings import same_form
-from derive.checking.latex.formula import read_latex
-from derive.checking.latex.grammar import MisplacedError, parsed
+from derive.checking.latex.formula import LatexReader
+from derive.checking.latex.grammar import parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import LatexNames, Symbol
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, display_piece
@@ -26,9 +26,13 @@ from tests.lectures.results import ROBOT_FILES, corpus_file, document
 SCARA = Robot.load("scara-perugia-zup")
 WRIST = Robot.load("spherical-wrist")
 
+
+def read_latex(text: str, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> Expression:
+    return LatexReader(robot, text, Location("<latex>"), abbreviations).formula(LatexPiece(cleaned(text), 0))
+
+
 READ = [
     (r"c_1 \left(a_2 c_2 + a_1 c_{12}\right)", "c1*(a2*c2 + a1*c12)"),
-    (r"$ a_1 $", "a1"),
     (r"-a_1\,s_1\;-\quad a_2~s_{12}", "-a1*s1 - a2*s12"),
     (r"a_1\cos\theta_1+a_2\cos(\theta_1+\theta_2)", "a1*c1 + a2*c12"),
     (r"a_1 \cos(\vartheta_1) a_2", "a1*c1*a2"),
@@ -143,8 +147,7 @@ def formulas(latex: str) -> Iterator[str]:
 def entries(item: Mapping[str, Any]) -> dict[tuple[int, int], str]:
     if "matrix" in item:
         return {(i, j): t for i, row in enumerate(item["matrix"], 1) for j, t in enumerate(row, 1)}
-    places = {tuple(map(int, f"{place},1".split(",")[:2])): text for place, text in item["entries"].items()}
-    return {(i, j): text for (i, j), text in places.items()}
+    return {tuple(map(int, f"{place},1".split(",")[:2])): text for place, text in item["entries"].items()}
 
 
 def printed_pairs() -> Iterator[tuple[str, Robot, str, list[Expression], Mapping[str, Expression]]]:
@@ -235,14 +238,6 @@ def made(text: str) -> Expression | Table:
     return parsed(text, LatexNames(SCARA), tables)
 
 
-@pytest.mark.parametrize(
-    ("latex", "plain"),
-    [(r"c_1^2 a_2", "c1**2*a2"), (r"\frac{a_1}{2}", "a1/2"), (r"c(\theta_1)^2", "c1**2"), (r"\dot\theta_1", "qd1")],
-)
-def test_a_formula_is_a_tree_in_the_order_of_print(latex: str, plain: str) -> None:
-    assert made(latex) == read_formula(plain, SCARA)
-
-
 def test_a_matrix_is_scaled_added_and_transposed_and_what_is_outside_the_grammar_refused() -> None:
     table = made(f"2{MATRIX_MARK} + {MATRIX_MARK}")
     assert isinstance(table, Table)
@@ -250,13 +245,6 @@ def test_a_matrix_is_scaled_added_and_transposed_and_what_is_outside_the_grammar
     assert made(f"{MATRIX_MARK}^T") == COLUMN.transposed
     with pytest.raises(UnexpectedInput):
         made("a_1 +")
-
-
-@pytest.mark.parametrize(("text", "offset"), [("a_1 + bogus_1", 6), ("2 3", 2), (r"a_1 \cos^{-1}\theta_1", 4)])
-def test_what_is_misplaced_says_where(text: str, offset: int) -> None:
-    with pytest.raises(MisplacedError) as caught:
-        made(text)
-    assert caught.value.offset == offset
 
 
 START = Location("notes.tex")
