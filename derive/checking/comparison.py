@@ -1,7 +1,5 @@
 """Printed formulas against derived ones, entry by entry."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import reduce

@@ -5,8 +5,6 @@ here, so that a text that cannot be read is reported with its line and column. O
 can be said about it, but about the others.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

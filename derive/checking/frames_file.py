@@ -9,8 +9,6 @@ entries are plain SymPy; products are reduced by sin^2 + cos^2 = 1. Nothing is r
 that it prints.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress

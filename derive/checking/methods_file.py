@@ -4,8 +4,6 @@ Every link of some arms with revolute and prismatic joints, odd twists and full 
 is right when it gives, from what the recursion knows at that step, what the recursion computes there.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial

@@ -1,7 +1,5 @@
 """The verdicts on a document as a web page: the reading, each slip beside what is right, and what was not compared."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby

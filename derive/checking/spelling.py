@@ -3,8 +3,6 @@ r"""What authors spell in other ways, written as LaTeX: ``ẋ``, ``√(a+b)``, `
 Every character of the result knows from which one it comes.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Callable, Sequence

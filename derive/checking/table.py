@@ -1,7 +1,5 @@
 """A Denavit-Hartenberg table that a document prints, in LaTeX or Markdown, as a robot file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

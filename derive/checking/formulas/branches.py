@@ -1,7 +1,5 @@
 """Formulas with several values, such as those of inverse kinematics: right for all of their branches, or for some."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Every single change at every place of the printed tree is tried at one point, wh
 what hits the right value there is decided exactly. Where no single change helps, two of one kind are tried.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress

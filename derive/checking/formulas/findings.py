@@ -5,8 +5,6 @@ moving signs and rational factors out of products and sums, and nothing else: ``
 ``a2*c1*c2 + a3*c1*c23``. Of a wrong formula it is found what it has too much or too little, term by term.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum, StrEnum

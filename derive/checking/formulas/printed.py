@@ -1,7 +1,5 @@
 """What some notes print about a robot: quantities entry by entry, each formula with its place in the file."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from derive.errors import Location, UnknownNameError

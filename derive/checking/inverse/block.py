@@ -4,8 +4,6 @@ A formula for one unknown stands in the entries of T and must give back the join
 solutions, as lines or as LaTeX, are only read; `check` compares them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction

@@ -6,8 +6,6 @@ it stands on others; lines that share a choice are judged together. That all con
 ones means that no branch is missing, without any solver; the derived solutions only give the branches their names.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

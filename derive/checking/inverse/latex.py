@@ -1,7 +1,5 @@
 r"""Printed solutions in LaTeX: ``\theta_2 = \operatorname{atan2}(\pm\sqrt{1 - D^2}, D)``, displays and documents."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

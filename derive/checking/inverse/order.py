@@ -1,7 +1,5 @@
 """In which order the lines of a printed solution can be used, and which joint variables they give."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 

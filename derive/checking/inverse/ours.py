@@ -1,7 +1,5 @@
 """The derived solution beside a printed one: our formula for each line, its form, and the names of branches."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -5,8 +5,6 @@ solutions have: a plus-minus that is missing, an atan2 for an arc function. A ch
 which the line fails, and kept if the line is right at all others too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ What the grammar of formulas does not have is rewritten before it is parsed, and
 typed: a plus-minus is a factor, ``arctan2`` and ``Atan2`` are atan2, ``acos`` and its like are functions.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -5,8 +5,6 @@ compared with those that are formulas or matrices. A name that the robot does no
 (``h = -m_2 a_1 l_2 s_2``) may stand in all others.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import suppress
@@ -221,22 +219,15 @@ class _Check(Comparing):
                 self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
-<<<<<<< HEAD
+        """Tell that an equation is not compared; prose speaks of symbols, numbers and conditions all the time."""
         line = self.text[self.text.rfind("\n", 0, side.start) + 1 :].lstrip()[:1]
         if line == "|" and "=" not in self.text[side.start : side.end + 2]:
             return  # a cell of a table
-        if side.inline and "\\partial" not in side.text and not self._names_a_quantity(side):
-            return  # prose speaks of symbols, numbers and conditions all the time
-        where = error.location or self.plain.location(side.start)
-        self.skipped.append(Skipped(where, error.found, self._typed(side)))
-=======
-        """Tell that an equation is not compared; prose speaks of symbols, numbers and conditions all the time."""
         if side.inline and "\\partial" not in side.text:
             left = taken_apart(side.text) if "=" in self.text[side.end :].lstrip()[:2] else None
             if left is None or self.scope.is_own(left) or not self.meanings.targets(left):
                 return
         self._skip_for(side, error.found, error.location)
->>>>>>> w4-chk
 
     def _skip_for(self, side: LatexPiece, reason: str, where: Location | None = None) -> None:
         self.skipped.append(Skipped(where or self.plain.location(side.start), reason, self._typed(side)))

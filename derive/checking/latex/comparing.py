@@ -1,7 +1,5 @@
 """The sides of one printed equation against each other, and against the quantities that they name."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import suppress

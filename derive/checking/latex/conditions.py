@@ -5,8 +5,6 @@ sentence that states the condition, and nothing is left in it, or in the matrix 
 Otherwise it is not certain.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress

@@ -5,8 +5,6 @@ inside a sum are joined, ``x = a, \quad y = b`` and the columns of ``align`` are
 has three sides.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

@@ -5,8 +5,6 @@ juxtaposition as product, matrices with factors and sums, and everything that on
 Whatever else occurs is refused at its place, in words; nothing is ever guessed from a macro that is not known.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 

@@ -3,8 +3,6 @@ r"""The grammar of formulas, and what each of its rules makes of its parts: an e
 A name stays a `Symbol` until all its scripts are known; a script is its text with its offset.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction

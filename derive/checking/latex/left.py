@@ -1,7 +1,5 @@
 r"""Left sides of printed equations taken apart: the scripts, dots, primes and arguments of ``\dot{\mathbf{R}}_6^T``."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from enum import StrEnum

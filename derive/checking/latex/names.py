@@ -1,7 +1,5 @@
 r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}`` is ml1, ``\vartheta_2`` joint 2."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress

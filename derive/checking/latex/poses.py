@@ -4,8 +4,6 @@ A name stays a name while the document is read. Afterwards the pose is chosen wi
 effector's, or that of the wrist; rotations from the base, or from the third frame.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 r"""What a LaTeX text says as a whole: its equations, the names that it defines, and how it writes transforms."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """One document about several robots: which of them each equation is about, by what is right for one robot only."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

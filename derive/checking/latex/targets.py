@@ -5,8 +5,6 @@ of C or the cosine of a sum. So a left side has candidates, the likeliest first;
 right and, last, which of them it equals decide.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

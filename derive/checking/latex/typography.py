@@ -5,8 +5,6 @@ argument of ``q_1(t)`` goes, as SymPy, MATLAB and Mathematica write them. Nothin
 an error at the same place of the text as it was typed.
 """
 
-from __future__ import annotations
-
 import re
 
 PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a function of time, ``q_1'(t)``

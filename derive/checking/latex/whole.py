@@ -1,7 +1,5 @@
 """Printed matrices as a whole: one cause for several wrong entries, another factorisation of C, chains of frames."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace
