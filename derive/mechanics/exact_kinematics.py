@@ -99,7 +99,7 @@ class Kinematics:
     @cached_property
     def potential(self) -> Polynomial:
         """U = -sum m g0.p over links and rotors, g0 in the world."""
-        return potential_energy(self.chain)
+        return potential_energy(self.chain) if self.chain.bodies else self.chain.zero
 
     @cached_property
     def gravity_vector(self) -> list[Polynomial]:

@@ -24,8 +24,7 @@ from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody
-from derive.motion.torques.functions import Functions, check_numbers, kinematics_alone
-from derive.motion.torques.loads import LEAST_INTERVALS, loads
+from derive.motion.torques.functions import LEAST_INTERVALS, Functions, check_numbers, kinematics_alone, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.disturbance import check_starts

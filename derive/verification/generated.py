@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol
@@ -148,12 +149,21 @@ def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedMod
     return tuple(load(folder / file, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
 
 
+class _Traceless(SourceFileLoader):
+    """Reads and writes no byte code: a stale cache would hide what was just generated."""
+
+    def path_stats(self, path: Any) -> Mapping[str, Any]:
+        """Refuse, which is how the loader learns that there is no cache."""
+        raise OSError("byte code is not wanted")
+
+
 def _import(path: Path) -> ModuleType:
-    """A module that is known to nobody else; no byte code is read, a stale cache would hide what was just generated."""
-    module = ModuleType(f"_derive_verification_of_{path.stem}")
+    """A module that is known to nobody else."""
+    loader = _Traceless(f"_derive_verification_of_{path.stem}", str(path))
+    module = ModuleType(loader.name)
     module.__file__ = str(path)
     try:
-        exec(compile(path.read_bytes(), str(path), "exec", dont_inherit=True), vars(module))
+        loader.exec_module(module)
     except Exception as error:
         raise VerificationError(f"{path.name} cannot be imported: {type(error).__name__}: {error}") from error
     return module

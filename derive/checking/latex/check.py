@@ -263,19 +263,7 @@ class _Check(Comparing):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
-        for side in sides:
-            for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
-                if "=" in part:  # J(theta_2 = 0)
-                    with suppress(CheckError):
-                        values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
-                        self._states(side.piece, part, ways(values), is_of_side=True)
-        # sides that name quantities, and what the others say about them
-        named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
-        if is_scalar_equation and isinstance(first.value, Name) and first.value.name in self.joints:
-            named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
-        # r_1 = p_3 - p_0 says what r_1 is
-        named = [s for s in named if s.left is None] or named
-        named = [side for side in named if side.left is None or side.left.head not in ANY] or named
+        named = self._naming(sides, is_scalar_equation)
         said = [side for side in sides if side.value is not None and side not in named]
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")
@@ -302,6 +290,26 @@ class _Check(Comparing):
             raise self._refused(first.piece, found, remedy)
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
+        yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
+
+    def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
+        """The sides that name quantities; conditions in their arguments are kept."""
+        for side in sides:
+            for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
+                if "=" in part:  # J(theta_2 = 0)
+                    with suppress(CheckError):
+                        values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
+                        self._states(side.piece, part, ways(values), is_of_side=True)
+        first, *others = sides
+        named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
+            named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
+        # r_1 = p_3 - p_0 says what r_1 is
+        named = [side for side in named if side.left is None] or named
+        return [side for side in named if side.left is None or side.left.head not in ANY] or named
+
+    def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
+        """What is said against what is named; open where another side cannot be read."""
         moving = [side for side in said if isinstance(side.value, Table) or not is_constant(side.value or ZERO)]
         # det J = a1 a2 s2 = 0 says where the arm is singular
         is_singular = self.document and any(not isinstance(side.value, Table) for side in moving)
@@ -309,11 +317,11 @@ class _Check(Comparing):
             assert side.value is not None
             text, start = self._typed(side.piece), side.piece.start
             table = side.value if isinstance(side.value, Table) else Table(((Entry(side.value, text, start),),))
-            for name in named or [Side(first.piece)]:
+            for name in named:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side, findings)
-                    if name.left is not None and name.left.head in _VECTORS and any(s.error for s in sides):
+                    if name.left is not None and name.left.head in _VECTORS and is_open:
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
                         raise self._refused(name.piece, what)
                 yield from findings

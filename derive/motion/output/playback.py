@@ -49,20 +49,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     if motion.has_torques:
         functions = (TORQUE, REGRESSOR) if any(carried) else (TORQUE,)
     payloads = [motion.payload_columns(step) for step in steps if functions] or [()] * len(trajectory.segments)
-    tracks = tuple(
-        tuple(_played(piece) for segment in trajectory.segments for piece in segment.joints[j])
-        for j in range(motion.plan.robot.n)
-    )
-    room = MOST_NUMBERS if run is None else MOST_NUMBERS // 2
-    places = 0
-    if sum(len(piece.values) // 2 for track in tracks for piece in track) > room:
-        places = room // (2 * motion.plan.robot.n)
-        times = np.linspace(0.0, motion.duration, places)
-        ends = list(pairwise(zip(times.tolist(), np.stack(motion(times)[:2], axis=2).tolist(), strict=True)))
-        tracks = tuple(
-            tuple(PlayedPiece("hermite", a, b - a, (*here[j], *there[j])) for (a, here), (b, there) in ends)
-            for j in range(motion.plan.robot.n)
-        )
+    tracks, places = _tracks(motion, MOST_NUMBERS if run is None else MOST_NUMBERS // 2)
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
     if run is not None:
         reached = np.concatenate([reached, run.q])
@@ -96,6 +83,20 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         run=None if run is None else _played_run(motion, run),
         places=places,
     )
+
+
+def _tracks(motion: Motion, room: int) -> tuple[tuple[tuple[PlayedPiece, ...], ...], int]:
+    """The pieces of each joint; Hermite pieces between as many places if they have more numbers than there is room."""
+    joints, segments = range(motion.plan.robot.n), motion.trajectory.segments
+    tracks = tuple(tuple(_played(piece) for segment in segments for piece in segment.joints[j]) for j in joints)
+    if sum(len(piece.values) // 2 for track in tracks for piece in track) <= room:
+        return tracks, 0
+    places = room // (2 * len(joints))
+    times = np.linspace(0.0, motion.duration, places)
+    ends = list(pairwise(zip(times.tolist(), np.stack(motion(times)[:2], axis=2).tolist(), strict=True)))
+    return tuple(
+        tuple(PlayedPiece("hermite", a, b - a, (*here[j], *there[j])) for (a, here), (b, there) in ends) for j in joints
+    ), places
 
 
 def _base_of(

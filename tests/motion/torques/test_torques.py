@@ -14,7 +14,7 @@ from derive.arrays import Array
 from derive.motion.motion import Motion
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody, OpenLink
-from derive.motion.torques.loads import loads
+from derive.motion.torques.functions import loads
 from derive.plans.hermite import TIME
 from derive.plans.moving_base import BaseCurve
 from derive.robot.evaluate import parameter_values
