@@ -60,11 +60,13 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     product = reading.child(root, "factorisation")
     lines = data.decode("utf-8-sig").splitlines()
     solutions, inverse = read_block(reading.child(root, "inverse_kinematics"), robot, lines)
+    equal = [reading.mapping(item, "an identity", ("left", "right"), ("status", *_REMARKS)) for item in identities]
+    left, right = ([read_printed(required_text(item, side), robot) for item in equal] for side in ("left", "right"))
     return CorpusFile(
         source=source,
         robot=robot,
         expected=tuple(_quantity(item, robot, lines) for item in expected),
-        identities=tuple(_identity(item, robot) for item in identities),
+        identities=tuple(map(Identity, left, right, map(reading.status, equal))),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
         solutions=solutions,
@@ -145,12 +147,6 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
             raise CheckError(found, allowed=allowed, location=key.location)
         seen.add(place)
         yield read_printed(text, robot, place=place)
-
-
-def _identity(node: Node, robot: Robot) -> Identity:
-    item = reading.mapping(node, "an identity", ("left", "right"), ("status", *_REMARKS))
-    left, right = (read_printed(required_text(item, side), robot) for side in ("left", "right"))
-    return Identity(left, right, reading.status(item))
 
 
 def _factorisation(node: Node) -> Factorisation:

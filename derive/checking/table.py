@@ -71,10 +71,14 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         if head is None:
             continue
         where = _location(document, lines[start][0])
-        is_khalil = _is_khalil([_column_name(cell) for cell in lines[start][1]], head)
+        # Khalil and Kleinfinger (1986): d is the length and r the offset, and a column may have the kinds of joints
+        names = [_column_name(cell) for cell in lines[start][1]]
+        has_kinds = any(name.startswith(("sigma", "\u03c3")) for name in names)
+        is_khalil = names[head["a"]].startswith("r") and names[head["d"]].startswith("d")
+        is_khalil &= has_kinds or head["alpha"] < head["d"] < head["theta"] < head["a"]
         if is_khalil:
             head = head | {"a": head["d"], "d": head["a"]}
-        modified = is_khalil or any("-1" in _column_name(lines[start][1][head[kind]]) for kind in ("a", "alpha"))
+        modified = is_khalil or any("-1" in names[head[kind]] for kind in ("a", "alpha"))
         body = [(offset, cells) for offset, cells in lines[start + 1 :] if len(cells) > max(head.values())]
         large = {k for k in ("theta", "alpha") if any(_largest(cells[head[k]]) >= DEGREES_FROM for _, cells in body)}
         rows = [_row(document, offset, cells, lines[start][1], head, large) for offset, cells in body]
@@ -115,13 +119,6 @@ def _head(cells: Sequence[str]) -> dict[str, int] | None:
             return None
         head[kind] = places[0]
     return head
-
-
-def _is_khalil(names: Sequence[str], head: Mapping[str, int]) -> bool:
-    """Whether d is the length and r the offset, in a table of the modified convention (Khalil and Kleinfinger 1986)."""
-    has_r_and_d = names[head["a"]].startswith("r") and names[head["d"]].startswith("d")
-    has_kinds = any(name.startswith(("sigma", "\u03c3")) for name in names)
-    return has_r_and_d and (has_kinds or head["alpha"] < head["d"] < head["theta"] < head["a"])
 
 
 def _column_name(cell: str) -> str:

@@ -69,6 +69,7 @@ _BODY = """\
     inertia: {{xx: {inertia}, yy: {inertia}, zz: {inertia}}}   # about the centre of mass; keys xx yy zz xy xz yz
 """
 
+_PLANAR = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}"
 _COLUMN, _UPPER_ARM, _FOREARM = ("", "d1", "0", "pi/2"), ("", "0", "a2", "0"), ("", "0", "a3", "0")
 _SWIVEL, _BEND = ("", "0", "0", "pi/2"), ("", "0", "0", "-pi/2")
 # By number of joints the rows of a typical arm: what is added to theta, then d, a, alpha; None: one that slides.
@@ -147,19 +148,16 @@ def new_robot_text(name: str, joints: int = 2) -> str:
     _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
-    rows, links, lengths = _spatial(_ARMS[joints]) if joints in _ARMS else _planar(joints)
+    if joints in _ARMS:
+        rows, links, lengths = _spatial(_ARMS[joints])
+    else:  # parallel axes, all lengths and masses names
+        rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (_PLANAR, _LINK))
+        lengths = ""
     rows[0] += "   # limits: [-pi/2, pi/2] may be added"
     links[0] += _MOTOR
     up, gravity, runtime = ("z", "[0, 0, -g]", "d1") if lengths else ("y", "[0, -g, 0]", f"m{joints}")
     rest = _TAIL.format(up=up, gravity=gravity) + "".join(links) + _PARAMETERS.format(lengths=lengths, runtime=runtime)
     return _HEAD.format(name=name) + "\n".join(rows) + "\n" + rest
-
-
-def _planar(joints: int) -> tuple[list[str], list[str], str]:
-    """Rows, links and numbers of lengths of an arm with parallel axes, all of whose lengths and masses are names."""
-    row = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}"
-    rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (row, _LINK))
-    return rows, links, ""
 
 
 def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str], list[str], str]:

@@ -1,7 +1,5 @@
 """Closed forms entry by entry: how long they are, and that they are those of the model."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -1,7 +1,5 @@
 """Equality of printed and derived formulas: exact where algebra decides, honest where it does not, always in time."""
 
-from __future__ import annotations
-
 import random
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The model against the independent recursion, angle offsets and singular angles included."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

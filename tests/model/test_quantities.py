@@ -1,7 +1,5 @@
 """Quantities of a model by name, entry by entry, under assumptions."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 

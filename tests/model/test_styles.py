@@ -1,7 +1,5 @@
 """Styles, abbreviations, and entries of printed matrices."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

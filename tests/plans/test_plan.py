@@ -1,7 +1,5 @@
 """Plans as they are written: cells, points, data, schema, loads, pushes, moving bases, and those of the catalogue."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Laws between two points: profiles and Hermite polynomials."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

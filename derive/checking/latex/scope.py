@@ -274,7 +274,10 @@ class Scope:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
             return ""
-        if self.document and (is_rate(left.flat) or (len(left.head) > 1 and self._is_known(side))):
+        is_product = False
+        with suppress(CheckError):  # what looks like one name is a product of known ones, such as dC_{23}
+            is_product = len(left.head) > 1 and bool(self.plain.formula(side))
+        if self.document and (is_rate(left.flat) or is_product):
             return ""
         if self.poses is not None and not left.is_point and self.poses.placeholder(left.flat) is not None:
             return ""
@@ -288,12 +291,6 @@ class Scope:
         parts = (part for i, e in enumerate(self.equations) if i != index for part in e[first:])
         is_used = any(own in text for part in parts if part.text.strip() != own for text in part.texts)
         return left.flat if is_used else ""
-
-    def _is_known(self, side: LatexPiece) -> bool:
-        """Whether what looks like one name is a product of known ones, such as dC_{23}."""
-        with suppress(CheckError):
-            return bool(self.plain.formula(side))
-        return False
 
     def is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""

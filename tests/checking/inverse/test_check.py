@@ -1,7 +1,5 @@
 """Printed inverse kinematics against a robot."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from functools import cache

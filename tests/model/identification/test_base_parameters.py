@@ -1,7 +1,5 @@
 """Base parameters, exactly."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Bodies that exist and move as the given ones, by the oracle and by MuJoCo; proofs that there are none."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

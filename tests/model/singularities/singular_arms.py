@@ -1,7 +1,5 @@
 """Arms with special geometry, and where their Jacobians lose rank in the numbers of the independent recursion."""
 
-from __future__ import annotations
-
 import random
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """Aspects, and paths between postures without a singularity."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from itertools import pairwise

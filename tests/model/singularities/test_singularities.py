@@ -1,7 +1,5 @@
 """Singularities: det J in factors and families of conditions, against the independent recursion, in numbers."""
 
-from __future__ import annotations
-
 import random
 import time
 from dataclasses import replace
