@@ -266,7 +266,8 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
 def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -> FileReport:
     """The comparisons of a document, each with its place in the file."""
     if not names_inverse(model, quantity):
-        return _placed(_compared(model, document, quantity), document, model.robot, document.name)
+        report = _compared(model, document, quantity, alone=True)
+        return _placed(report, document, model.robot, document.name)
     asked = Asked(Location(document.name), _task(model, task))
     try:
         found = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
@@ -275,9 +276,9 @@ def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -
     return _placed(LatexReport(*found), document, model.robot, document.name)
 
 
-def _compared(model: Model, document: Manuscript, quantity: str = "") -> LatexReport:
+def _compared(model: Model, document: Manuscript, quantity: str = "", *, alone: bool = False) -> LatexReport:
     try:
-        return compare_latex(model, document.text, quantity, Location(document.name), document=True)
+        return compare_latex(model, document.text, quantity, Location(document.name), document=True, alone=alone)
     except CheckError as error:
         raise document.moved(error) from None
 

@@ -182,3 +182,14 @@ def test_the_command_tells_and_writes_the_verdicts_for_each_robot(
     text = page.read_text(encoding="utf-8")
     assert "planar-2r-perugia: Slips" in text
     assert "planar-3r: Slips" in text
+
+
+def test_a_document_about_a_longer_arm_is_refused_unless_it_is_about_several() -> None:
+    text = (
+        " ".join(rf"$$\theta_{k} = \theta_5 + \theta_6$$" for k in (4, 5, 6)) + r" $$p_z = d_1 + a_2 s_2 + a_3 s_{23}$$"
+    )
+    with pytest.raises(CheckError, match="names joint 6 in 3 formulas, for ant with 3"):
+        checked(ANT, text)
+    longer = Robot.load("puma560-corke")
+    (short, _) = document_printouts([ANT, longer], document_of(text, "page", ".md"))
+    assert [finding.entry for finding in short.report.findings] == ["p[3]"]

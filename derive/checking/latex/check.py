@@ -41,14 +41,22 @@ class LatexReport:
 
 
 def check_latex(
-    model: Model, text: str, quantity: str = "", start: Location | None = None, *, document: bool = False
+    model: Model,
+    text: str,
+    quantity: str = "",
+    start: Location | None = None,
+    *,
+    document: bool = False,
+    alone: bool = False,
 ) -> LatexReport:
-    """Compare the equations of a LaTeX text with what follows from the robot's table."""
+    """Compare the equations of a LaTeX text with what follows from a robot's table; alone if it is about no other one."""
     where = start or Location("<latex>")
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
     check = _Check(Scope(model, text, where, document), quantity)
+    if alone:
+        check.scope.refuse_other_arm()
     findings = other_factorisation(model, tuple(check.findings()))
     if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")

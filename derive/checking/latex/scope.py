@@ -74,8 +74,6 @@ class Scope:
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self._signs = plus_minus() if document else None
-        if document:
-            self._refuse_other_arm()
         self.readings: list[str] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
         self.defining: set[int] = set()
@@ -90,7 +88,7 @@ class Scope:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
 
-    def _refuse_other_arm(self) -> None:
+    def refuse_other_arm(self) -> None:
         """A document whose formulas name more joints than the robot has is about another arm."""
         n = self.robot.n
         if [joint_label(joint.variable) for joint in self.robot.joints] != [str(i) for i in range(1, n + 1)]:
