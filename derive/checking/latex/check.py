@@ -22,7 +22,7 @@ from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, frames_of, other_factorisation
+from derive.checking.latex.whole import chained, factors, frames_of, is_no_claim, other_factorisation
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
@@ -49,7 +49,7 @@ def check_latex(
     document: bool = False,
     alone: bool = False,
 ) -> LatexReport:
-    """Compare the equations of a LaTeX text with what follows from a robot's table; alone if it is about no other one."""
+    """Compare the equations of a text with what follows from a robot's table; alone if it is about no other robot."""
     where = start or Location("<latex>")
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
@@ -64,26 +64,6 @@ def check_latex(
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
-
-
-_COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
-_BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
-
-
-def _names_its_columns(piece: LatexPiece) -> bool:
-    """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
-    if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
-        return False
-    lefts = [taken_apart(cell.text) for cell in piece.cells if cell.text.strip() not in "01"]
-    if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
-        return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
-    plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
-    return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
-
-
-def _is_no_claim(piece: LatexPiece) -> bool:
-    """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
-    return _names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
 
 
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
@@ -117,8 +97,11 @@ class _Check(Comparing):
         for one in found:
             if isinstance(one, Finding):
                 yield from self._under_conditions(one)
-            elif (finding := next(judged)) is not None:
+            elif (finding := next(judged)) is not None and (finding.verdict.equal or not one.is_condition(self.robot)):
                 yield from self._under_conditions(finding)
+            elif finding is not None:
+                reason = f"{quoted(one.left)} = {quoted(one.right)} is a condition"
+                self.skipped.append(Skipped(one.where, reason, one.right))
             elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
@@ -249,8 +232,8 @@ class _Check(Comparing):
             return []
         if len(pieces) > 2:
             pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
-        if len(pieces) > 1 and any(map(_is_no_claim, pieces)):
-            pieces = [piece for piece in pieces if not _is_no_claim(piece)]
+        if len(pieces) > 1 and any(map(is_no_claim, pieces)):
+            pieces = [piece for piece in pieces if not is_no_claim(piece)]
             if len(pieces) < 2:
                 raise self._refused(equation[-1], "a matrix that gives names to the entries of a pose")
         # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made

@@ -12,7 +12,7 @@ from dataclasses import replace
 from derive.checking.documents import closing_brace
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.pieces import EQUATION_ENVIRONMENTS, MATRIX_MARK, RELATION, LatexPiece, display_piece
-from derive.checking.latex.typography import cleaned
+from derive.checking.latex.typography import ALTERNATIVE, cleaned
 from derive.errors import CheckError, Location
 from derive.robot.parser import place
 
@@ -137,9 +137,13 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
         sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
         # spaces and words that part nothing are blank; commas stay, for a formula must not have one
-        plain = [_SEPARATOR.sub(lambda m: m[0] if m["mark"] else " " * len(m[0]), side.text) for side in sides]
+        plain = [_SEPARATOR.sub(_parting_or_blank, side.text) for side in sides]
         if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
             yield from _unmerged(found)
+
+
+def _parting_or_blank(match: re.Match[str]) -> str:
+    return match[0] if match["mark"] or ALTERNATIVE.fullmatch(match[0]) else " " * len(match[0])
 
 
 def _unbracketed(text: str) -> str:

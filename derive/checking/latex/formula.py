@@ -14,7 +14,7 @@ from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, PRIME, LatexNames, PlusMinus
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
-from derive.checking.latex.typography import PRIMED
+from derive.checking.latex.typography import ALTERNATIVE, PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
 from derive.robot.expression import ZERO, Expression, expanded_terms
 from derive.robot.parser import place
@@ -95,6 +95,8 @@ class LatexReader:
             text = piece.text
             if self.names.signs is not None:  # a document, with labels of branches and primed names of its own
                 text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
+                if ALTERNATIVE.search(text):
+                    raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
                 text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)

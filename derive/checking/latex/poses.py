@@ -86,6 +86,12 @@ class Claim:
         """The names of a pose in it."""
         return names_of_pose(self.first, self.other)
 
+    def is_condition(self, robot: Robot) -> bool:
+        """Whether a side has parameters alone: it says where the hand is, such as x^2 + y^2 = (l_1 + l_2)^2."""
+        joints = {joint.variable for joint in robot.joints}
+        is_still = joints.isdisjoint((*names(self.first), *names(self.other)))
+        return is_still and not (names_of_pose(self.first) and names_of_pose(self.other))
+
     def read(self, robot: Robot, values: Mapping[str, Expression] | None = None) -> Finding:
         """The comparison with values for the names of a pose; without them it has none."""
         first, other = (substitute(e, values) if values else e for e in (self.first, self.other))

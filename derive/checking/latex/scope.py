@@ -228,7 +228,7 @@ class Scope:
         several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
-        waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._names_a_quantity(*some[1:]))
+        waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._quantities(*some[1:]))
         for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
@@ -238,7 +238,7 @@ class Scope:
     def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
         """Whether an equation gives a new name to a formula that can be read by now."""
         name, reader = next(filter(None, names)), self.reader(index)
-        if name in self.definitions and self._names_a_quantity(equation, names):
+        if name in self.definitions and self._quantities(equation, names):
             return True
         for side, its_name in zip(equation, names, strict=True):
             with suppress(CheckError):
@@ -250,10 +250,11 @@ class Scope:
                     return True
         return False
 
-    def _names_a_quantity(self, equation: Sides, names: tuple[str, ...]) -> bool:
-        """Whether all sides but the names are quantities of the robot, such as b_{22}."""
+    def _quantities(self, equation: Sides, names: tuple[str, ...]) -> int:
+        """Whether sides other than the name are quantities of the robot, such as b_{22}: 0 none, 1 some, 2 all."""
         lefts = [taken_apart(side.text) for side, name in zip(equation, names, strict=True) if not name]
-        return all(left and not self.is_own(left) and self.meanings.targets(left) for left in lefts)
+        known = [bool(left and not self.is_own(left) and self.meanings.targets(left)) for left in lefts]
+        return any(known) + all(known)
 
     def reader(self, index: int) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""

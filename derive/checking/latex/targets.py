@@ -228,6 +228,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             yield from (Target("p"), Target("p", (1, 2)))
         for name in _frames(left, n, first):
             yield from (Target(name, rows, (4,)) for rows in ((1, 2, 3), (1, 2)))
+        if head == "r" and left.sub.isdigit() and left.sup + left.before in ("", "0"):
+            yield from (Target(f"centre[{int(left.sub)}]", rows) for rows in ((), (1, 2)))
     if head in ("z", "Z") and (left.sub or left.before):
         for name in _frames(left, n, first):
             yield Target(name, (1, 2, 3), (3,))

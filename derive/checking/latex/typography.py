@@ -8,6 +8,8 @@ an error at the same place of the text as it was typed.
 import re
 
 PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a function of time, ``q_1'(t)``
+# A word between two formulas of which either may hold.
+ALTERNATIVE = re.compile(r"\\(?:text|mathrm|mbox|textrm)\s*\{\s*(?:or|oder|ou|oppure|o|\u6216)\s*\}")
 _GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*\}"
 _END = r"(?![A-Za-z])"
 _SIZES = "|".join(

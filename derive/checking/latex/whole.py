@@ -1,4 +1,4 @@
-"""Printed matrices as a whole: one cause for several wrong entries, another factorisation of C, chains of frames."""
+"""Printed matrices as a whole: names of entries, one cause of slips, another factorisation of C, chains of frames."""
 
 import re
 from collections.abc import Iterator
@@ -12,6 +12,7 @@ from derive.checking.formulas.findings import Finding
 from derive.checking.latex.left import Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.checking.latex.targets import Target
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -25,6 +26,24 @@ _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts
 _ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}{_TIGHT}(?:\([^()]*\))?"
 _FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|(?:\\[,;:! ]\s*)+)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
 _FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
+_COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+_BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
+
+
+def _names_its_columns(piece: LatexPiece) -> bool:
+    """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
+    if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
+        return False
+    lefts = [taken_apart(cell.text) for cell in piece.cells if cell.text.strip() not in "01"]
+    if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
+        return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
+    plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
+    return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
+
+
+def is_no_claim(piece: LatexPiece) -> bool:
+    """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
+    return _names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
 
 
 def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
