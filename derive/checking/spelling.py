@@ -11,6 +11,10 @@ _DOTTED = re.compile("([A-Za-z\u0370-\u03ff])([\u0307\u0308])|[\u1e8b\u1e8f\u017
 _ONE = r"(?:\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9])"
 _FRACTION = re.compile(rf"(\\[tdc]?frac)(?![A-Za-z])\s*({_ONE})\s*({_ONE})")
 _ROOT = re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))")
+# A condition: a joint angle that is nearly a multiple of a right angle.
+_NEARLY = re.compile(
+    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qCScs])\s*_\s*\{?[0-9]{1,2}\}?\s*)\\(?:approx|simeq)(\s*-?\s*(?:0|1|90|180|\\pi)(?![0-9.]))"
+)
 _OLD_MATRIX = re.compile(r"\\(p?matrix)\s*\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}")
 
 _ROW_END, _TWO = re.compile(r"\\cr(?![A-Za-z])"), r"\\\\"
@@ -96,6 +100,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
     (_FRACTION, _fraction),
+    (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),
     (_OLD_MATRIX, lambda m: f"\\begin{{{m[1]}}}{_ROW_END.sub(_TWO, m[2])}\\end{{{m[1]}}}"),
 )

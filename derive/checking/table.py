@@ -153,6 +153,7 @@ def _plain(text: str) -> str:
     r"""A cell on one line: ``$\theta_{2} - 90^\circ$`` as theta2-90^circ."""
     for sign, name in _SIGNS.items():
         text = text.replace(sign, name)
+    text = re.sub(r"\s*\\degree(?![A-Za-z])", "^circ", text)
     text = re.sub(r"\\(?:displaystyle|left|right|,|;|!|:)|[$~`]|\\\s|\*\*(?=\w|$)|(?<=\w)\*\*", "", text)
     text = re.sub(r"\\(?:text|mathrm|mathit|mathbf|boldsymbol|bm|operatorname)\s*\{([^{}]*)\}", r"\1", text)
     while (inner := re.sub(r"\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"((\1)/(\2))", text)) != text:

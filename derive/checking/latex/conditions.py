@@ -14,7 +14,6 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.errors import CheckError
 from derive.robot.expression import (
-    ZERO,
     Call,
     Expression,
     Name,
@@ -53,6 +52,13 @@ class Condition:
         return self.is_of_side or (self.end <= begin and not _SENTENCE_ENDS.search(between))
 
 
+# Angles, in multiples of pi, of which a sine or a cosine has such a value.
+_HALF_TURNS = {
+    **{("sin", 0): ("0", "1"), ("sin", 1): ("1/2",), ("sin", -1): ("-1/2",)},
+    **{("cos", 0): ("1/2", "-1/2"), ("cos", 1): ("0",), ("cos", -1): ("1",)},
+}
+
+
 def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
     """What fulfils an equation between names and numbers, or of a sine or cosine that is zero; none of other ones."""
     match sides:
@@ -60,10 +66,8 @@ def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
             return ({name: formula},)
     symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if is_constant(e)]
     match sides:
-        case [Call("sin", (Name(name),)), Number(0)]:
-            return ({name: ZERO}, {name: Pi()})
-        case [Call("cos", (Name(name),)), Number(0)]:
-            return tuple({name: multiply(number(half), Pi())} for half in ("1/2", "-1/2"))
+        case [Call("sin" | "cos" as function, (Name(name),)), Number(value)] if value in (-1, 0, 1):
+            return tuple({name: multiply(number(half), Pi())} for half in _HALF_TURNS[function, int(value)])
         case [Sum(terms), value] if is_constant(value) and all(isinstance(term, Name) for term in terms):
             *first, last = terms  # theta_{234} = 0
             assert isinstance(last, Name)

@@ -21,7 +21,7 @@ from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
-from derive.robot.expression import Call, Expression, Name, names, substitute
+from derive.robot.expression import ZERO, Call, Expression, Name, names, substitute
 from derive.robot.names import own_names, velocity_name
 from derive.robot.robot import Robot
 
@@ -47,6 +47,7 @@ class Settled(Enum):
     TURN = "rotations"
     POINT = "points of links"
     WRIST = "the wrist"
+    ANGLE = "the orientation of a planar arm"
 
 
 @dataclass(frozen=True)
@@ -122,14 +123,17 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose = self._names
-        if name in pose.entries or name in pose.wrist or self.is_point(name):
-            return Name(MARK + name)
-        # the orientation of a planar arm is the angle in the first entry of its rotation
-        meaning = pose.angles.get(name)
-        first = expression_from_sympy(self._model.quantity("T")[0, 0])
-        if meaning is None or not (isinstance(first, Call) and first.function == "cos"):
-            return None
-        return substitute(meaning, {"(phi)": first.arguments[0]})
+        known = name in pose.entries or name in pose.wrist or self.is_point(name) or MARK + name in self._angles
+        return Name(MARK + name) if known else None
+
+    @cached_property
+    def _angles(self) -> dict[str, Expression]:
+        """What names of the orientation of a planar arm stand for: the angle in the first entry of its rotation."""
+        first = expression_from_sympy(self._model.quantity("T")[0, 0]) if self._names.angles else ZERO
+        if not (isinstance(first, Call) and first.function == "cos"):
+            return {}
+        angle = {"(phi)": first.arguments[0]}
+        return {MARK + name: substitute(meaning, angle) for name, meaning in self._names.angles.items()}
 
     def judged(self, claims: Sequence[Claim], told: list[str], known: bool) -> list[Finding | None]:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
@@ -159,6 +163,8 @@ class Poses:
     def _readings_of(self, group: Settled, chosen: PoseReading) -> list[PoseReading]:
         """What names of one kind may mean, the others being settled already."""
         match group:
+            case Settled.ANGLE:
+                return [chosen]
             case Settled.POINT:
                 return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in Points]
             case Settled.WRIST:
@@ -174,6 +180,8 @@ class Poses:
     def _group(self, claim: Claim) -> Settled:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
         known = claim.pose_names
+        if not known.isdisjoint(self._names.angles):  # or an angle that the text has defined itself
+            return Settled.ANGLE
         if any(map(self.is_point, known)):
             return Settled.POINT
         if not known.isdisjoint(self._names.wrist):
@@ -193,7 +201,7 @@ class Poses:
         places += [
             (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
         ]
-        readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END)
+        readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END) | self._angles
         for position, reference in places:
             place = whole if position == n else self._model.quantity(f"T[{position}]")
             turn = self._model.quantity(f"T[{reference},{n}]") if reference else whole

@@ -218,7 +218,12 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
-    if head in ("p", "P", "r") and plain and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub)):
+    if (
+        head in ("p", "P", "r")
+        and left.sup in ("", "0")
+        and not left.before
+        and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub))
+    ):
         yield from (Target(f"centre[{centre[1]}]", rows) for rows in ((), (1, 2)))
     column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
     if column and plain and not left.sub:
