@@ -14,10 +14,12 @@ from derive.robot.reading.size_limits import FILE_LIMITS
 DESCRIPTION = """\
 Write NAME.yaml, a commented robot file that builds as it is: a typical arm of N joints (3: anthropomorphic, 4: SCARA,
 5 and 6: with a wrist, 7: redundant, any other number: planar), or a copy of another robot under the new name, with its
-comments and units; or a motion plan for a robot, or a copy of a built-in plan.
+comments and units; or the robot of a printed table or of a product of transforms; or a motion plan for a robot, or a
+copy of a built-in plan.
 
   derive new my-arm --joints 3
   derive new my-puma --from puma560-corke
+  derive new my-arm --from-transforms 'Rz(q1) Tz(d1) Tx(a1) Rx(pi/2) Rz(q2) Tx(a2)'
   derive new my-move --plan puma560-corke
   derive new my-move --from scara-pick-and-place
 """
@@ -97,6 +99,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plan", metavar="ROBOT", help="write a motion plan for this robot instead")
     table = "write the robot of the Denavit-Hartenberg table that this .tex, .md, .ipynb or .txt file prints"
     parser.add_argument("--from-table", dest="table", metavar="FILE", help=table)
+    product = "write the robot of a product of elementary transforms, such as 'Rz(q1) Tz(d1) Tx(a1) Rx(pi/2)'"
+    parser.add_argument("--from-transforms", dest="transforms", metavar="PRODUCT", help=product)
+    convention = "of the table of --from-transforms: standard (default) or modified"
+    parser.add_argument("--convention", metavar="NAME", help=convention)
     parser.add_argument("--lines", metavar="A-B", type=line_range, help="read only these lines of FILE")
     add_shared(parser, "force", "quiet", "json")
 
@@ -112,8 +118,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.model is not None and arguments.joints is not None:
         raise OutputError("--joints with --from", allowed="a copy has the joints of its model", remedy="leave one out")
     others = [option for option in (arguments.plan, arguments.model, arguments.joints) if option is not None]
-    if arguments.table is not None and others:
-        raise OutputError("--from-table with another source of the robot", remedy="leave one out")
+    sources = {"--from-table": arguments.table, "--from-transforms": arguments.transforms}
+    given = [option for option, value in sources.items() if value is not None]
+    if given and (others or len(given) > 1):
+        raise OutputError(f"{given[0]} with another source of the robot", remedy="leave one out")
+    if arguments.convention is not None and arguments.transforms is None:
+        raise OutputError("--convention without --from-transforms", remedy="derive convert writes the other table")
     if arguments.lines is not None and arguments.table is None:
         raise OutputError("--lines without --from-table", remedy="name the document with --from-table")
     if arguments.table is not None:
@@ -123,6 +133,13 @@ def run(arguments: argparse.Namespace) -> int:
         _check_name(arguments.name)
         document = read_document(arguments.table)
         text, _ = robot_of_table(document.within(arguments.lines) if arguments.lines else document, arguments.name)
+    elif arguments.transforms is not None:
+        from derive.exchange.convert import convention_named
+        from derive.exchange.transforms import robot_of_transforms
+
+        _check_name(arguments.name)
+        convention = convention_named(arguments.convention or "standard")
+        text = robot_of_transforms(arguments.transforms, arguments.name, convention)
     elif arguments.plan is not None:
         from derive.api.robots import load
 

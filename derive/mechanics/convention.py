@@ -88,7 +88,7 @@ def convert(robot: Robot, entering: Factor | None = None) -> Conversion:
     # All cosines, sines and quotients of the result are generators of one ring, where equality is decidable.
     calls = [Call(name, (factor.alpha,)) for factor in candidates for name in ("cos", "sin")]
     divided = [tree.power(link.mass, -1) for link, _ in carried if not _is_zero(robot, link.mass)]
-    cells = _Cells(robot, [*(factor.a for factor in candidates), *calls, *divided])
+    cells = Cells(robot, [*(factor.a for factor in candidates), *calls, *divided])
     if entering is None:
         # The candidate that equals the whole base (tool) exactly, if there is one.
         whole = cells.frame(end)
@@ -141,7 +141,7 @@ def _motors(robot: Robot) -> Iterator[tuple[Link, Motor, int]]:
             yield robot.links[i - 1], motor, i - 1
 
 
-class _Cells:
+class Cells:
     """Cells of a robot as exact polynomials, and polynomials as cells again."""
 
     def __init__(self, robot: Robot, extra: Iterable[Expression]) -> None:
@@ -196,7 +196,7 @@ class _Body:
         return _Body(self.mass, com, vectors.conjugate(turn, self.inertia))
 
 
-def _links(robot: Robot, cells: _Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
+def _links(robot: Robot, cells: Cells, moved: Sequence[Factor]) -> tuple[tuple[Link, ...], list[str]]:
     """The links in the frames of the other table, and notes on what differs there."""
     to_modified = robot.convention is Convention.STANDARD
     rows = [Factor(joint.a, joint.alpha) for joint in robot.joints] if to_modified else moved

@@ -1,0 +1,399 @@
+"""A Denavit-Hartenberg table from a product of elementary transforms: ``Rz(q1) Tz(d1) Tx(a2) Rx(pi/2) ...``.
+
+The axis of every joint becomes z: a joint about x is Rot(y, pi/2) Z Rot(y, -pi/2), one about y Rot(x, -pi/2) Z Rot(x,
+pi/2). The constants that then stand between two joints are split as
+
+    W = Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) Trans(z, d') Rot(z, theta'),
+
+the common normal of both axes between two motions along them, of which the first belongs to the row before and the
+second to the row behind (Corke, A simple and systematic approach to assigning Denavit-Hartenberg parameters, 2007, for
+the aim). Right angles are kept as permutations of the axes, so cells stay exact.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import reduce
+from itertools import chain
+
+from derive.algebra.angles import composed, decompose
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Kind
+from derive.algebra.ring import Polynomial
+from derive.errors import ExpressionError, Location, RobotFileError, quoted
+from derive.exchange.convert import converted
+from derive.mechanics.chain import build_chain
+from derive.mechanics.convention import Cells
+from derive.mechanics.forward_kinematics import forward_kinematics
+from derive.mechanics.vectors import Frame, Matrix, S, identity, matmul
+from derive.robot import expression as tree
+from derive.robot.description import IDENTITY, Convention, Description, Joint, JointType
+from derive.robot.expression import ZERO, Call, Expression, Name, Pi, names
+from derive.robot.parser import parse_expression
+from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
+
+_SOURCE = "--from-transforms"
+_TRANSFORM = re.compile(r"(?P<kind>[RrTt])(?P<axis>[xyz])\s*\(")
+_BETWEEN = " \t\r\n*@.\u2295\u00b7"  # what may stand between two transforms
+_DEGREES = re.compile(r"(?P<number>[^a-z\u00b0]+?)\s*(?:deg|\u00b0)\s*")
+_VARIABLE = re.compile(r"q[0-9]*|(?:theta|th)[0-9]+")
+_FORM = "allowed: Rx, Ry, Rz, Tx, Ty and Tz with a cell, such as Rz(q1) Tz(d1) Rx(pi/2); q1 or theta1 is a joint"
+
+Permutation = Matrix[int]  # a rotation by right angles, rows of entries 0, 1 and -1
+
+
+@dataclass(frozen=True, slots=True)
+class Elementary:
+    """A rotation about an axis, or a translation along it."""
+
+    turns: bool
+    axis: int  # 0, 1, 2 for x, y, z
+    cell: Expression  # angle [rad] or length [m]; of a joint what is added to its variable
+    variable: str = ""  # of a joint; empty for a constant
+    sign: int = 1  # factor of the variable
+
+    @property
+    def written(self) -> Expression:
+        """Its whole cell, with the variable."""
+        moving = (tree.multiply(tree.number(self.sign), Name(self.variable)),) if self.variable else ()
+        return tree.add(*moving, self.cell)
+
+
+def robot_of_transforms(text: str, name: str, convention: Convention = Convention.STANDARD) -> str:
+    """The robot file of a product of elementary transforms, proven to have the same T.
+
+    Raises:
+        RobotFileError: No joint, or constants whose common normal no cell can say.
+        ExpressionError: A letter, a name or a cell that cannot be read, with its place.
+    """
+    product = tuple(_read(text))
+    comment = f"The product {' '.join(text.split())}, as a table with the same T (proven)."
+    table = _table(product, name)
+    robot = Robot.from_text(robot_text(table, [comment]), f"{name}.yaml")
+    if convention is not robot.convention:
+        robot = converted(robot, convention).robot
+        robot = Robot.from_text(robot_text(robot, [comment]), f"{name}.yaml")
+    if not _is_equal(robot, product):
+        raise RobotFileError(f"a table for {quoted(text)}", allowed="allowed: transforms whose product the table has")
+    return robot_text(robot, [comment])
+
+
+def _read(text: str) -> Iterator[Elementary]:
+    """The transforms of a text, from left to right."""
+    seen: set[str] = set()
+    offset = len(text) - len(text.lstrip(_BETWEEN))
+    while offset < len(text):
+        match, where = _TRANSFORM.match(text, offset), Location(_SOURCE, 1, offset + 1)
+        if match is None:
+            word = re.split(r"(?<=\w)\b", text[offset:])[0]
+            raise ExpressionError(f"unknown transform {quoted(word)}", allowed=_FORM, location=where)
+        end = _closing(text, match.end())
+        if end is None:
+            raise ExpressionError(f"{quoted(match[0])} is never closed", allowed=_FORM, location=where)
+        place = Location(_SOURCE, 1, match.end() + 1)
+        found = _elementary(match["kind"] in "Rr", "xyz".index(match["axis"]), text[match.end() : end], place)
+        if found.variable in seen:
+            found_twice = f"the variable {found.variable} twice"
+            raise ExpressionError(found_twice, allowed="allowed: each joint once", location=where)
+        seen.update([found.variable] if found.variable else [])
+        yield found
+        rest = text[end + 1 :]
+        offset = end + 1 + len(rest) - len(rest.lstrip(_BETWEEN))
+    if not seen:
+        raise ExpressionError("no joint", allowed=_FORM, location=Location(_SOURCE, 1, 1))
+
+
+def _closing(text: str, start: int) -> int | None:
+    """Where the parenthesis closes that is open at a place."""
+    depth = 1
+    for i in range(start, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[i], 0)
+        if depth == 0:
+            return i
+    return None
+
+
+def _elementary(turns: bool, axis: int, text: str, place: Location) -> Elementary:
+    """A transform by the text of its cell."""
+    degrees = _DEGREES.fullmatch(text) if turns else None
+    cell = parse_expression(degrees["number"] if degrees else text, place)
+    if degrees:
+        cell = tree.multiply(tree.number(Fraction(1, 180)), cell, Pi())
+    exact = decompose(cell)
+    moving = {unit: k for unit, k in exact.terms if isinstance(unit, Name) and _VARIABLE.fullmatch(unit.name)}
+    rest = composed(replace(exact, terms=tuple(pair for pair in exact.terms if pair[0] not in moving)))
+    if len(moving) > 1 or set(moving.values()) - {1, -1} or any(map(_VARIABLE.fullmatch, names(rest))):
+        allowed = "allowed: one variable, with + or - before it, and constants, such as Rz(q1 + pi/2)"
+        raise ExpressionError(f"the cell {quoted(text)} of a joint", allowed=allowed, location=place)
+    variable, sign = next(((unit.name, int(k)) for unit, k in moving.items()), ("", 1))
+    return Elementary(turns, axis, rest, variable, sign)
+
+
+# -- from the product to the rows
+
+Z = 2
+RIGHT = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosine and sine of 0, 1, 2 and 3 right angles
+
+
+def _right(axis: int, quarters: int) -> Permutation:
+    """The rotation about an axis by so many right angles."""
+    c, s = RIGHT[quarters % 4]
+    return _turn(axis, c, s, 0, 1)
+
+
+def _turn(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:
+    """The rotation about an axis by the angle with a cosine and sine."""
+    turns = (
+        ((one, zero, zero), (zero, c, -s), (zero, s, c)),
+        ((c, zero, s), (zero, one, zero), (-s, zero, c)),
+        ((c, -s, zero), (s, c, zero), (zero, zero, one)),
+    )
+    return turns[axis]
+
+
+def _image(turn: Permutation, axis: int) -> tuple[int, int]:
+    """The axis, and its sign, to which a rotation by right angles takes an axis."""
+    row = next(i for i in range(3) if turn[i][axis])
+    return row, turn[row][axis]
+
+
+def _plus(*cells: Expression) -> Expression:
+    """A sum in which equal terms are together."""
+    return composed(decompose(tree.add(*cells)))
+
+
+def _sum(parts: Sequence[Elementary], *, turns: bool) -> Expression:
+    """All angles, or all lengths, of motions along one axis."""
+    return _plus(*(part.cell for part in parts if part.turns is turns))
+
+
+def _signed(sign: int, cell: Expression) -> Expression:
+    return cell if sign > 0 else _plus(tree.negate(cell))
+
+
+def _quarters(cell: Expression) -> int | None:
+    """How many right angles an angle is; None where it is another one."""
+    exact = decompose(cell)
+    turns = 2 * exact.pi_multiple
+    return int(turns) if not exact.terms and turns.denominator == 1 else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Split:
+    """Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) Trans(z, beyond) Rot(z, twist)."""
+
+    theta: Expression = ZERO
+    d: Expression = ZERO
+    a: Expression = ZERO
+    alpha: Expression = ZERO
+    beyond: Expression = ZERO
+    twist: Expression = ZERO
+
+
+def _table(product: Sequence[Elementary], name: str) -> Description:
+    """The rows in the standard convention."""
+    words: list[list[Elementary]] = [[]]
+    moving: list[Elementary] = []
+    for part in product:
+        if not part.variable:
+            words[-1].append(part)
+            continue
+        # The joint's axis becomes z: about x by Rot(y, pi/2), about y by Rot(x, -pi/2).
+        right = tree.multiply(tree.number(Fraction(1, 2)), Pi())
+        before = {0: [Elementary(True, 1, right)], 1: [Elementary(True, 0, tree.negate(right))], 2: []}[part.axis]
+        words[-1] += before
+        moving.append(part)
+        words.append([replace(turn, cell=tree.negate(turn.cell)) for turn in before])
+    base, behind = _leaving(words[0])
+    end, tool = _last(words[-1])
+    rows = [*map(_split, words[1:-1]), end]
+    joints = []
+    for part, row in zip(moving, rows, strict=True):
+        theta, d = _plus(behind.twist, row.theta), _plus(behind.beyond, row.d)
+        theta, d = (_plus(theta, part.cell), d) if part.turns else (theta, _plus(d, part.cell))
+        kind = JointType.REVOLUTE if part.turns else JointType.PRISMATIC
+        joints.append(Joint(kind, part.variable, part.sign, theta, d, row.a, row.alpha))
+        behind = row
+    table = Description(name, name, Convention.STANDARD, tuple(joints))
+    cells = Cells(Robot.of(table), _atoms([*base, *tool]))
+    first, last = (cells.matrix(_product(word, cells.domain), IDENTITY) for word in (base, tool))
+    return replace(table, base=first, tool=last)
+
+
+def _leaving(word: Sequence[Elementary]) -> tuple[list[Elementary], _Split]:
+    """The constants before the first joint, without the motions along its axis at their end, and these."""
+    count = next((i for i, part in enumerate(reversed(word)) if part.axis != Z), len(word))
+    kept, along = word[: len(word) - count], word[len(word) - count :]
+    return list(kept), _Split(twist=_sum(along, turns=True), beyond=_sum(along, turns=False))
+
+
+def _last(word: Sequence[Elementary]) -> tuple[_Split, list[Elementary]]:
+    """The constants after the last joint: a row, and what remains for the tool."""
+    try:
+        row = _split(word)
+    except RobotFileError:
+        count = next((i for i, part in enumerate(word) if part.axis != Z), len(word))
+        along = word[:count]
+        return _Split(_sum(along, turns=True), _sum(along, turns=False)), list(word[count:])
+    if row.alpha == ZERO:  # both axes are parallel
+        row = replace(row, d=_plus(row.d, row.beyond), beyond=ZERO)
+        if row.a == ZERO:
+            row = replace(row, theta=_plus(row.theta, row.twist), twist=ZERO)
+    rest = [Elementary(False, Z, row.beyond), Elementary(True, Z, row.twist)]
+    return row, [part for part in rest if part.cell != ZERO]
+
+
+def _split(word: Sequence[Elementary]) -> _Split:
+    """Constants between two joints as motions along both axes and their common normal."""
+    parts, turn = _without_right_angles(word)
+    # Motions along the first axis leave to the left, those along the second, which is the image of z, to the right.
+    axis, sign = _image(turn, Z)
+    twist, beyond, parts = _peeled(parts, axis, 1)
+    theta, d, parts = _peeled(parts, Z, -1)
+    last, further, parts = _peeled(parts, axis, 1)  # what a turn about z has brought there
+    twist, beyond = _signed(sign, _plus(twist, last)), _signed(sign, _plus(beyond, further))
+    turning = {part.axis for part in parts if part.turns}
+    lengths = {part.axis for part in parts if not part.turns}
+    if not turning:
+        normal = next(iter(lengths), 0 if axis == Z else 3 - Z - axis)
+        if lengths - {normal}:
+            raise _no_normal(word)
+    else:
+        normal = next(iter(turning))
+        if turning - {normal} or normal == Z or axis == normal:
+            raise _no_normal(word)
+    # Rot(z, k pi/2) takes x to the normal; then Rot(x, m pi/2) Rot(z, n pi/2) is what is left of the right angles.
+    angle, a = _sum(parts, turns=True), _sum([part for part in parts if part.axis == normal], turns=False)
+    k, direction = normal, 1
+    if normal == 1 and tree.to_text(a).startswith("-"):  # where an offset is needed anyway, one with a length above 0
+        k, direction = -1, -1
+    left = matmul(_right(Z, -k), turn)
+    m, n = next((m, n) for m in range(4) for n in range(4) if matmul(_right(0, m), _right(Z, n)) == left)
+    alpha, a = _plus(_signed(direction, angle), _angle(m)), _signed(direction, a)
+    # Any other length v stands in the plane of both axes, at an angle phi to its y axis there:
+    #     v (cos phi, sin phi) = d (0, 1) + d' (-sin alpha, cos alpha)
+    turned: Expression = ZERO
+    for part in parts:
+        if part.turns:
+            turned = _plus(turned, _signed(direction, part.cell))
+        elif part.axis != normal:
+            phi = _plus(turned, _angle(1)) if part.axis == Z else turned
+            # Rot(z, pi/2) takes y to -x
+            sign = 1 if normal == 0 or part.axis == Z else -direction
+            v = tree.multiply(_signed(sign, part.cell), tree.power(_cosine(_plus(alpha, _angle(-1))), -1))
+            d = _plus(d, tree.multiply(_cosine(_plus(alpha, tree.negate(phi))), v))
+            beyond = _plus(beyond, tree.multiply(tree.MINUS_ONE, _cosine(phi), v))
+    return _Split(_plus(theta, _angle(k)), d, a, alpha, beyond, _plus(twist, _angle(n)))
+
+
+def _cosine(angle: Expression) -> Expression:
+    """The cosine of an angle, a number for right angles and a sine where a right angle is added to it."""
+    exact = decompose(angle)
+    quarters = 2 * exact.pi_multiple
+    if quarters.denominator != 1:
+        return Call("cos", (angle,))
+    rest = composed(replace(exact, pi_multiple=Fraction(0)))
+    c, s = RIGHT[int(quarters) % 4]
+    if rest == ZERO:
+        return tree.number(c)
+    # cos(rest + k pi/2) = cos(k pi/2) cos(rest) - sin(k pi/2) sin(rest)
+    return tree.multiply(tree.number(c or -s), Call("cos" if c else "sin", (rest,)))
+
+
+def _no_normal(word: Sequence[Elementary]) -> RobotFileError:
+    shown = " ".join(f"{'RT'[not part.turns]}{'xyz'[part.axis]}({tree.to_text(part.cell)})" for part in word)
+    return RobotFileError(
+        f"the constants {shown} between two joints",
+        allowed="allowed: a common normal whose direction is an axis, or one that Rz names before it",
+        remedy="turn about the first joint's axis so that the offset lies along one axis: Rz(angle) Tx(length)",
+    )
+
+
+def _angle(quarters: int) -> Expression:
+    quarters = (quarters + 1) % 4 - 1  # from -1 to 2
+    return tree.multiply(tree.number(Fraction(quarters, 2)), Pi())
+
+
+def _without_right_angles(word: Sequence[Elementary]) -> tuple[list[Elementary], Permutation]:
+    """The constants with all rotations by right angles at the end, as one permutation of the axes."""
+    parts, turn = [], identity(0, 1)
+    for part in word:
+        quarters = _quarters(part.cell) if part.turns else None
+        if quarters is not None:
+            turn = matmul(turn, _right(part.axis, quarters))
+        elif part.cell != ZERO:
+            axis, sign = _image(turn, part.axis)
+            parts.append(replace(part, axis=axis, cell=_signed(sign, part.cell)))
+    return parts, turn
+
+
+def _peeled(parts: Sequence[Elementary], axis: int, side: int) -> tuple[Expression, Expression, list[Elementary]]:
+    """Angle and length of the motions along an axis that go to one end (side -1: the front), and what remains."""
+    angle: Expression = ZERO
+    length: Expression = ZERO
+    rest: list[Elementary] = []
+    for part in parts[::-side]:
+        if part.axis != axis or (any(other.turns for other in rest)):
+            rest.append(part)
+        elif part.turns:
+            # Trans(v) Rot(beta) = Rot(beta) Trans(Rot(-beta) v): lengths are turned where a turn passes them
+            rest = [turned for other in rest for turned in _turned(other, axis, _signed(side, part.cell))]
+            angle = _plus(angle, part.cell)
+        else:
+            length = _plus(length, part.cell)
+    return angle, length, rest[::-side]
+
+
+def _turned(part: Elementary, axis: int, angle: Expression) -> list[Elementary]:
+    """A translation after a turn about another axis."""
+    i = part.axis
+    j, sign = (3 - axis - i), 1 if (i - axis) % 3 == 1 else -1
+    along = tree.multiply(_cosine(angle), part.cell)
+    across = _signed(sign, tree.multiply(_cosine(_plus(angle, _angle(-1))), part.cell))
+    return [replace(part, cell=along), replace(part, axis=j, cell=across)]
+
+
+# -- the proof
+
+
+def _is_equal(robot: Robot, product: Sequence[Elementary]) -> bool:
+    """Whether the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials."""
+    domain = PolynomialDomain(robot, _atoms(product), rates=False)
+    ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
+    zero, one = domain.number(0), domain.number(1)
+    pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
+    return not any(_cleared(a - b, domain) for a, b in pairs)
+
+
+def _atoms(product: Sequence[Elementary]) -> list[Expression]:
+    """What the ring of a product must have."""
+    return [x for p in product for x in ([Call("cos", (p.cell,)), Call("sin", (p.cell,))] if p.turns else [p.cell])]
+
+
+def _product(product: Sequence[Elementary], domain: PolynomialDomain) -> Frame[Polynomial]:
+    zero, one = domain.number(0), domain.number(1)
+    unit = Frame(identity(zero, one), (zero, zero, zero))
+    return reduce(Frame.__matmul__, [_frame(part, domain) for part in product], unit)
+
+
+def _cleared(value: Polynomial, domain: PolynomialDomain) -> Polynomial:
+    """A polynomial times its denominators: 1/sin(alpha) has no normal form beside squares of sin(alpha)."""
+    for place, generator in enumerate(domain.generators):
+        if generator.kind is Kind.INVERSE:
+            divisor, most = domain.constant(generator.argument), value.degrees()[place]
+            powers = domain.ring.coefficients(value, [place]).items()
+            value = sum((part * divisor ** (most - power) for (power,), part in powers), domain.number(0))
+    return value
+
+
+def _frame(part: Elementary, domain: PolynomialDomain) -> Frame[Polynomial]:
+    zero, one = domain.number(0), domain.number(1)
+    if not part.turns:
+        x, y, z = (domain.constant(part.written) if axis == part.axis else zero for axis in range(3))
+        return Frame(identity(zero, one), (x, y, z))
+    c, s = domain.cosine_sine(part.written)
+    return Frame(_turn(part.axis, c, s, zero, one), (zero, zero, zero))
