@@ -90,12 +90,14 @@ def random_product(rng: random.Random) -> str:
     return " ".join([*parts, "Tx(0.1) Ry(pi/2)"])
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_random_products_have_their_table_or_a_reason(seed: int) -> None:
-    rng = random.Random(seed)
-    text = random_product(rng)
-    with contextlib.suppress(RobotFileError):  # constants whose common normal has no axis
-        check(text, rng.choice(list(Convention)), rng)
+def test_most_random_products_have_their_table() -> None:
+    made = 0
+    for seed in range(60):
+        rng = random.Random(seed)
+        with contextlib.suppress(RobotFileError):  # constants whose common normal has no axis
+            check(random_product(rng), rng.choice(list(Convention)), rng)
+            made += 1
+    assert made > 50, made
 
 
 @pytest.mark.parametrize(
@@ -108,7 +110,7 @@ def test_random_products_have_their_table_or_a_reason(seed: int) -> None:
         ("Rz(q1) Tx(1) Rz(q1)", "1:14: the variable q1 twice"),
         ("Rz(2*q1)", "1:4: the cell '2*q1' of a joint"),
         ("Rz(q1 + q2)", "the cell 'q1 + q2' of a joint"),
-        ("Rz(q1 + __import__)", "1:8: unexpected character '_'"),
+        ("Rz(q1 + __import__)", "1:9: unexpected character '_'"),
         ("Rz(q1) Tx(1) Ty(2) Rz(q2)", "the constants Tx(1) Ty(2) between two joints"),
     ],
 )
