@@ -1,7 +1,5 @@
 """Generators, constants and roots."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import pickle

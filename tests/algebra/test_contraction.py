@@ -1,7 +1,5 @@
 """Angle sums and squares: short forms are found, and they are equal to what went in."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

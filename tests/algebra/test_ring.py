@@ -1,7 +1,5 @@
 """The ring of polynomials in sines, cosines and symbols: factors, quotients, residues."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Comparisons, styles, spots, and what cannot be decided."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.checking.comparison import check_expression, check_file

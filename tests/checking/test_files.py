@@ -1,7 +1,5 @@
 """Files with expectations: frames, methods, solutions."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 from pathlib import Path

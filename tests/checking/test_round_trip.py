@@ -1,7 +1,5 @@
 """What is printed by ours and by books is found right, and slips are found."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Robots and URDFs for tests of exchange: of the catalogue, of random bodies, of random chains."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from fractions import Fraction

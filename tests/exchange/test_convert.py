@@ -1,7 +1,5 @@
 """Robot files in the other convention, with the printed regrouping."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import fields, replace
 

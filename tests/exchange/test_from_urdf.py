@@ -1,7 +1,5 @@
 """Tables of chains of URDFs, and those that makers and books print."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from math import pi

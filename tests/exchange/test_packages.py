@@ -1,7 +1,5 @@
 """All chains of two packages of URDFs, as Pinocchio reads them: ``make test-robots`` installs the packages."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import replace

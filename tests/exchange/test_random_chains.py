@@ -1,7 +1,5 @@
 """Random chains and almost parallel axes: both tables are the URDF's arm, as Pinocchio reads it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """URDFs are read exactly, and what is wrong or harmful is refused in one message."""
 
-from __future__ import annotations
-
 import random
 import time
 from fractions import Fraction

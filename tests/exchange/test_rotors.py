@@ -1,7 +1,5 @@
 """What is written with possible bodies exists, is taken by MuJoCo, and moves as the equations say."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from xml.etree import ElementTree as Xml
 

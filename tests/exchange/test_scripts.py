@@ -1,7 +1,5 @@
 """Scripts for other programs, run: the same poses."""
 
-from __future__ import annotations
-
 import csv
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What a URDF or a xacro file is made of, and expressions in xacro."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """MuJoCo moves an exported arm as the equations do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Bodies and frames of a robot, placed for other programs in formats that are not MuJoCo's; a URDF comes back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from xml.etree import ElementTree as Xml

@@ -1,7 +1,5 @@
 """Nothing of a URDF is passed over without a word: what changes the arm for others changes ours, or is told."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from copy import deepcopy

@@ -1,7 +1,5 @@
 """URDFs that tests write themselves, and what Pinocchio, which reads them on its own, says of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The lecture form: terms, plans that keep what they stand for, trees and their ways to and from SymPy."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

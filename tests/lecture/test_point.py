@@ -1,7 +1,5 @@
 """Closed forms at a point are the numbers of the independent recursion, and partial numbers leave the rest."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Tokens of lecture notes: what they stand for, and which are refused."""
 
-from __future__ import annotations
-
 import random
 from contextlib import nullcontext
 

@@ -1,7 +1,5 @@
 """General formulas of Lagrange and Newton-Euler that are printed, each written out and compared."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """What lectures print, item by item, against what is derived."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Documents 001 and 004: matrices of the skeleton slide by slide, and what follows from the simulation's numbers."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The inverse kinematics that the documents print is derived in its form, and the two errata of 004 are found."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every printed result of the corpus is right, or wrong where it says so."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

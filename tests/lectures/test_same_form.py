@@ -3,8 +3,6 @@
 "Same form" is implemented here a second time, on multisets instead of sorted tuples: the tool does not grade itself.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from fractions import Fraction
 from functools import cache

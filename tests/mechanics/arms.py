@@ -1,7 +1,5 @@
 """Random arms in floats: the recursions themselves, without a tape between them and the numbers."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass, replace
 from fractions import Fraction

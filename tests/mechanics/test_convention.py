@@ -1,7 +1,5 @@
 """The other convention: the same functions of motion, exactly and in numbers, and the same table on the way back."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from itertools import product

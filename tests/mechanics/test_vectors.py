@@ -1,7 +1,5 @@
 """Vectors between joint frames; points, lines and frames in balls."""
 
-from __future__ import annotations
-
 import pytest
 
 from derive.mechanics import space

@@ -1,7 +1,5 @@
 """Models, motions and what they give out reach another process, and another variable, with all that was computed."""
 
-from __future__ import annotations
-
 import copy
 import multiprocessing
 import pickle

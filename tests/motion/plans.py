@@ -1,7 +1,5 @@
 """Plans of the skeleton and of other arms."""
 
-from __future__ import annotations
-
 PICK_AND_PLACE = """\
 robot: scara-matlab
 profile: quintic

@@ -1,7 +1,5 @@
 """Random arms and links for motions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The curve of the hand and incremental inverse kinematics: document 001, slides 25 to 32."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

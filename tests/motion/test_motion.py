@@ -1,7 +1,5 @@
 """Motions: document 004, simulation pages, and what holds of any motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from sympy import Rational, pi, sqrt

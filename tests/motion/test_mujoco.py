@@ -1,7 +1,5 @@
 """Simulations against MuJoCo, which has the arm from its MJCF; its accelerations are tested where that is written."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

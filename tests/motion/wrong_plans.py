@@ -1,7 +1,5 @@
 """Wrong plans, and how the message about each begins."""
 
-from __future__ import annotations
-
 RIGHT = """\
 robot: {name: arm, convention: standard, inverse: {task: [x, y]}, gravity: [0, -9.81, 0], links: [{mass: 1}, {mass: 1}],
   joints: [{type: revolute, a: 1, limits: [-3, 3], speed: 5, torque: 50}, {type: revolute, a: 0.5}]}

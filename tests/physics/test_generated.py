@@ -3,8 +3,6 @@
 Programs are searched with the effort that users get.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from pathlib import Path

@@ -6,8 +6,6 @@ many come out in the same form. ``python -m tests.textbooks.collection`` prints 
 ``--options`` what another value of one option of the default style gains and loses, here and in the lecture corpus.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Formulas of textbooks: all are equal to ours, most come out as printed, and a book's style is found from them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

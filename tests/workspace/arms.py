@@ -1,7 +1,5 @@
 """Arms whose workspaces have closed forms, and maps of theirs."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

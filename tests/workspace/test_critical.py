@@ -1,7 +1,5 @@
 """Positions of the end effector, and critical configurations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

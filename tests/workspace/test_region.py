@@ -1,7 +1,5 @@
 """Areas of workspaces, postures of arms, dexterous places of wrists, and the workspace of a robot as a whole."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Formulas as they are printed: read, compared, and diagnosed; slips are put in independently of what repairs them."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable, Iterator

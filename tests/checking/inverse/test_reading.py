@@ -1,7 +1,5 @@
 """How printed solutions of the inverse kinematics are read and repaired."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Printed LaTeX against a robot: left sides, meanings, equations."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How LaTeX is read: grammar, names, pieces, matrices, typography."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any

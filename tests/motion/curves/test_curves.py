@@ -1,7 +1,5 @@
 """Curves of motions: formulas of time, recordings, extremes, limits and violations."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Generated code of motions, and its polynomials."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

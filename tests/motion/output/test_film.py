@@ -1,7 +1,5 @@
 """Films of a motion."""
 
-from __future__ import annotations
-
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path

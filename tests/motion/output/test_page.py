@@ -1,7 +1,5 @@
 """The page of a motion in Chromium: the same numbers as here; played, and set by slider, keys and plots."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The plot of a motion."""
 
-from __future__ import annotations
-
 import re
 from itertools import combinations
 from typing import Any

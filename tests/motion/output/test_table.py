@@ -1,7 +1,5 @@
 """Tables, the summary, the plane and playback of a motion."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

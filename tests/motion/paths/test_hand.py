@@ -1,7 +1,5 @@
 """Curves of the hand: lines, arcs and splines."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline

@@ -1,7 +1,5 @@
 """Segments between points, poses among them, singular places, and paths q(s) with motions along them."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Simulations: energy, friction that sticks, and laws that follow."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from typing import get_args

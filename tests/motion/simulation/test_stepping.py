@@ -1,7 +1,5 @@
 """Simulations step by step, and friction that sticks: closed forms, complementarity, and both ways of integration."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

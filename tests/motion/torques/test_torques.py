@@ -1,7 +1,5 @@
 """Torques of motions on moving bases, with bodies that are carried, and their figures."""
 
-from __future__ import annotations
-
 import random
 from typing import Any
 
