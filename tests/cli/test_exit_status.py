@@ -71,11 +71,7 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     ],
 )
 def test_every_error_ends_in_one_line_and_its_status(
-    error: BaseException,
-    status: int,
-    message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    error: BaseException, status: int, message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(arguments: object) -> int:
         raise error

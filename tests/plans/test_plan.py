@@ -263,11 +263,7 @@ plant: {payload: {mass: 1}}
             r"10:\d+: path entry 2, payload, inertia: physically inconsistent: .* 0.05 kg",
         ),
         ("1}}", "1, inertia: [1, 0, 3]}}", r"11:\d+: plant, payload, inertia: physically inconsistent: .* by 2 kg"),
-        (
-            "i3: 0.3",
-            "i3: 0.4",
-            r"8:9: with these values links 1, inertia: physically inconsistent: .* by 0.1 kg",
-        ),
+        ("i3: 0.3", "i3: 0.4", r"8:9: with these values links 1, inertia: physically inconsistent: .* by 0.1 kg"),
         (
             "plant: {",
             "plant: {i1: 0.6, ",

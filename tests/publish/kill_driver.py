@@ -133,7 +133,7 @@ def builds(target: Path, kills: int) -> list[str]:
     for kill in range(kills):
         build_robot(robot("old"), target.parent, verified=False)
         process = child(lambda: build_robot(robot("new"), target.parent) and None)
-        time.sleep(seconds * 1.2 * (kill + 1) / kills)
+        time.sleep(seconds * 1.2 * kill / kills)
         os.kill(process, signal.SIGKILL)
         os.waitpid(process, 0)
         found = contents()

@@ -263,9 +263,7 @@ def test_of_a_simulation_the_rows_are_played_down_to_the_first_alone_and_its_exc
     assert made.run.q == ((0.0,), (0.0,))
 
 
-def test_motions_of_many_pieces_and_long_simulations_have_fewer_rows(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_motions_of_many_pieces_and_long_simulations_have_fewer_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("derive.motion.output.playback.MOST_NUMBERS", 32)
     motion = Motion.from_text(PICK_AND_PLACE)
     made = playback(motion)
