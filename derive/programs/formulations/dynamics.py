@@ -106,11 +106,13 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
     if n >= POLICY.fewest_articulated:
         friction = trace.with_friction(trace.zeros())
         push = [torque - loss for torque, loss in zip(trace.arguments(TAU), friction, strict=True)]
-
-        def _articulated(choices: FrameChoices) -> list[Value]:
-            return articulated_accelerations(trace.arranged(choices), trace.arguments(QD), push, choices)
-
-        yield from _searched(trace, "articulated", f"articulated bodies {_BASE}", _articulated, ALL_CHOICES)
+        yield from _searched(
+            trace,
+            "articulated",
+            f"articulated bodies {_BASE}",
+            lambda choices: articulated_accelerations(trace.arranged(choices), trace.arguments(QD), push, choices),
+            ALL_CHOICES,
+        )
 
 
 def no_accelerations(trace: Trace) -> Formulation:
