@@ -207,7 +207,10 @@ def copied_robot_text(name: str, model: str) -> str:
 
     _check_name(name)
     robot = load(model, remarks_on_bodies=False)
-    text = _robot_block(robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n"))
+    text = robot_file_bytes(model).decode("utf-8-sig").replace("\r\n", "\n").rstrip("\n") + "\n"
+    # of a corpus file the robot without what is printed about it
+    if block := re.search(r"(?m)^robot:[ \t]*(?:#.*)?\n((?:[ \t].*\n|[ \t]*\n|#.*\n)*)", text):
+        text = dedent(block[1])
     named = re.compile(rf"(?m)^(\{{?\s*(?:\"name\"|'name'|name)\s*:\s*)(['\"]?){re.escape(robot.name)}\2(?=[\s,}}]|$)")
     text = named.sub(rf"\g<1>{name}", text, count=1)
     copied = type(robot).from_text(text, f"{name}.yaml")
@@ -227,11 +230,3 @@ def _check_name(name: str) -> None:
             allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
             remedy="no Python keyword and no name of an imported package",
         )
-
-
-def _robot_block(text: str) -> str:
-    """The robot of a corpus file without what is printed about it; any other file as it is."""
-    block = re.search(
-        r"(?m)^robot:[ \t]*(?:#.*)?\n((?:[ \t].*\n|[ \t]*\n|#.*\n)*)", text if text.endswith("\n") else f"{text}\n"
-    )
-    return dedent(block[1]) if block else text

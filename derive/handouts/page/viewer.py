@@ -124,16 +124,7 @@ def viewer(
         )
         message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
         assumed = html_text(message).replace("@values@", text.listing(pairs))
-    rows = [
-        {
-            "place": place,
-            "label": html_symbol(notation.glyph(joint.variable).box.tex),
-            "name": html_text(joint.variable),
-            "unit": "deg" if way.revolute else "m",
-            **{name: f"{way.shown(getattr(way, name)):.12g}" for name in ("lower", "upper", "start")},
-        }
-        for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
-    ]
+    rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=rows,
@@ -247,6 +238,20 @@ def _configuration(
     if playback is not None:
         value["playback"] = playback.configuration
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
+
+
+def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict[str, object]]:
+    """Texts of the sliders, numbers in degrees or metres."""
+    return [
+        {
+            "place": place,
+            "label": html_symbol(notation.glyph(joint.variable).box.tex),
+            "name": html_text(joint.variable),
+            "unit": "deg" if way.revolute else "m",
+            **{name: f"{way.shown(getattr(way, name)):.12g}" for name in ("lower", "upper", "start")},
+        }
+        for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
+    ]
 
 
 def _words(_: Text) -> dict[str, str]:

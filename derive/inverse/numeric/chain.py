@@ -82,7 +82,7 @@ class NumericChain:
         # dR/dq = [z]x R and dp/dq = z x (p - o); of a slide 0 and z (Siciliano et al., section 3.1.3).
         z, o = np.stack(axes, axis=-2), np.stack(places, axis=-2)
         turning = self.revolute[:, None]
-        rotation = np.cross(np.eye(3), (z * turning)[..., None, :]) @ pose[..., None, :3, :3]
+        rotation = _cross_matrix(z * turning) @ pose[..., None, :3, :3]
         shift = np.where(turning, np.cross(z, pose[..., None, :3, 3] - o), z)
         slope = np.concatenate([rotation, shift[..., None]], axis=-1)
         return pose, slope
@@ -128,6 +128,12 @@ class Problem:
         """The largest error of an entry, without units."""
         worst: Array = np.abs(self.errors(q)[0]).max(axis=-1)
         return worst
+
+
+def _cross_matrix(v: Array) -> Array:
+    """(..., 3, 3) the matrix S with S u = v x u."""
+    matrix: Array = np.cross(np.eye(3), v[..., None, :])
+    return matrix
 
 
 def _matrix(frame: Frame[float]) -> Array:
