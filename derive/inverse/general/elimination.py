@@ -275,9 +275,7 @@ class EigenProblem:
                 break
             turn = np.full(count, 0.3 * turns + 2.0 * math.pi * k / POLICY.turns)
             rows = self.matrices(forms, turn)
-            # rows of length 1; those of zeros stay
-            sizes = (np.sqrt((part**2).sum(axis=(2, 3), keepdims=True)) for part in rows)
-            rows = tuple(part / np.where(size > 0, size, 1.0) for part, size in zip(rows, sizes, strict=True))  # type: ignore[assignment]
+            rows = tuple(part / _norm(part) for part in rows)  # type: ignore[assignment]
             # M is inverted at t = infinity: of several turns the one is kept at which it is farthest from singular.
             leading = np.concatenate([part[:, :, -1] for part in rows], axis=1)
             inverse, size = _inverse(leading)
@@ -320,6 +318,11 @@ def _inverse(matrices: Array) -> tuple[Array, Array]:
         inverse[regular] = np.linalg.inv(matrices[regular])
         return inverse, np.where(regular, np.abs(inverse).max(axis=(1, 2)), np.inf)
     return inverse, np.abs(inverse).max(axis=(1, 2))
+
+
+def _norm(rows: Array) -> Array:
+    size = np.sqrt((rows**2).sum(axis=(2, 3), keepdims=True))
+    return np.where(size > 0, size, 1.0)
 
 
 def _adjoint(matrix: Array) -> Array:

@@ -127,7 +127,10 @@ def shape_hint(key: str, value: Any) -> str:
     if key in ("com", "gravity") and isinstance(value, dict) and value.keys() <= {"x", "y", "z"}:
         return f"write {key}: [{', '.join(str(value.get(axis, 0)) for axis in 'xyz')}]"
     if key in ("base", "tool"):
-        return _frame(key, value)
+        if isinstance(value, list) and len(value) == 3 and all(isinstance(entry, str) for entry in value):
+            rows = [f"[{', '.join('1' if i == j else '0' for j in range(3))}, {value[i]}]" for i in range(3)]
+            return f"for a translation write {key}: [{', '.join(rows)}, [0, 0, 0, 1]]"
+        return f"write {key}: as four rows of four numbers, the last 0, 0, 0, 1"
     if key == "gravity" and isinstance(value, str) and re.fullmatch(_NUMBER, value.lstrip("+-")):
         return f"write the vector, for instance gravity: [0, 0, -{value.lstrip('+-')}] where z points up"
     return _BLOCKS.get(key, "")
@@ -147,14 +150,6 @@ def _limits(value: Any) -> str:
     end = r"[+-]?\d+(?:\.\d+)?"
     pair = re.fullmatch(rf"[\[(]?\s*({end})\s*(?:\.\.+|,|;|to|\s)\s*({end})\s*[\])]?", text.strip())
     return f"write limits: [{pair[1]}, {pair[2]}]" if pair else "write limits: [lower, upper]"
-
-
-def _frame(key: str, value: Any) -> str:
-    """A translation as a 4x4 transform."""
-    if isinstance(value, list) and len(value) == 3 and all(isinstance(entry, str) for entry in value):
-        rows = [f"[{', '.join('1' if i == j else '0' for j in range(3))}, {value[i]}]" for i in range(3)]
-        return f"for a translation write {key}: [{', '.join(rows)}, [0, 0, 0, 1]]"
-    return f"write {key}: as four rows of four numbers, the last 0, 0, 0, 1"
 
 
 _ENDS = (("min", "lower", "low", "from"), ("max", "upper", "high", "to"))
