@@ -9,9 +9,11 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import mul
 
-from derive.checking.formulas.diagnosis import Question
-from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
+from derive.checking.formulas.diagnosis import Question, Repair
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Comparing, Side
 from derive.checking.latex.conditions import explaining, ways
 from derive.checking.latex.equations import Sides
@@ -255,6 +257,8 @@ class _Check(Comparing):
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
         named = self._naming(sides, is_scalar_equation)
+        misplaced = [(side, finding) for side in others if (finding := self._misplaced(named, side)) is not None]
+        yield from (finding for _, finding in misplaced)
         said = [side for side in sides if side.value is not None and side not in named]
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")
@@ -268,6 +272,7 @@ class _Check(Comparing):
             text, where = self._typed(side.piece), self.plain.location(side.piece.start)
             quantity = named[0].targets[0].quantity
             yield Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, True), "", where, same=True)
+        chains += [side for side, _ in misplaced]
         sides, others = ([side for side in group if side not in chains] for group in (sides, others))
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
@@ -283,6 +288,25 @@ class _Check(Comparing):
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
 
+    def _misplaced(self, named: list[Side], side: Side) -> Finding | None:
+        """The verdict on a product of transforms in a wrong order, where matrices of the text say which frame is which."""
+        lefts = [name.left for name in named if name.left is not None]
+        kinds = {left.scripts for left in (*lefts, *side.factors)} - {None}
+        is_known = bool(lefts and lefts[0].scripts in self.scope.settled and len(kinds) == 1)
+        if not is_known or not side.factors or side.frames:
+            return None
+        rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
+        wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
+        if wanted is None or None in rights or shapes != {wanted.value.shape}:
+            return None
+        product = reduce(mul, (right.value for right in rights if right is not None))
+        table = Table(tuple(tuple(Entry(expression_from_sympy(e)) for e in row) for row in product.tolist()))
+        if wanted.fits(table) == 1:
+            return None
+        repair = Repair((), "the order of the factors: each begins at the frame to which the one before it leads", ZERO)
+        text, where = self._typed(side.piece), self.plain.location(side.piece.start)
+        return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+
     def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
         """The sides that name quantities; conditions in their arguments are kept."""
         for side in sides:
@@ -293,6 +317,7 @@ class _Check(Comparing):
                         self._states(side.piece, part, ways(values), is_of_side=True)
         first, *others = sides
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
         if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
         # r_1 = p_3 - p_0 says what r_1 is
@@ -354,7 +379,11 @@ class _Check(Comparing):
                 return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
         if may_name and left is None and (chain := factors(piece.text)):
             error = self._refused(piece, "a product of matrices", "multiply it out")
-            return Side(piece, error=error, frames=chained(self.meanings, chain, self.robot.n))
+            frames = chained(self.meanings, chain, self.robot.n)
+            # a chain names the transform from its first frame to its last one, such as T_1^0 T_2^1 = [...]
+            parts = ((), (1, 2, 3), (1, 2)) if chain[0].head == "R" else ((), (1, 2, 4), (1, 2, 3))
+            targets = tuple(Target(f"T[{frames[0]},{frames[1]}]", part, part) for part in parts) if frames else ()
+            return Side(piece, None, targets, error=error, frames=frames, factors=chain)
         if may_name and joint is not None:
             return Side(piece, left, (), joint, is_branch=True)
         if may_name and left is not None:

@@ -41,7 +41,8 @@ class Side:
     targets: tuple[Target, ...] = ()
     value: Expression | Table | None = None
     error: CheckError | None = None
-    frames: tuple[int, int] | None = None  # of a product of transforms, where it leads
+    factors: tuple[Left, ...] = ()  # of a product of transforms
+    frames: tuple[int, int] | None = None  # where such a product leads, if one factor follows the other
     is_branch: bool = False  # whether it is a joint variable with a label that may be that of a branch
 
 

@@ -10,9 +10,11 @@ from collections.abc import Callable, Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
+from derive.checking.latex.derivatives import without_derivatives
 from derive.checking.latex.grammar import MisplacedError, parsed
+from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table
-from derive.checking.latex.names import FLAT, PRIME, LatexNames, PlusMinus
+from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, PlusMinus
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
@@ -99,6 +101,8 @@ class LatexReader:
                     raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
                 text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
+            if "\\partial" in text or "\\dot" in text:
+                text = without_derivatives(text, self.names.robot, self._differentiated, self.names.standing_for)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
@@ -111,6 +115,15 @@ class LatexReader:
         formulas = [found] if not isinstance(found, Table) else [entry.formula for entry in found.entries]
         if any(expanded_terms(formula, MAX_EXPANDED_TERMS) > MAX_EXPANDED_TERMS for formula in formulas):
             raise self._refused(piece.start, "formula has too many terms when multiplied out")
+        return found
+
+    def _differentiated(self, text: str) -> Expression:
+        """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
+        left = taken_apart(text)
+        energy = None if left is None or self.names.knows(left.flat) else self.names.entry(f"{ENERGY}{left.flat}")
+        found = energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
+        if isinstance(found, Table):
+            raise CheckError("derivative of a matrix")
         return found
 
     def _long_name(self, match: re.Match[str]) -> str:

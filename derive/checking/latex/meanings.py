@@ -13,6 +13,7 @@ import sympy
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
+from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
@@ -31,7 +32,7 @@ _WAY = re.compile(r"p\[([0-9]+)\]-p\[([0-9]+)\]")  # between the origins of two 
 _OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
 _SIX_ROWS = ("J", "J_end", "J_dot", "twist")
 # Velocities of the end effector and of the joints, centres of mass: no rows of the registry.
-_OWN = ("twist", "rates", "centre")
+_OWN = ("twist", "rates", "centre", "lagrangian")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -135,6 +136,9 @@ class Meanings:
             value = sympy.ImmutableMatrix((self._model.frame(int(centre[1])) * com)[:3, :])
         elif way := _WAY.fullmatch(target.quantity):
             value = self._model.frame(int(way[1]))[:3, 3] - self._model.frame(int(way[2]))[:3, 3]
+        elif target.quantity == "lagrangian":
+            potential = self._model.quantity("potential") if self._robot.gravity else 0
+            value = self._model.quantity("kinetic") - potential
         elif of_link := _OF_LINK.fullmatch(target.quantity):
             value = self._energy(of_link[1], int(of_link[2]))
         else:
@@ -168,6 +172,14 @@ class Meanings:
         gravity = sympy.Matrix([*map(expression_to_sympy, robot.gravity or (ZERO,) * 3), 0])
         mass = expression_to_sympy(robot.links[link - 1].mass)
         return -mass * (gravity.T * quantity(f"T[0,{link}]") * centre)[0, 0]
+
+    def energy(self, name: str) -> Expression | None:
+        """An energy of the arm or of a link by its letter, L for the difference of both."""
+        letter, label = name[:1], name[1:]
+        left = Left(letter, label) if label.isdigit() or not label else Left(name)
+        energies = (t for t in self.targets(left) if t.quantity.startswith(("kinetic", "potential", "lagrangian")))
+        right = next(filter(None, map(self.right, energies)), None)
+        return expression_from_sympy(right.value[0, 0]) if right is not None else None
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
         """The transpose or inverse of a matrix."""
@@ -226,6 +238,8 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
+    if name[0] == ENERGY:
+        return meanings.energy(name[1:])
     left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     for target in meanings.targets(left) if left else ():
         if is_scalar(target) and (right := meanings.right(target)):

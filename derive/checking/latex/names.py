@@ -23,6 +23,7 @@ FLAT = {
     **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
 }
 FLAT |= {name: name for name in _GREEK.split()}
+ENERGY = "\u2202"  # before the letter of an energy that is differentiated
 PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
@@ -68,6 +69,7 @@ class LatexNames:
         self.abbreviations = dict(abbreviations or {})
         self.own = own_names(robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
+        self._derived: dict[str, Expression] = {}  # what stands for a derivative in a text
         self._known: dict[tuple[str, int], Expression] = {}
 
     def sign(self, word: str) -> str:
@@ -76,6 +78,13 @@ class LatexNames:
         sign = known.get(word, chr(0xE100 + len(self.words)))
         self.words[sign] = word
         return sign
+
+    def standing_for(self, formula: Expression) -> str:
+        """One character that stands for a formula in a text."""
+        known = (word for word, other in self._derived.items() if other == formula)
+        word = next(known, f"{ENERGY}{len(self._derived)}")
+        self._derived[word] = formula
+        return self.sign(word)
 
     def meaning(self, symbol: Symbol) -> Expression:
         """The expression that a printed name stands for."""
@@ -92,6 +101,8 @@ class LatexNames:
 
     def _meaning(self, symbol: Symbol) -> Expression:
         text = symbol.text
+        if text in self._derived:
+            return self._derived[text]
         if _CHRISTOFFEL.fullmatch(text) and (entry := self.entry(text)):  # c_{1,23}; without the comma it is a cosine
             return entry
         text = text.replace(",", "")

@@ -128,6 +128,7 @@ class Scope:
         votes: Counter[Scripts] = Counter()
         seen: Counter[Scripts] = Counter()
         self._vote_by_products(votes, seen)
+        of_products = votes.copy()
         for equation in self.equations:
             lefts, tables = self._lefts_and_tables(equation)
             for left, table in product([left for left in lefts if left.scripts][:1], tables[-1:]):
@@ -138,6 +139,7 @@ class Scope:
                 assert left.scripts is not None
                 votes[left.scripts] += (turned > usual) - (turned < usual)
                 seen[left.scripts] += turned != usual
+        self.settled = frozenset(scripts for scripts, vote in votes.items() if vote != of_products[scripts])
         turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
         for scripts in turned_round:
             agreeing = (votes[scripts] + seen[scripts]) // 2

@@ -60,7 +60,7 @@ def candidates(
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
-_SCALARS = ("christoffel", "kinetic", "potential", "detJ", "singularities")
+_SCALARS = ("christoffel", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
 def is_scalar(target: Target) -> bool:
@@ -95,7 +95,8 @@ _DYNAMIC = {
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 _ENERGIES = {
-    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin", "L"), "kinetic"),
+    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
+    "L": "lagrangian",
     **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
 }
 
@@ -123,7 +124,7 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     if energy and not left.dots and not left.factor:
         yield Target(energy)
     of_link = _ENERGIES.get(left.head, "")
-    if of_link and len(indices) == 1 and not left.dots and not left.factor:
+    if of_link and left.head != "L" and len(indices) == 1 and not left.dots and not left.factor:
         yield Target(f"{of_link}[{indices[0]}]")
 
 
