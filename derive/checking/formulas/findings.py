@@ -43,6 +43,7 @@ from derive.robot.expression import (
 )
 from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
+from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 
 RIGHT_ANGLE = 90  # degrees
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
@@ -106,10 +107,12 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
         return verdict
     numbers = dict(robot.parameters)
     if not numbers.keys().isdisjoint(names(right)) and not set(names(right)) <= set(names(printed)):
-        # the page has numbers where the file has symbols, whose numbers it gives
-        right, printed = substitute(right, numbers), substitute(printed, numbers)
-        if compare(robot, right, printed).equal:
+        # the page has numbers where the file has symbols, whose numbers it gives, in SI units or in its own
+        is_own = robot.units.millimetres and are_units_clear(robot)
+        typed = {n: in_file_units(x, symbol_unit(robot, n), robot.units) for n, x in numbers.items() if is_own}
+        if any(compare(robot, substitute(right, x), substitute(printed, x)).equal for x in (numbers, typed)):
             return Verdict(equal=True, exact=False)
+        right, printed = substitute(right, numbers), substitute(printed, numbers)
     if robot.units.millimetres and compare(robot, multiply(number(1000), right), printed).equal:
         return Verdict(equal=True, exact=False)  # numbers of the page are in the units of the file
     return Verdict(equal=True, exact=False) if _within_rounding(robot, right, printed) else verdict

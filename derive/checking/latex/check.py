@@ -20,11 +20,11 @@ from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import Symbol
-from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, frames_of, is_no_claim, other_factorisation
+from derive.checking.latex.whole import chained, factors, frames_of, is_no_claim, other_factorisation, uncertain_entries
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
@@ -60,6 +60,10 @@ def check_latex(
     if alone:
         check.scope.refuse_other_arm()
     findings = other_factorisation(model, tuple(check.findings()))
+    for lone in uncertain_entries(findings, model.n) if document else ():
+        reason = "C is not unique, and the rest of the row is not printed"
+        check.skipped.append(Skipped(lone.location, reason, lone.text))
+        findings = tuple(finding for finding in findings if finding is not lone)
     if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
@@ -71,8 +75,9 @@ def check_latex(
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
+_IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
-_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV)|,[1-8])?")
+_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
 class _Check(Comparing):
@@ -150,6 +155,10 @@ class _Check(Comparing):
                 continue
             if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
+            named = [(head, left) for begin, head, left in self.scope.namings if begin <= index]
+            self.meanings.entries = {
+                h: left for h, left in dict(named).items() if left != Left(h, arguments=left.arguments)
+            }
             told = len(self.skipped)
             found: list[Finding | Claim] = []
             try:
@@ -176,7 +185,9 @@ class _Check(Comparing):
             yield from self._said_twice()
             yield from self._defined()
             for name, side in self.scope.unused():
-                self._skip_for(side, f"defines {name}, which no other formula uses")
+                left = taken_apart(side.text)
+                if left is None or not left.is_point or self._stands_for(left) is None:
+                    self._skip_for(side, f"defines {name}, which no other formula uses")
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""
@@ -257,23 +268,25 @@ class _Check(Comparing):
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
         named = self._naming(sides, is_scalar_equation)
-        misplaced = [(side, finding) for side in others if (finding := self._misplaced(named, side)) is not None]
-        yield from (finding for _, finding in misplaced)
+        # products of transforms beside what they are said to be
+        judged = [(side, finding) for side in others if (finding := self._multiplied(named, side)) is not None]
+        yield from (finding for _, finding in judged)
         said = [side for side in sides if side.value is not None and side not in named]
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")
         if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):
             weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
-        # products of transforms that lead from the one to the other frame of what is named
-        frames = {frames_of(target, self.robot.n) for side in named for target in side.targets}
-        chains = [side for side in others if side.frames and side.frames in frames]
-        for side in chains if not said else ():
-            text, where = self._typed(side.piece), self.plain.location(side.piece.start)
-            quantity = named[0].targets[0].quantity
-            yield Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, True), "", where, same=True)
-        chains += [side for side, _ in misplaced]
+        chains = [side for side, _ in judged]
         sides, others = ([side for side in group if side not in chains] for group in (sides, others))
+        for i, side in enumerate(sides):
+            is_identity = side.error is not None and _IDENTITY.fullmatch(
+                "".join(_PLAIN.sub("", side.piece.text).split())
+            )
+            if is_identity and side is not first and (table := self._constant_matrix(named, True)) is not None:
+                sides[i] = replace(side, value=table, error=None)
+        others = sides[1:] if len(sides) > 1 else others
+        said = [side for side in sides if side.value is not None and side not in named]
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
                 yield from self._unread(side, named, side is sides[-1])
@@ -288,13 +301,14 @@ class _Check(Comparing):
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
 
-    def _misplaced(self, named: list[Side], side: Side) -> Finding | None:
-        """The verdict on a product of transforms in a wrong order, where matrices of the text say which frame is which."""
-        lefts = [name.left for name in named if name.left is not None]
-        kinds = {left.scripts for left in (*lefts, *side.factors)} - {None}
-        is_known = bool(lefts and lefts[0].scripts in self.scope.settled and len(kinds) == 1)
-        if not is_known or not side.factors or side.frames:
+    def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
+        """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
+        frames = {frames_of(target, self.robot.n): target for name in named for target in name.targets}
+        right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
+        if not side.factors or not named:
             return None
+        if side.frames in frames:  # they lead from the one to the other frame of what is named
+            return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
         rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
         wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
         if wanted is None or None in rights or shapes != {wanted.value.shape}:
@@ -302,9 +316,12 @@ class _Check(Comparing):
         product = reduce(mul, (right.value for right in rights if right is not None))
         table = Table(tuple(tuple(Entry(expression_from_sympy(e)) for e in row) for row in product.tolist()))
         if wanted.fits(table) == 1:
+            return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, replace(right, exact=False), "", where)
+        lefts = [name.left for name in named if name.left is not None]
+        kinds = {left.scripts for left in (*lefts, *side.factors)} - {None}
+        if not lefts or lefts[0].scripts not in self.scope.settled or len(kinds) != 1:
             return None
         repair = Repair((), "the order of the factors: each begins at the frame to which the one before it leads", ZERO)
-        text, where = self._typed(side.piece), self.plain.location(side.piece.start)
         return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
 
     def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
@@ -329,10 +346,15 @@ class _Check(Comparing):
         moving = [side for side in said if isinstance(side.value, Table) or not is_constant(side.value or ZERO)]
         # det J = a1 a2 s2 = 0 says where the arm is singular
         is_singular = self.document and any(not isinstance(side.value, Table) for side in moving)
+        if self.document and any(t.is_determinant or t.quantity == "detJ" for name in named for t in name.targets):
+            said = [side for side in said if side.value != ZERO]  # det J = 0 is a condition
         for side in moving if is_singular else said:
             assert side.value is not None
             text, start = self._typed(side.piece), side.piece.start
-            table = side.value if isinstance(side.value, Table) else Table(((Entry(side.value, text, start),),))
+            if self.document and side.value == ZERO and (zeros := self._constant_matrix(named, False)) is not None:
+                side = replace(side, value=zeros)
+            formula = side.value or ZERO
+            table = formula if isinstance(formula, Table) else Table(((Entry(formula, text, start),),))
             for name in named:
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if not all(finding.verdict.equal for finding in findings):
@@ -341,6 +363,16 @@ class _Check(Comparing):
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
                         raise self._refused(name.piece, what)
                 yield from findings
+
+    def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
+        """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""
+        rights = (right for name in named for target in name.targets if (right := self.meanings.right(target)))
+        shape = next((right.value.shape for right in rights), (1, 1))
+        if shape == (1, 1) or (is_identity and shape[0] != shape[1]):
+            return None
+        return Table(
+            tuple(tuple(Entry(number(int(is_identity and i == j))) for j in range(shape[1])) for i in range(shape[0]))
+        )
 
     def _is_configuration(self, side: Side, table: Table) -> bool:
         """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
@@ -372,6 +404,8 @@ class _Check(Comparing):
             known = self.plain.names  # a_1^2 is a power of a symbol of the robot
             left = None if left.flat in known.own or (left.head in "dq" and known.knows(left.flat)) else left
         targets = self.meanings.targets(left) if left else ()
+        if left is not None and left.dots and self.scope.is_own(replace(left, dots=0)):
+            targets = tuple(target for target in targets if not target.by)  # the rate of a joint, not of a vector
         if may_name and left is None and (span := _SPAN.fullmatch("".join(_PLAIN.sub("", piece.text).split()))):
             places = [self.robot.n if end.isalpha() else int(end) for end in (span[1] or "e", span[2] or "e")]
             if max(places) <= self.robot.n:
@@ -386,6 +420,11 @@ class _Check(Comparing):
             return Side(piece, None, targets, error=error, frames=frames, factors=chain)
         if may_name and joint is not None:
             return Side(piece, left, (), joint, is_branch=True)
+        if may_name and left is None and "\\partial" in piece.text:
+            with suppress(CheckError):
+                return Side(piece, value=self.reader.value(piece))
+            if targets := self.meanings.derivatives(piece.text):
+                return Side(piece, None, targets)
         if may_name and left is not None:
             point = self._stands_for(left) if has_points and left.is_point and not left.dots else None
             if point is not None:
@@ -405,9 +444,9 @@ class _Check(Comparing):
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
         lefts = [taken_apart(cell.text) for cell in piece.cells]
-        if piece.text.strip() != MATRIX_MARK or len(lefts) < 2:
+        if piece.text.strip(AROUND) != MATRIX_MARK or len(lefts) < 2:
             return False
-        return all(left and left.is_plain and left.sub and not self.scope.is_own(left) for left in lefts)
+        return all(left and left.sub and not left.dots and not self.scope.is_own(left) for left in lefts)
 
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
@@ -451,7 +490,7 @@ class _Check(Comparing):
     def _named_cells(self, first: Side, second: Side) -> list[tuple[Side, Entry]]:
         """Cells of a matrix of names beside those of the matrix that says what they are."""
         cells = first.piece.cells
-        if first.piece.text.strip() != MATRIX_MARK or not isinstance(second.value, Table):
+        if first.piece.text.strip(AROUND) != MATRIX_MARK or not isinstance(second.value, Table):
             return []
         lefts, entries = [taken_apart(cell.text) for cell in cells], second.value.entries
         targets = [tuple(filter(is_scalar, self.meanings.targets(left))) if left else () for left in lefts]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
@@ -84,7 +85,8 @@ class Comparing:
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
         is_name = is_angle or isinstance(first.value, Name | Call)
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
-        if is_parameter or (is_name and any(self.parameters.issuperset(names(other)) for other in others)):
+        given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
+        if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
             self._states(first.piece, " = ".join(self._typed(side.piece) for side in said), ways(values))
@@ -169,9 +171,16 @@ class Comparing:
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
+        is_jacobian = not fits and name.left is not None and name.left.head == "J" and table.shape != (1, 1)
+        if is_jacobian and (by_rows := self.meanings.jacobian_by_rows(table)) is not None:
+            self.scope.readings.append(f"a Jacobian is read as the rows {', '.join(map(str, by_rows.rows))} of ours")
+            rights = (by_rows,)
+            fits = [(by_rows, table)]
         if len(fits) > 1 and table.shape != (1, 1):
             fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
-        is_vague = name.left is not None and name.left.is_vague
+        is_moving = not self.rates.isdisjoint(name for entry in table.entries for name in names(entry.formula))
+        is_energy = is_moving and all(right.quantity.startswith(("kinetic", "lagrangian")) for right, _ in fits)
+        is_vague = name.left is not None and name.left.is_vague and not is_energy
         if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
@@ -188,6 +197,7 @@ class Comparing:
             quantity = chosen[0].quantity
             yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
             return
+        self._refuse_sign(name, chosen)
         wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
         if len(wrong) > 1 and (
             cause := next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
@@ -209,6 +219,15 @@ class Comparing:
             printed = f"{rights[0].quantity} printed as {table.shape[0]}x{table.shape[1]}"
             raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
         yield from chosen
+
+    def _refuse_sign(self, name: Side, chosen: tuple[Finding, ...]) -> None:
+        """The sign of det J depends on the order of rows; where the text does not print them it is not known."""
+        for found in chosen if self.document and not (self.meanings.has_jacobian or self.meanings.jacobian) else ():
+            question = found.question if found.quantity in ("detJ", "det J") and not found.verdict.equal else None
+            if question and compare(self.robot, negate(question.right), question.printed).equal:
+                raise self._refused(
+                    name.piece, "the sign depends on the order of the rows, which the text does not print"
+                )
 
     def _posed(self, poses: Poses, known: set[str], name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings with the usual meaning of names of the pose, and the meaning of points that makes all right."""

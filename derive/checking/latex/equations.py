@@ -161,7 +161,7 @@ def _unmerged(sides: Sides) -> Iterator[Sides]:
     for i, side in enumerate(sides[1:-1], 1):
         mark = side.text.find(MATRIX_MARK)
         name = taken_apart(side.text[mark + 1 :]) if mark >= 0 and not side.text[:mark].strip() else None
-        if name is not None and name.sub + name.sup and sides[i + 1].text.strip() == MATRIX_MARK:
+        if name is not None and name.sub + name.sup and sides[i + 1].text.strip().startswith(MATRIX_MARK):
             yield (*sides[:i], side.part(0, mark + 1))
             yield from _unmerged((side.part(mark + 1, len(side.text)), *sides[i + 1 :]))
             return

@@ -13,9 +13,9 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from derive.checking.latex.derivatives import without_derivatives
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.left import taken_apart
-from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.matrices import Entry, Table, joined_blocks
 from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, PlusMinus
-from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, PrintedMatrix
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
 from derive.robot.expression import ZERO, Expression, expanded_terms
@@ -94,7 +94,7 @@ class LatexReader:
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
         tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
         try:
-            text = piece.text
+            text = _DOUBLE_PLUS.sub(" ", piece.text)
             if self.names.signs is not None:  # a document, with labels of branches and primed names of its own
                 text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
                 if ALTERNATIVE.search(text):
@@ -151,7 +151,10 @@ class LatexReader:
             lengths = " and ".join(map(str, sorted({len(row) for row in matrix.rows}))) or "no"
             remedy = r"check & and \\ of its rows"
             raise CheckError(f"matrix whose rows have {lengths} entries", remedy=remedy, location=where)
-        table = Table(tuple(tuple(self._entry(cell) for cell in row) for row in matrix.rows))
+        if any(cell.text.strip(AROUND) == MATRIX_MARK for row in matrix.rows for cell in row):
+            table = joined_blocks([[self.value(cell) for cell in row] for row in matrix.rows])
+        else:
+            table = Table(tuple(tuple(self._entry(cell) for cell in row) for row in matrix.rows))
         if matrix.is_determinant and (determinant := table.determinant).unknown is not None:
             raise determinant.unknown
         return determinant.formula if matrix.is_determinant else table
@@ -226,3 +229,4 @@ _PRIMED_NAME = re.compile(
     rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
 _BRACKET = re.compile(r"[][(){}]")
+_DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too

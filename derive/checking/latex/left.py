@@ -6,9 +6,9 @@ from enum import StrEnum
 
 from derive.checking.latex.names import FLAT, PRIME
 
-_FONT = re.compile(
+FONT = re.compile(
     r"\\(?:mathbf|boldsymbol|bm|pmb|mathcal|mathscr|mathrm|mathit|mathsf|mathtt|mathnormal|vec|text|textrm|textbf|textit|"
-    r"operatorname\*?|underline|mbox)(?![A-Za-z])"
+    r"operatorname\*?|underline|mbox|hat|widehat|overrightarrow)(?![A-Za-z])"
 )
 _SPACE = re.compile(r"\s|~|\\(?:quad|qquad|enspace)(?![A-Za-z])")
 _SCRIPT = re.compile(r"(?P<mark>[_^])(?P<script>\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9*])")
@@ -87,7 +87,9 @@ class Left:
     @property
     def is_point(self) -> bool:
         """Whether it is a coordinate of a point of some link, such as x_2, or its speed."""
-        return (self.head in AXES or self.head == "v") and self.sub.isdigit() and not self.sup + self.before
+        is_component = self.head in ("p", "P", "v") and re.fullmatch(r"[cCgG]?[1-9][xyz]", self.sub)
+        is_whole = self.head in (*AXES, "v") and self.sub.isdigit()
+        return bool(is_component or is_whole) and not self.sup + self.before
 
     @property
     def is_vague(self) -> bool:
@@ -119,7 +121,7 @@ class Left:
 
 def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
-    tight = "".join(_FONT.sub("", text).split())
+    tight = "".join(FONT.sub("", text).split())
     if _GRADIENT.fullmatch(tight):
         return Left("g")
     if partial := _PARTIAL.fullmatch(tight):
@@ -166,12 +168,14 @@ def taken_apart(text: str) -> Left | None:
 
 def _undressed(text: str) -> tuple[str, bool]:
     """A side without fonts, blanks and brackets around all of it, and whether it is a determinant."""
-    rest = _FONT.sub("", _SPACE.sub(" ", text)).replace(" ", "").replace("\\prime", "'")
+    rest = FONT.sub("", _SPACE.sub(" ", text)).replace(" ", "").replace("\\prime", "'")
     determinant = False
     if match := re.fullmatch(r"(?:\\det|det|\{det\})(.*)", rest) or re.fullmatch(r"\|(.*)\|", rest):
         rest, determinant = match[1], True
         while (inner := re.fullmatch(r"[({](.*)[)}]", rest)) and _ARGUMENTS.fullmatch("(" + inner[1] + ")"):
             rest = inner[1]
+    rest = re.sub(r"^\{\}", "", rest)
+    rest = re.sub(r"^\{([_^](?:\{\w+\}|\w))\}", r"\1", rest)
     while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
         rest = single
     if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
@@ -187,6 +191,10 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
             found["'"], text = found.get("'", "") + "'", text[1:]
         elif match := _SCRIPT.match(text):
             script = re.sub(r"\\([A-Za-z]+)", lambda m: FLAT.get(m[1], m[1]), match["script"])
+            if (framed := re.fullmatch(r"\{(\w+),?\((\d)\)\}", script)) and match[
+                "mark"
+            ] == "_":  # z_{2(1)}, seen in frame 1
+                found["^"], script = framed[2], framed[1]
             script = re.sub(r"[_^{}()\\]", "", script)
             mark = "'" if script and not script.strip("'") else match["mark"]
             found[mark], text = found.get(mark, "") + script, text[match.end() :]

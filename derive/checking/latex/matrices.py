@@ -6,12 +6,12 @@ matrices has changed has none of its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 from derive.errors import CheckError, UnknownNameError
-from derive.robot.expression import Expression, add, multiply, negate
+from derive.robot.expression import ZERO, Expression, add, multiply, negate
 
 LARGEST_DETERMINANT = 4  # rows of a determinant that is expanded; larger ones nobody prints
 
@@ -86,6 +86,24 @@ class Table:
             raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
         formula = _expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows))
         return _computed(formula, *self.entries)
+
+
+def joined_blocks(rows: Sequence[Sequence[Expression | Table]]) -> Table:
+    """A matrix of matrices; a zero among them is a block of zeros."""
+    blocks = [[block if isinstance(block, Table) else Table(((Entry(block),),)) for block in row] for row in rows]
+    heights = [max(block.shape[0] for block in row) for row in blocks]
+    widths = [max(block.shape[1] for block in column) for column in zip(*blocks, strict=True)]
+    whole: list[tuple[Entry, ...]] = []
+    for row, height in zip(blocks, heights, strict=True):
+        parts = []
+        for block, width in zip(row, widths, strict=True):
+            if block.shape == (1, 1) and block.rows[0][0].formula == ZERO:
+                block = Table(((block.rows[0][0],) * width,) * height)
+            if block.shape != (height, width):
+                raise CheckError(f"block {_size(block)} of a matrix", allowed=f"allowed: {height}x{width} here")
+            parts.append(block.rows)
+        whole += [tuple(chain(*line)) for line in zip(*parts, strict=True)]
+    return Table(tuple(whole))
 
 
 def _computed(formula: Expression, *parts: Entry) -> Entry:

@@ -7,11 +7,12 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import sympy
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
-from derive.checking.latex.left import Left, Reading, Turned, taken_apart
+from derive.checking.latex.left import FONT, Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
@@ -23,16 +24,24 @@ from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
 from derive.robot.expression import ZERO, Expression, Name, add, multiply, names
-from derive.robot.names import joint_label, velocity_name
+from derive.robot.names import acceleration_name, joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 _CENTRE = re.compile(r"centre\[([0-9]+)\]")  # of mass of a link, in the world
 _WAY = re.compile(r"p\[([0-9]+)\]-p\[([0-9]+)\]")  # between the origins of two frames, in the world
+_JACOBIAN_AT = re.compile(r"J_at\[([0-9]+)\]")  # of the velocity of the origin of a frame
+_OMEGA = re.compile(r"omega\[([0-9]+),([0-9]+)\]")  # of a link, in the axes of a frame
+_OF_TIME = re.compile(
+    r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"
+)
+_PARTIAL = re.compile(
+    r"\\[dt]?frac\{\\partial(?P<above>.*)\}\{\\partial\{?(?P<rate>\\dot)?\{?(?:\\(?:var)?[Tt]heta|[qd])\}?_?\{?(?P<label>[0-9]*)\}*\}"
+)
 _OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
 _SIX_ROWS = ("J", "J_end", "J_dot", "twist")
 # Velocities of the end effector and of the joints, centres of mass: no rows of the registry.
-_OWN = ("twist", "rates", "centre", "lagrangian")
+_OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "base", "tool", "J_at")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -92,6 +101,10 @@ class Meanings:
         self.torque = 0  # which index of a Christoffel symbol is that of the torque
         self.reading: Reading = frozenset()
         self.is_angular_first = False  # whether a whole Jacobian has the rows of the angular velocity above
+        self.jacobian: Table | None = None  # a square Jacobian of the text that has other rows than ours
+        self.has_jacobian = False  # whether the text prints one that is ours
+        self.bases: frozenset[str] = frozenset()  # letters of the text for the frame that all else is seen from
+        self.entries: dict[str, Left] = {}  # letters for entries of a matrix, and that matrix
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
@@ -101,6 +114,12 @@ class Meanings:
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
+        indices = re.fullmatch(r"([1-9]),?([1-9])", left.sub) if left.is_plain and left.head in self.entries else None
+        if indices is not None:
+            entry = int(indices[1]), int(indices[2])
+            return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
+        if left.before in self.bases:
+            left = replace(left, before="0")
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
             left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}
@@ -108,8 +127,8 @@ class Meanings:
             name, _, place = target.quantity.partition("[")
             if name in _OWN or REGISTRY[name].is_of(self._robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
-                    indices = place.removesuffix("]").split(",")
-                    target = replace(target, quantity=f"{name}[{','.join([indices.pop(self.torque), *indices])}]")
+                    order = place.removesuffix("]").split(",")
+                    target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
                 found[target] = None
         columns = [target for target in found if target.columns == (2,)]
         return tuple(columns if self.has_o_columns and left.head == "o" and columns else found)
@@ -118,6 +137,11 @@ class Meanings:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""
         if self.is_angular_first and target.quantity in _SIX_ROWS and not target.rows and not target.is_determinant:
             target = replace(target, rows=(4, 5, 6, 1, 2, 3))
+        if self.jacobian is not None and (
+            target.quantity == "detJ" or (target.is_determinant and target.quantity == "J")
+        ):
+            determinant = expression_to_sympy(self.jacobian.determinant.formula)
+            return Right("detJ", sympy.ImmutableMatrix([[determinant]]), (0,), (0,))
         if target not in self._rights:
             self._rights[target] = None
             with suppress(QuantityError, IndexError):
@@ -126,11 +150,59 @@ class Meanings:
         is_opposed = self.has_gravity_opposed and found is not None and target.quantity == "g"
         return replace(found, value=-found.value) if is_opposed and found is not None else found
 
+    def jacobian_by_rows(self, table: Table) -> Right | None:
+        """Our Jacobian with the rows that a printed one has, in its order, where most are rows of ours."""
+        ours, width = self._model.quantity("J"), table.shape[1]
+        if not 1 < width <= ours.cols or not 1 < table.shape[0] <= ours.rows:
+            return None
+        rest, rows = [i for i in range(ours.rows) if any(ours.row(i))], list[int | None]()
+        for printed in table.rows:
+            own = Table((printed,))
+            fits = (i for i in rest if not any(ours[i, width:]) and Right("J", ours[i, :width], (), ()).fits(own) == 1)
+            rows.append(next(fits, None))
+            rest = [i for i in rest if i != rows[-1]]
+        known = [i for i in rows if i is not None]
+        if 2 * len(known) <= len(rows) or (width < ours.cols and None in rows):
+            return None
+        left = iter(rest)
+        chosen = [next(left, None) if i is None else i for i in rows]
+        found = [i for i in chosen if i is not None]
+        part = ours.extract(found, list(range(width)))
+        return (
+            Right("J", part, tuple(i + 1 for i in found), tuple(range(1, width + 1)))
+            if len(found) == len(rows)
+            else None
+        )
+
     def _derived(self, target: Target) -> Right:
+        if target.entry or target.by:
+            whole = self._derived(replace(target, entry=(), by=()))
+            value = reduce(self._slope, target.by, whole.value)
+            if not target.entry:
+                rows, columns = _whole("", value).rows if whole.rows == (0,) else whole.rows, whole.columns
+                return Right(f"derivative of {whole.quantity}", value, rows, columns)
+            i, j = target.entry
+            return Right(whole.quantity, value.extract([i - 1], [j - 1]), (i,), (j,))
         if target.quantity == "twist":
             value = sympy.ImmutableMatrix([expression_to_sympy(self.velocity(row)) for row in range(6)])
         elif target.quantity == "rates":
             value = sympy.ImmutableMatrix([sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints])
+        elif turn := _OMEGA.fullmatch(target.quantity):
+            # the angular velocity of a link is the sum of those of the joints before it
+            columns = self._model.quantity("J")[3:, : int(turn[1])]
+            value = columns * sympy.Matrix(
+                [sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints[: columns.cols]]
+            )
+            value = sympy.ImmutableMatrix(self._model.frame(int(turn[2]))[:3, :3].T * value if int(turn[2]) else value)
+        elif at := _JACOBIAN_AT.fullmatch(target.quantity):
+            q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in self._robot.joints])
+            point = sympy.Matrix(self._model.frame(int(at[1]))[:3, 3])
+            value = sympy.ImmutableMatrix(point.jacobian(q).col_join(self._model.quantity("J")[3:, :]))
+        elif target.quantity in ("base", "tool"):
+            cells = self._robot.base if target.quantity == "base" else self._robot.tool
+            value = sympy.ImmutableMatrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
+        elif target.quantity == "gravity":
+            value = sympy.ImmutableMatrix([expression_to_sympy(cell) for cell in self._robot.gravity or ()])
         elif centre := _CENTRE.fullmatch(target.quantity):
             com = sympy.Matrix([*map(expression_to_sympy, self._robot.links[int(centre[1]) - 1].com), 1])
             value = sympy.ImmutableMatrix((self._model.frame(int(centre[1])) * com)[:3, :])
@@ -172,6 +244,39 @@ class Meanings:
         gravity = sympy.Matrix([*map(expression_to_sympy, robot.gravity or (ZERO,) * 3), 0])
         mass = expression_to_sympy(robot.links[link - 1].mass)
         return -mass * (gravity.T * quantity(f"T[0,{link}]") * centre)[0, 0]
+
+    def _slope(self, value: Matrix, by: str) -> Matrix:
+        """The derivative of a matrix by a variable or time, or of one formula by all joint variables or velocities."""
+        q = [sympy.Symbol(joint.variable) for joint in self._robot.joints]
+        qd = [sympy.Symbol(velocity_name(joint.variable)) for joint in self._robot.joints]
+        if by in ("q", "qd"):
+            return sympy.ImmutableMatrix([value[0, 0].diff(name) for name in (q if by == "q" else qd)])
+        if by != "t":
+            return value.diff(sympy.Symbol(by))
+        qdd = [sympy.Symbol(acceleration_name(joint.variable)) for joint in self._robot.joints]
+        steps = zip((*q, *qd), (*qd, *qdd), strict=True)
+        return sympy.ImmutableMatrix(sum((value.diff(name) * rate for name, rate in steps), 0 * value))
+
+    def derivatives(self, text: str) -> tuple[Target, ...]:
+        r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
+        text, by = "".join(FONT.sub("", text).split()), list[str]()
+        while match := _OF_TIME.fullmatch(text):
+            text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
+        match = _PARTIAL.fullmatch(text)
+        left = taken_apart(match["above"]) if match else None
+        if match is None or left is None:
+            return ()
+        if not match["label"]:
+            by = [f"q{match['rate'] and 'd'}", *by]
+        else:
+            named = [j.variable for j in self._robot.joints if joint_label(j.variable) == match["label"]]
+            by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
+        if by == ["q"] and left.head in "pPx":  # the derivative of a position
+            return Target("J", (1, 2, 3)), Target("J", (1, 2))
+        of = (
+            t for t in self.targets(left) if match["label"] or t.quantity.startswith(("kinetic", "potential", "lagr"))
+        )
+        return tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
 
     def energy(self, name: str) -> Expression | None:
         """An energy of the arm or of a link by its letter, L for the difference of both."""

@@ -10,6 +10,7 @@ from derive.errors import CheckError, Location, listed, quoted
 from derive.robot.parser import place
 
 MATRIX_MARK = "\ue000"  # stands for a matrix in the text of a side
+AROUND = "()[] \n"  # what may stand around a matrix without changing it
 # Environments of matrices; with a star too.
 MATRICES = ("bmatrix", "pmatrix", "matrix", "Bmatrix", "vmatrix", "Vmatrix", "array", "smallmatrix", "psmallmatrix")
 MAX_NESTED = 12  # environments inside each other, the text counted

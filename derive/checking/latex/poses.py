@@ -28,7 +28,7 @@ from derive.robot.robot import Robot
 CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
 MARK = "⌖"  # first letter of what stands for a name of the pose
 # A coordinate of a point of a link, or its speed; with a letter before the number it is the centre of mass.
-_POINT = re.compile(r"([xyzXYZv])_?([cCgG]?)_?([1-9])")
+_POINT = re.compile(r"([xyzXYZv])_?([cCgG]?)_?([1-9])|([pPv])_?([cCgG]?)_?([1-9])_?([xyz])")
 WRIST = 3  # joints of a wrist
 
 
@@ -108,12 +108,14 @@ class Poses:
         self._model, self._names = model, PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         has_centres = bool(model.robot.links)
-        self._centres = {word for word, match in points.items() if match[2] and has_centres}
-        self._points = {
-            word: ("xyzv".index(match[1].lower()), int(match[3]))
+        self._centres = {word for word, match in points.items() if (match[2] or match[5]) and has_centres}
+        # the axis of each, 3 for a speed, from 4 on for a coordinate of the velocity, and the link
+        axes = {
+            word: ("xyzv".index((match[1] or match[7]).lower()) + 4 * (match[4] == "v"), int(match[3] or match[6]))
             for word, match in points.items()
-            if int(match[3]) <= model.n and word not in own_names(model.robot) and (has_centres or not match[2])
+            if has_centres or not (match[2] or match[5])
         }
+        self._points = {w: at for w, at in axes.items() if at[1] <= model.n and w not in own_names(model.robot)}
 
     @property
     def has_o_columns(self) -> bool:
@@ -236,6 +238,7 @@ class Poses:
         kinds = {name: Points.CENTRE if name in self._centres else kind for name in self._points}
         found = {name: self._point(k, kinds[name]) for name, (_, k) in self._points.items()}
         points = {name: found[name][axis] for name, (axis, _) in self._points.items() if axis < 3}
+        points |= {name: self._rate(found[name][axis - 4]) for name, (axis, _) in self._points.items() if axis > 3}
         squares = {name: [self._rate(x) ** 2 for x in found[name]] for name in found if name not in points}
         speeds = {name: sympy.sqrt(sympy.Add(*terms)) for name, terms in squares.items()}
         return _placed(points | speeds | {f"{name}'": self._rate(point) for name, point in points.items()})

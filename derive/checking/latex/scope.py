@@ -11,10 +11,10 @@ from itertools import islice, product
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
-from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
 from derive.checking.latex.names import plus_minus
-from derive.checking.latex.pieces import LatexPiece
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.whole import chained, factors
@@ -73,6 +73,7 @@ class Scope:
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
+        self.meanings.bases = self._base_letters() if document else frozenset()
         self._signs = plus_minus() if document else None
         self.readings: list[str] = []
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
@@ -87,6 +88,8 @@ class Scope:
         if self.meanings.has_gravity_opposed:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
+        self._settle_jacobian()
+        self.namings = list(self._named_entries()) if document else []
 
     def refuse_other_arm(self) -> None:
         """A document whose formulas name more joints than the robot has is about another arm."""
@@ -161,6 +164,41 @@ class Scope:
             rows = "the rows of the angular velocity above those of the linear one"
             self.readings.append(f"Jacobians are read with {rows}")
         return is_turned
+
+    def _base_letters(self) -> frozenset[str]:
+        """A letter that is the reference of all matrices with scripts before them, and the frame of none."""
+        sides = (side for equation in self.equations for side in equation if not side.matrices)
+        lefts = [left for side in sides if (left := taken_apart(side.text)) and left.before and left.head in "TMRHJA"]
+        letters = {left.before for left in lefts}
+        frames = {left.sub + left.before_sub for left in lefts}
+        return frozenset(letters if len(letters) == 1 and len(lefts) > 2 and not letters & frames else ()) - set(
+            "0123456789"
+        )
+
+    def _settle_jacobian(self) -> None:
+        """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
+        for equation in self.equations:
+            for left, table in product(*self._lefts_and_tables(equation)):
+                if left.head != "J" or left.sub or left.turned or left.dots:
+                    continue
+                rights = filter(None, map(self.meanings.right, self.meanings.targets(left)))
+                fits = any(right.likeness(fitting) > 0.5 for right in rights if (fitting := right.fitting(table)))
+                self.meanings.has_jacobian |= fits
+                if not fits and table.shape[0] == table.shape[1] <= LARGEST_DETERMINANT:
+                    self.meanings.jacobian = table
+
+    def _named_entries(self) -> Iterator[tuple[int, str, Left]]:
+        r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
+        for index, equation in enumerate(self.equations):
+            lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+            rows = next((s.matrices[0].rows for s in equation if s.text.strip(AROUND) == MATRIX_MARK), ())
+            cells = [
+                (f"{i}{j}", taken_apart(cell.text)) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1)
+            ]
+            heads = Counter(left.head for place, left in cells if left and left.is_plain and left.sub == place)
+            for head, count in heads.most_common(1):
+                if lefts and count > 2 and lefts[0].head not in ("T", "A", "H", "R"):
+                    yield index, head, lefts[0]
 
     def _opposes_gravity(self, equation: Sides) -> bool:
         r"""Whether an equation of motion in symbols has gravity with the torques, as in ``M \ddot q = \tau + g``."""

@@ -32,6 +32,10 @@ class Target:
     columns: Indices = ()  # the columns that are meant; none for all
     is_determinant: bool = False  # whether its determinant is meant
     turned: Turned = Turned.NOT  # whether the transpose of these rows and columns is meant, their inverse, or both
+    entry: Indices = ()  # row and column of the one entry of all this that is meant
+    by: tuple[
+        str, ...
+    ] = ()  # by what it is differentiated: a joint variable or its velocity, "q", "qd" (all of them), "t"
 
 
 def candidates(
@@ -50,12 +54,14 @@ def candidates(
                 left = replace(left, sub=left.sub[::-1])
     if tool and str(n + 1) in (left.sub, left.before_sub) and left.sup + left.before in _BASE:
         left = replace(left, sub="tool" if left.sub else "", before_sub="tool" if left.before_sub else "")
-    found = (*_named(left), *_dynamics(left, n), *_velocities(left), *_jacobians(left, n))
+    found = (*_named(left), *_dynamics(left, n), *_velocities(left, n), *_jacobians(left, n))
+    still = left if left.head in AXES or left.sub[:1] in AXES else replace(left, dots=0)
     for label in dict.fromkeys((first, 1)):
-        found = (*found, *_kinematics(left, n, label))
+        found = (*found, *(replace(target, by=("t",) * left.dots) for target in _kinematics(still, n, label)))
     if left.is_determinant:
         whole = [Target("singularities" if left.primes else "detJ")] if left.head == "J" and not left.sub else []
-        found = (*whole, *(replace(target, is_determinant=True) for target in found))
+        parts = (t for t in found if left.head in ("R", "C", "J") or not t.quantity.startswith(("T", "A")))
+        found = (*whole, *(replace(target, is_determinant=True) for target in parts))
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
@@ -66,7 +72,7 @@ _SCALARS = ("christoffel", "kinetic", "potential", "lagrangian", "detJ", "singul
 def is_scalar(target: Target) -> bool:
     """Whether a target is one formula."""
     entry = len(target.rows) == 1 and (len(target.columns) == 1 or target.quantity in _VECTORS)
-    return entry or target.is_determinant or target.quantity.startswith(_SCALARS)
+    return entry or bool(target.entry) or target.is_determinant or target.quantity.startswith(_SCALARS)
 
 
 def _named(left: Left) -> Iterator[Target]:
@@ -120,6 +126,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
             yield Target(quantity)
         elif len(indices) == (1 if is_vector else 2) and not quantity.startswith("regressor"):
             yield Target(quantity, indices[:1], indices[1:])
+    if left.head in "gG" and left.sub in ("", "0") and not left.dots + len(left.factor + left.arguments):
+        yield Target("gravity")
     energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
     if energy and not left.dots and not left.factor:
         yield Target(energy)
@@ -128,11 +136,24 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
         yield Target(f"{of_link}[{indices[0]}]")
 
 
-def _velocities(left: Left) -> Iterator[Target]:
+def _velocities(left: Left, n: int) -> Iterator[Target]:
     """Of the end effector, and of the joints."""
     is_velocity = (left.head in ("v", "V", "xi", "nu") and not left.dots) or (left.head in "pP" and left.dots == 1)
     if is_velocity and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((), (1, 2, 3), (1, 2), (1, 2, 6)))
+    if left.head == "omega" and not left.dots and left.sub.isdigit() and 0 < int(left.sub) <= n:
+        name = f"omega[{left.sub},{left.sub if (left.sup or left.before) == left.sub else 0}]"
+        yield from (Target(name, rows) for rows in ((), (3,)))
+    if left.head == "omega" and not left.dots and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
+        yield from (Target("twist", rows) for rows in ((4, 5, 6), (6,)))
+    if (
+        left.head == "v"
+        and not left.dots
+        and left.sup in ("", "0")
+        and (point := re.fullmatch(r"([cCG]?)([1-9])", left.sub))
+    ):
+        at = (Target(f"T[0,{point[2]}]", (1, 2, 3), (4,)), Target(f"centre[{point[2]}]"))[bool(point[1]) :]
+        yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
     if left.head in ("q", "theta") and left.dots == 1 and not left.sub + left.sup + left.arguments:
         yield Target("rates")
 
@@ -166,6 +187,9 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         return
     names = ["J_end", "J"] if in_end else ["J"]
     indices = _indices(sub, n) if not frames or sub == str(n) else ()
+    if sub in ("w", "W", "wrist", "wc") and n > 3:
+        at = (f"J_at[{k}]" for k in (n - 2, n - 1))
+        yield from (Target(name, rows) for name in at for rows in ((), (1, 2, 3)))
     if not sub or frames:
         for name in names:
             yield from (Target(name), Target(name, (1, 2)), Target(name, (1, 2, 3)), Target(name, (1, 2, 6)))
@@ -200,7 +224,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         for name in _frames(left, n, first):
             # of three rows the rotation alone, or the plane of a planar arm
             parts = ((1, 2, 3), (1, 2, 4)) if head == "T" else ((1, 2, 4),)
-            yield from (Target(name), *(Target(name, part, part) for part in parts))
+            yield from (Target(name), *(Target(name, part, part) for part in parts), Target(name, (1, 2, 3)))
     if head in ("R", "C", "Rot") and not (head == "C" and plain):
         for name in _frames(left, n, first):
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
@@ -248,6 +272,17 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     pair = re.fullmatch(r"([0-9A-Za-z]),?([0-9A-Za-z])", lower)
     if pair and not upper and lower not in _END and lower not in _BASE and not (lower.isdigit() and int(lower) <= n):
         lower, upper = pair[2], pair[1]
+    chain = re.fullmatch(r"[1-9]{2,}", lower) if left.head in ("A", "T") and not upper else None
+    if chain and lower in "123456789" and int(lower[-1]) <= n and len(lower) > 2:  # A_{234} = A_2 A_3 A_4
+        yield f"T[{int(lower[0]) - 1},{lower[-1]}]"
+        return
+    lower = re.sub("^0(?:to|rightarrow)", "", lower) if upper in ("", *_BASE) else lower  # P_{0 \\to 3}
+    if lower in (str(n + 1), *_END) and upper == str(n):
+        yield "tool"
+    if lower in ("w", "W", "wrist", "wc") and upper in ("", *_BASE) and n > 3:
+        yield from (f"T[{k}]" for k in (n - 2, n - 1))
+    if lower == "0" and upper in _BASE and upper != "0":
+        yield "base"
     frame, reference = _frame(lower, n, first), _frame(upper, n, first)
     if lower == "0" and not upper and left.head in ("z", "p", "o", "O"):
         yield "T[0]"

@@ -6,6 +6,7 @@ an error at the same place of the text as it was typed.
 """
 
 import re
+import unicodedata
 
 PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a function of time, ``q_1'(t)``
 # A word between two formulas of which either may hold.
@@ -50,6 +51,7 @@ _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
     r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{[^{}]*[_^\\])"
 )
+_MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(
     {
         **dict.fromkeys("\u2212\u2010\u2011\u2013", "-"),
@@ -62,6 +64,7 @@ _SAME = str.maketrans(
 
 def cleaned(text: str, time: bool = True) -> str:
     r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
+    text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
     text = without_comments(text.translate(_SAME))
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced

@@ -12,7 +12,7 @@ from derive.checking.formulas.findings import Finding
 from derive.checking.latex.left import Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
-from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.targets import Target
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -32,7 +32,7 @@ _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p
 
 def _names_its_columns(piece: LatexPiece) -> bool:
     """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
-    if len(piece.matrices) != 1 or piece.text.strip() != MATRIX_MARK:
+    if len(piece.matrices) != 1 or piece.text.strip(AROUND) != MATRIX_MARK:
         return False
     lefts = [taken_apart(cell.text) for cell in piece.cells if cell.text.strip() not in "01"]
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
@@ -63,6 +63,14 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
         return compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal
 
     other = [i for i in wrong if is_right(i)]
+    for i in wrong if sum(f.verdict.equal and f.right != 0 for f in entries.values()) < len(entries) / 2 else ():
+        cause = f"row {i} times qd is not row {i} of C qd; which of its entries is wrong is not certain"
+        findings = tuple(
+            replace(f, cause=cause)
+            if i not in other and f.row == i and f.quantity == "C" and not f.verdict.equal
+            else f
+            for f in findings
+        )
     note = ", another factorisation with the same C qd"
     if len(rows) == model.n and other == wrong:
         sums = (
@@ -75,6 +83,16 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
         other = rows
     equal = Verdict(equal=True, exact=True)
     return tuple(replace(f, verdict=equal, note=note) if f.quantity == "C" and f.row in other else f for f in findings)
+
+
+def uncertain_entries(findings: tuple[Finding, ...], n: int) -> frozenset[Finding]:
+    """Wrong entries of C in rows that are not printed as a whole, which may be those of another factorisation."""
+    entries = [f for f in findings if f.quantity == "C" and f.row and f.column]
+    wrong = [f for f in entries if not f.verdict.equal]
+    if sum(f.verdict.equal and f.right != 0 for f in entries) >= len(wrong):  # the text has this factorisation
+        return frozenset()
+    columns = {row: {f.column for f in entries if f.row == row} for row in range(1, n + 1)}
+    return frozenset(f for f in wrong if len(columns[f.row]) < n)
 
 
 def one_cause(right: Right, table: Table) -> str:
