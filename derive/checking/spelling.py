@@ -96,10 +96,14 @@ def _fraction(match: re.Match[str]) -> str:
     return match[0] if all(part.startswith("{") for part in match.groups()[1:]) else match[1] + "".join(parts)
 
 
+_OVER = re.compile(
+    r"\{\s*(\\partial(?![A-Za-z])(?:[^{}]|\{[^{}]*\})*?)\\over(?![A-Za-z])((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}"
+)
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
     (_FRACTION, _fraction),
+    (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),
     (_OLD_MATRIX, lambda m: f"\\begin{{{m[1]}}}{_ROW_END.sub(_TWO, m[2])}\\end{{{m[1]}}}"),

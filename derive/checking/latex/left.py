@@ -101,6 +101,7 @@ class Left:
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
             # velocities, energies of links, speeds, forces on a body
             or self.head in ("v", "xi", "nu")
+            or self.head == "k"
             or (self.head in ("V", "v", "F", "f", "u", "h") and len(self.sub) == 1 and self.sub.isdigit())
         )
 
@@ -109,7 +110,7 @@ class Left:
         """Whether it is a function of numbers and lengths, such as the T(alpha, a, d, theta) of a row of the table."""
         arguments = self.arguments.strip("{}").removeprefix("(").removesuffix(")").split(",")
         plain = re.compile(
-            r"|(?:\\d*dot)?[{]?(?:\\boldsymbol|\\mathbf|\\vec)?[{]?(?:q|\\(?:var)?theta|d|t)[}]?(?:_?[{]?[0-9a-z]+[}]?)?[}]?|\\[cl]?dots"
+            r"|(?:\\d*dot)?[{]?(?:\\boldsymbol|\\mathbf|\\vec)?[{]?(?:q|\\(?:var)?[tT]heta|d|t)[}]?(?:_?[{]?[0-9a-z]+[}]?)?[}]?|\\[cl]?dots"
         )
         return len(arguments) > 1 and not all(plain.fullmatch(argument) for argument in arguments)
 

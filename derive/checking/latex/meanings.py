@@ -267,7 +267,7 @@ class Meanings:
         if match is None or left is None:
             return ()
         if not match["label"]:
-            by = [f"q{match['rate'] and 'd'}", *by]
+            by = ["qd" if match["rate"] else "q", *by]
         else:
             named = [j.variable for j in self._robot.joints if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
@@ -278,12 +278,13 @@ class Meanings:
         )
         return tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
 
-    def energy(self, name: str) -> Expression | None:
-        """An energy of the arm or of a link by its letter, L for the difference of both."""
+    def differentiated(self, name: str) -> Expression | None:
+        """An energy of the arm or of a link by its letter, L for their difference, or an entry of B."""
         letter, label = name[:1], name[1:]
         left = Left(letter, label) if label.isdigit() or not label else Left(name)
-        energies = (t for t in self.targets(left) if t.quantity.startswith(("kinetic", "potential", "lagrangian")))
-        right = next(filter(None, map(self.right, energies)), None)
+        known = ("kinetic", "potential", "lagrangian", "B")
+        found = (t for t in self.targets(left) if is_scalar(t) and t.quantity.startswith(known))
+        right = next(filter(None, map(self.right, found)), None)
         return expression_from_sympy(right.value[0, 0]) if right is not None else None
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
@@ -344,7 +345,7 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
     if name[0] == ENERGY:
-        return meanings.energy(name[1:])
+        return meanings.differentiated(name[1:])
     left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     for target in meanings.targets(left) if left else ():
         if is_scalar(target) and (right := meanings.right(target)):

@@ -102,8 +102,8 @@ _DYNAMIC = {
 }  # fmt: skip
 _ENERGIES = {
     **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
-    "L": "lagrangian",
-    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
+    **{"L": "lagrangian", "k": "kinetic"},
+    **dict.fromkeys(("U", "V", "P", "u", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
 }
 
 
@@ -253,7 +253,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
     if column and plain and not left.sub:
         yield Target("T", (1, 2, 3), (column,))
-    if head in ("p", "P", "o", "O", "d", "r", "x", "X"):
+    if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
+        yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
+    elif head in ("p", "P", "o", "O", "d", "r", "x", "X"):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)))
         for name in _frames(left, n, first):

@@ -63,14 +63,12 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
         return compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal
 
     other = [i for i in wrong if is_right(i)]
-    for i in wrong if sum(f.verdict.equal and f.right != 0 for f in entries.values()) < len(entries) / 2 else ():
+    is_ours = sum(f.verdict.equal and f.right != 0 for f in entries.values()) >= len(entries) / 2
+    for i in () if is_ours else set(wrong) - set(other):
         cause = f"row {i} times qd is not row {i} of C qd; which of its entries is wrong is not certain"
-        findings = tuple(
-            replace(f, cause=cause)
-            if i not in other and f.row == i and f.quantity == "C" and not f.verdict.equal
-            else f
-            for f in findings
-        )
+        slips = {f for f in findings if f.quantity == "C" and f.row == i and not f.verdict.equal and not f.cause}
+        if len({f.column for f in slips}) > 1:
+            findings = tuple(replace(f, cause=cause) if f in slips else f for f in findings)
     note = ", another factorisation with the same C qd"
     if len(rows) == model.n and other == wrong:
         sums = (
