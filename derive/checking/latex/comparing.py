@@ -174,16 +174,10 @@ class Comparing:
         is_jacobian = not fits and name.left is not None and name.left.head == "J" and table.shape != (1, 1)
         if is_jacobian and (by_rows := self.meanings.jacobian_by_rows(table)) is not None:
             self.scope.readings.append(f"a Jacobian is read as the rows {', '.join(map(str, by_rows.rows))} of ours")
-            rights = (by_rows,)
-            fits = [(by_rows, table)]
+            rights, fits = (by_rows,), [(by_rows, table)]
         if len(fits) > 1 and table.shape != (1, 1):
             fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
-        is_moving = not self.rates.isdisjoint(name for entry in table.entries for name in names(entry.formula))
-        is_energy = is_moving and all(right.quantity.startswith(("kinetic", "lagrangian")) for right, _ in fits)
-        is_vague = name.left is not None and name.left.is_vague and not is_energy
-        if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
-            shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
-            raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
+        self._refuse_vague(name, table, fits)
         for right, fitting in fits:
             found = tuple(self._entries(right, fitting, offset))
             if all(finding.unknown or finding.verdict.equal for finding in found):
@@ -211,14 +205,28 @@ class Comparing:
             has_rates = not self.rates.isdisjoint(names(entry.formula))
             is_token = name.left is not None and name.left.head in ("c", "s") and not has_rates
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
-        if not chosen and not rights:
-            where, allowed = self.plain.location(name.piece.start), "inverses of transforms and of at most 3 rows"
-            raise CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
         if not chosen:
-            shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
-            printed = f"{rights[0].quantity} printed as {table.shape[0]}x{table.shape[1]}"
-            raise CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
+            raise self._unfit(name, rights, table, offset)
         yield from chosen
+
+    def _unfit(self, name: Side, rights: tuple[Right, ...], table: Table, offset: int) -> CheckError:
+        """Of what is printed in a shape that nothing has which is meant."""
+        if not rights:
+            allowed = "inverses of transforms and of at most 3 rows"
+            where = self.plain.location(name.piece.start)
+            return CheckError(f"{quoted(self._typed(name.piece))} is not derived", allowed=allowed, location=where)
+        shapes = " or ".join(dict.fromkeys(f"{r.value.shape[0]}x{r.value.shape[1]}" for r in rights))
+        printed = f"{rights[0].quantity} printed as {table.shape[0]}x{table.shape[1]}"
+        return CheckError(printed, allowed=f"allowed: {shapes}", location=self.plain.location(offset))
+
+    def _refuse_vague(self, name: Side, table: Table, fits: list[tuple[Right, Table]]) -> None:
+        """A letter for anything names a matrix only if most entries fit; an energy is certain where something moves."""
+        is_moving = not self.rates.isdisjoint(name for entry in table.entries for name in names(entry.formula))
+        is_energy = is_moving and all(right.quantity.startswith(("kinetic", "lagrangian")) for right, _ in fits)
+        is_vague = name.left is not None and name.left.is_vague and not is_energy
+        if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
+            shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
+            raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
 
     def _refuse_sign(self, name: Side, chosen: tuple[Finding, ...]) -> None:
         """The sign of det J depends on the order of rows; where the text does not print them it is not known."""

@@ -10,15 +10,17 @@ from collections.abc import Callable, Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
-from derive.checking.latex.derivatives import without_derivatives
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table, joined_blocks
 from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, PlusMinus
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece, PrintedMatrix
+from derive.checking.latex.quantities import slope
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
-from derive.robot.expression import ZERO, Expression, expanded_terms
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
+from derive.robot.expression import ZERO, Expression, Name, expanded_terms, names
+from derive.robot.names import acceleration_name, own_names, velocity_name
 from derive.robot.parser import place
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
@@ -56,6 +58,16 @@ _MACRO_REMEDIES = {
     **dict.fromkeys(("arctan", "arccos", "arcsin"), r"write \operatorname{atan2}(y, x)"),
     **dict.fromkeys(("approx", "simeq", "leq", "geq", "le", "ge", "neq", "sim"), "only equations can be compared"),
 }
+
+
+MAX_TERMS = 20_000  # of a formula that is differentiated, multiplied out
+_INNER = r"(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*"
+_BRACKETED = r"(?:\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)|\[(?:[^][]|\[[^][]*\])*\])"
+_DEL = r"\\partial(?![A-Za-z])"
+_PARTIAL = re.compile(
+    rf"\\[dtc]?frac\s*\{{\s*{_DEL}(?P<above>{_INNER})\}}\s*\{{\s*{_DEL}(?P<below>{_INNER})\}}(?P<behind>\s*{_BRACKETED})?"
+)
+_TOTAL = rf"\\dot\s*(?:(?P<sign>[%s])|(?P<bracket>{_BRACKETED})|\{{\s*(?P<inner>[%s]|{_BRACKETED})\s*\}})"
 
 
 class LatexReader:
@@ -230,3 +242,39 @@ _PRIMED_NAME = re.compile(
 )
 _BRACKET = re.compile(r"[][(){}]")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
+
+
+def without_derivatives(
+    text: str, robot: Robot, read: Callable[[str], Expression], sign: Callable[[Expression], str]
+) -> str:
+    """A formula with one sign for each derivative in it, as long as before; read says what a part stands for."""
+    signs = "\0"
+    while match := _PARTIAL.search(text):
+        above, end = match["above"], match.end()
+        if above.strip():
+            end -= len(match["behind"] or "")
+        else:
+            above = match["behind"] or ""
+        variable = read(match["below"])
+        by = variable.name if isinstance(variable, Name) else ""
+        if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
+            raise CheckError("derivative by what is not a joint variable or its velocity")
+        signs += (found := sign(_derivative(robot, read(above), by)))
+        text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
+    while match := re.search(_TOTAL % (signs, signs), text):
+        signs += (found := sign(_derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
+        text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
+    return text
+
+
+def _derivative(robot: Robot, formula: Expression, by: str) -> Expression:
+    """The derivative of a formula that has names of the robot alone."""
+    joints = [joint.variable for joint in robot.joints]
+    moving = {name for q in joints for name in (q, velocity_name(q), acceleration_name(q))}
+    if isinstance(formula, Name) and formula.name not in moving:
+        raise CheckError("derivative of a symbol")
+    if not own_names(robot).union(moving).issuperset(names(formula)):
+        raise CheckError("derivative of what has other names than those of the robot")
+    if expanded_terms(formula, MAX_TERMS) > MAX_TERMS:
+        raise CheckError("derivative of a formula with too many terms")
+    return expression_from_sympy(slope(robot, expression_to_sympy(formula), by))

@@ -101,7 +101,6 @@ class Left:
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
             # velocities, energies of links, speeds, forces on a body
             or self.head in ("v", "xi", "nu")
-            or self.head == "k"
             or (self.head in ("V", "v", "F", "f", "u", "h") and len(self.sub) == 1 and self.sub.isdigit())
         )
 

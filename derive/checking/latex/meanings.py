@@ -16,6 +16,7 @@ from derive.checking.latex.left import FONT, Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
+from derive.checking.latex.quantities import OWN, own_quantity, slope
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
@@ -23,25 +24,18 @@ from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import ZERO, Expression, Name, add, multiply, names
-from derive.robot.names import acceleration_name, joint_label, velocity_name
+from derive.robot.expression import Expression, names
+from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
-_CENTRE = re.compile(r"centre\[([0-9]+)\]")  # of mass of a link, in the world
-_WAY = re.compile(r"p\[([0-9]+)\]-p\[([0-9]+)\]")  # between the origins of two frames, in the world
-_JACOBIAN_AT = re.compile(r"J_at\[([0-9]+)\]")  # of the velocity of the origin of a frame
-_OMEGA = re.compile(r"omega\[([0-9]+),([0-9]+)\]")  # of a link, in the axes of a frame
 _OF_TIME = re.compile(
     r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"
 )
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial(?P<above>.*)\}\{\\partial\{?(?P<rate>\\dot)?\{?(?:\\(?:var)?[Tt]heta|[qd])\}?_?\{?(?P<label>[0-9]*)\}*\}"
 )
-_OF_LINK = re.compile(r"(kinetic|potential)\[([0-9]+)\]")
 _SIX_ROWS = ("J", "J_end", "J_dot", "twist")
-# Velocities of the end effector and of the joints, centres of mass: no rows of the registry.
-_OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "base", "tool", "J_at")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -125,7 +119,7 @@ class Meanings:
         found: dict[Target, None] = {}
         for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None):
             name, _, place = target.quantity.partition("[")
-            if name in _OWN or REGISTRY[name].is_of(self._robot):
+            if name in OWN or REGISTRY[name].is_of(self._robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
@@ -183,38 +177,8 @@ class Meanings:
                 return Right(f"derivative of {whole.quantity}", value, rows, columns)
             i, j = target.entry
             return Right(whole.quantity, value.extract([i - 1], [j - 1]), (i,), (j,))
-        if target.quantity == "twist":
-            value = sympy.ImmutableMatrix([expression_to_sympy(self.velocity(row)) for row in range(6)])
-        elif target.quantity == "rates":
-            value = sympy.ImmutableMatrix([sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints])
-        elif turn := _OMEGA.fullmatch(target.quantity):
-            # the angular velocity of a link is the sum of those of the joints before it
-            columns = self._model.quantity("J")[3:, : int(turn[1])]
-            value = columns * sympy.Matrix(
-                [sympy.Symbol(velocity_name(j.variable)) for j in self._robot.joints[: columns.cols]]
-            )
-            value = sympy.ImmutableMatrix(self._model.frame(int(turn[2]))[:3, :3].T * value if int(turn[2]) else value)
-        elif at := _JACOBIAN_AT.fullmatch(target.quantity):
-            q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in self._robot.joints])
-            point = sympy.Matrix(self._model.frame(int(at[1]))[:3, 3])
-            value = sympy.ImmutableMatrix(point.jacobian(q).col_join(self._model.quantity("J")[3:, :]))
-        elif target.quantity in ("base", "tool"):
-            cells = self._robot.base if target.quantity == "base" else self._robot.tool
-            value = sympy.ImmutableMatrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
-        elif target.quantity == "gravity":
-            value = sympy.ImmutableMatrix([expression_to_sympy(cell) for cell in self._robot.gravity or ()])
-        elif centre := _CENTRE.fullmatch(target.quantity):
-            com = sympy.Matrix([*map(expression_to_sympy, self._robot.links[int(centre[1]) - 1].com), 1])
-            value = sympy.ImmutableMatrix((self._model.frame(int(centre[1])) * com)[:3, :])
-        elif way := _WAY.fullmatch(target.quantity):
-            value = self._model.frame(int(way[1]))[:3, 3] - self._model.frame(int(way[2]))[:3, 3]
-        elif target.quantity == "lagrangian":
-            potential = self._model.quantity("potential") if self._robot.gravity else 0
-            value = self._model.quantity("kinetic") - potential
-        elif of_link := _OF_LINK.fullmatch(target.quantity):
-            value = self._energy(of_link[1], int(of_link[2]))
-        else:
-            value = self._model.quantity(target.quantity)
+        value = own_quantity(self._model, target.quantity)
+        value = self._model.quantity(target.quantity) if value is None else value
         if not hasattr(value, "shape"):
             value = sympy.ImmutableMatrix([[value]])
             return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))
@@ -234,28 +198,12 @@ class Meanings:
             columns = (0,)
         return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
 
-    def _energy(self, kind: str, link: int) -> Expr:
-        """The energy of one link, qd' B_i qd / 2 or -m_i g' p_i."""
-        robot, quantity = self._robot, self._model.quantity
-        if kind == "kinetic":
-            rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
-            return (rates.T * quantity(f"B_link[{link}]") * rates)[0, 0] / 2
-        centre = sympy.Matrix([*map(expression_to_sympy, robot.links[link - 1].com), 1])
-        gravity = sympy.Matrix([*map(expression_to_sympy, robot.gravity or (ZERO,) * 3), 0])
-        mass = expression_to_sympy(robot.links[link - 1].mass)
-        return -mass * (gravity.T * quantity(f"T[0,{link}]") * centre)[0, 0]
-
     def _slope(self, value: Matrix, by: str) -> Matrix:
-        """The derivative of a matrix by a variable or time, or of one formula by all joint variables or velocities."""
-        q = [sympy.Symbol(joint.variable) for joint in self._robot.joints]
-        qd = [sympy.Symbol(velocity_name(joint.variable)) for joint in self._robot.joints]
-        if by in ("q", "qd"):
-            return sympy.ImmutableMatrix([value[0, 0].diff(name) for name in (q if by == "q" else qd)])
-        if by != "t":
-            return value.diff(sympy.Symbol(by))
-        qdd = [sympy.Symbol(acceleration_name(joint.variable)) for joint in self._robot.joints]
-        steps = zip((*q, *qd), (*qd, *qdd), strict=True)
-        return sympy.ImmutableMatrix(sum((value.diff(name) * rate for name, rate in steps), 0 * value))
+        """The derivative of a matrix, or of one formula by all joint variables or velocities."""
+        if by not in ("q", "qd"):
+            return sympy.ImmutableMatrix(slope(self._robot, value, by))
+        moving = [j.variable if by == "q" else velocity_name(j.variable) for j in self._robot.joints]
+        return sympy.ImmutableMatrix([slope(self._robot, value[0, 0], name) for name in moving])
 
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
@@ -264,6 +212,7 @@ class Meanings:
             text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
         match = _PARTIAL.fullmatch(text)
         left = taken_apart(match["above"]) if match else None
+        left = replace(left, arguments=left.arguments or "(q)") if left is not None and left.flat in "ku" else left
         if match is None or left is None:
             return ()
         if not match["label"]:
@@ -312,12 +261,6 @@ class Meanings:
         domain = self._model.domain
         return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
 
-    def velocity(self, row: int) -> Expression:
-        """A coordinate of the velocity of the end effector, a row of J times the joint velocities."""
-        rates = (Name(velocity_name(joint.variable)) for joint in self._robot.joints)
-        row_of_j = self._model.quantity("J").row(row)
-        return add(*(multiply(expression_from_sympy(entry), rate) for entry, rate in zip(row_of_j, rates, strict=True)))
-
     def asked(self, quantity: str) -> Iterator[Right]:
         """What is asked about: an entry, or a quantity as a whole, or parts of it."""
         with suppress(QuantityError):
@@ -341,7 +284,9 @@ def is_rate(name: str) -> bool:
 def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expression | None:
     """The entry of a quantity with the name that it has in print, such as b12 and c1,22; None where there is none."""
     if rate := _RATE.fullmatch(name):
-        return meanings.velocity("xyz".index((rate[1] or rate[2]).lower()))
+        axis = "xyz".index((rate[1] or rate[2]).lower()) + 1
+        right = meanings.right(Target("twist", (axis,)))
+        return expression_from_sympy(right.value[0, 0]) if right else None
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
     if name[0] == ENERGY:

@@ -17,12 +17,13 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
+from derive.checking.latex.quantities import own_quantity, slope
 from derive.errors import CheckError, Location
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Call, Expression, Name, names, substitute
-from derive.robot.names import own_names, velocity_name
+from derive.robot.names import own_names
 from derive.robot.robot import Robot
 
 CERTAIN = 1  # equations that must be right in one reading of the pose before another one is wrong
@@ -237,28 +238,24 @@ class Poses:
         """What the names of points stand for, and those of their velocities."""
         kinds = {name: Points.CENTRE if name in self._centres else kind for name in self._points}
         found = {name: self._point(k, kinds[name]) for name, (_, k) in self._points.items()}
-        points = {name: found[name][axis] for name, (axis, _) in self._points.items() if axis < 3}
-        points |= {name: self._rate(found[name][axis - 4]) for name, (axis, _) in self._points.items() if axis > 3}
-        squares = {name: [self._rate(x) ** 2 for x in found[name]] for name in found if name not in points}
-        speeds = {name: sympy.sqrt(sympy.Add(*terms)) for name, terms in squares.items()}
-        return _placed(points | speeds | {f"{name}'": self._rate(point) for name, point in points.items()})
+        moving = {name: slope(self._model.robot, point, "t") for name, point in found.items()}
+        values: dict[str, Expr] = {}
+        for name, (axis, _) in self._points.items():
+            if axis == 3:  # the speed
+                values[name] = sympy.sqrt(sympy.Add(*(rate**2 for rate in moving[name])))
+            else:
+                values[name] = moving[name][axis - 4] if axis > 3 else found[name][axis]
+                values[f"{name}'"] = slope(self._model.robot, values[name], "t")
+        return _placed(values)
 
     def _point(self, link: int, kind: Points) -> Matrix:
         """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
-            frame, centre = self._model.quantity(f"T[{link}]"), map(expression_to_sympy, robot.links[link - 1].com)
-            return frame[:3, 3] + frame[:3, :3] * sympy.Matrix(list(centre))
+            return own_quantity(self._model, f"centre[{link}]")
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
         return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
-
-    def _rate(self, point: Expr) -> Expr:
-        """The velocity of a coordinate by the chain rule."""
-        symbols = {symbol.name: symbol for symbol in point.free_symbols}
-        joints = [joint.variable for joint in self._model.robot.joints if joint.variable in symbols]
-        rates = (sympy.Symbol(velocity_name(name)) for name in joints)
-        return sympy.Add(*(point.diff(symbols[name]) * rate for name, rate in zip(joints, rates, strict=True)))
 
 
 def _is_right(finding: Finding | None) -> bool:

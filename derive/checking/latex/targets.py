@@ -102,8 +102,8 @@ _DYNAMIC = {
 }  # fmt: skip
 _ENERGIES = {
     **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
-    **{"L": "lagrangian", "k": "kinetic"},
-    **dict.fromkeys(("U", "V", "P", "u", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
+    "L": "lagrangian",
+    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
 }
 
 
@@ -129,6 +129,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     if left.head in "gG" and left.sub in ("", "0") and not left.dots + len(left.factor + left.arguments):
         yield Target("gravity")
     energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
+    if left.arguments and left.flat in "ku":  # k(q, qd) and u(q), which are names of anything without arguments
+        energy = "kinetic" if left.flat == "k" else "potential"
     if energy and not left.dots and not left.factor:
         yield Target(energy)
     of_link = _ENERGIES.get(left.head, "")
@@ -203,6 +205,11 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield Target("J_zyz")
     if sub in ("11", "12", "21", "22"):
         yield Target(f"J_{sub}")
+    yield from _jacobian_parts(sub, n, indices)
+
+
+def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
+    """Columns and entries."""
     if (match := re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)) and int(match[2]) <= n:
         rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
         if rows:

@@ -1,0 +1,65 @@
+"""Quantities that pages print and the registry does not have: velocities, centres of mass, energies of links, rates."""
+
+import re
+from typing import Any
+
+import sympy
+
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
+from derive.model.model import Model
+from derive.robot.expression import ZERO
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Robot
+
+# Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
+OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "base", "tool", "J_at")
+
+
+def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
+    """A quantity by its name, in the world; None where it is one of the registry."""
+    robot, places = model.robot, list(map(int, re.findall("[0-9]+", name)))
+    rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+    jacobian = sympy.Matrix(model.quantity("J"))
+    match name.partition("[")[0], places:
+        case "twist", _:
+            return jacobian * rates
+        case "rates", _:
+            return rates
+        case "omega", [link, frame]:  # of a link, in the axes of a frame: the sum over the joints before it
+            omega = jacobian[3:, :link] * rates[:link, :]
+            return model.frame(frame)[:3, :3].T * omega if frame else omega
+        case "J_at", [frame]:  # of the origin of a frame
+            q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in robot.joints])
+            return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(q).col_join(jacobian[3:, :])
+        case (("base" | "tool"), _):
+            cells = robot.base if name == "base" else robot.tool
+            return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
+        case "gravity", _:
+            return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
+        case "centre", [link]:
+            return (model.frame(link) * _centre(robot, link))[:3, :]
+        case "p", [end, start] if "-" in name:
+            return model.frame(end)[:3, 3] - model.frame(start)[:3, 3]
+        case "lagrangian", _:
+            return model.quantity("kinetic") - (model.quantity("potential") if robot.gravity else 0)
+        case "kinetic", [link]:  # qd' B_i qd / 2
+            return (rates.T * model.quantity(f"B_link[{link}]") * rates)[0, 0] / 2
+        case "potential", [link]:  # -m_i g' p_i
+            gravity = sympy.Matrix([*map(expression_to_sympy, robot.gravity or (ZERO,) * 3), 0])
+            height = (gravity.T * model.quantity(f"T[0,{link}]") * _centre(robot, link))[0, 0]
+            return -expression_to_sympy(robot.links[link - 1].mass) * height
+    return None
+
+
+def _centre(robot: Robot, link: int) -> Matrix:
+    """The centre of mass of a link in its frame, homogeneous."""
+    return sympy.Matrix([*map(expression_to_sympy, robot.links[link - 1].com), 1])
+
+
+def slope(robot: Robot, value: Expr | Matrix, by: str) -> Any:
+    """The derivative of a formula or a matrix by a joint variable, a velocity, or "t", which gives accelerations."""
+    if by != "t":
+        return value.diff(sympy.Symbol(by))
+    joints = [joint.variable for joint in robot.joints]
+    rates = {q: velocity_name(q) for q in joints} | {velocity_name(q): acceleration_name(q) for q in joints}
+    return sum((value.diff(sympy.Symbol(name)) * sympy.Symbol(rate) for name, rate in rates.items()), 0 * value)

@@ -1,0 +1,156 @@
+"""What the sides of one printed equation say: quantities by their names, formulas, matrices, products of transforms."""
+
+import re
+from contextlib import suppress
+from dataclasses import replace
+from functools import reduce
+from operator import mul
+
+from derive.checking.formulas.diagnosis import Repair
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
+from derive.checking.latex.comparing import Comparing, Side
+from derive.checking.latex.left import Left, taken_apart
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.names import Symbol
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
+from derive.checking.latex.scope import Scope
+from derive.checking.latex.targets import Target, is_scalar
+from derive.checking.latex.whole import chained, factors, frames_of
+from derive.errors import CheckError
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import Verdict
+from derive.robot.expression import ZERO, Expression, Name, number
+
+_PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
+_SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
+_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
+
+
+class SideReading(Comparing):
+    """Reads the sides of the equations of one text."""
+
+    def __init__(self, scope: Scope, quantity: str) -> None:
+        super().__init__(scope, quantity)
+        self.reader = scope.reader(0)
+
+    def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
+        """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
+        frames = {frames_of(target, self.robot.n): target for name in named for target in name.targets}
+        right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
+        if not side.factors or not named:
+            return None
+        if side.frames in frames:  # they lead from the one to the other frame of what is named
+            return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
+        rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
+        wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
+        if wanted is None or None in rights or shapes != {wanted.value.shape}:
+            return None
+        product = reduce(mul, (right.value for right in rights if right is not None))
+        table = Table(tuple(tuple(Entry(expression_from_sympy(e)) for e in row) for row in product.tolist()))
+        if wanted.fits(table) == 1:
+            return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, replace(right, exact=False), "", where)
+        lefts = [name.left for name in named if name.left is not None]
+        kinds = {left.scripts for left in (*lefts, *side.factors)} - {None}
+        if not lefts or lefts[0].scripts not in self.scope.settled or len(kinds) != 1:
+            return None
+        repair = Repair((), "the order of the factors: each begins at the frame to which the one before it leads", ZERO)
+        return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+
+    def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
+        """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""
+        rights = (right for name in named for target in name.targets if (right := self.meanings.right(target)))
+        shape = next((right.value.shape for right in rights), (1, 1))
+        if shape == (1, 1) or (is_identity and shape[0] != shape[1]):
+            return None
+        return Table(
+            tuple(tuple(Entry(number(int(is_identity and i == j))) for j in range(shape[1])) for i in range(shape[0]))
+        )
+
+    def _side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
+        is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
+        left = None if is_formula else taken_apart(piece.text)
+        joint = self._branch_of(left) if left is not None else None
+        if left is not None and joint is None and left.sup.isdigit() and replace(left, sup="").is_plain:
+            known = self.plain.names  # a_1^2 is a power of a symbol of the robot
+            left = None if left.flat in known.own or (left.head in "dq" and known.knows(left.flat)) else left
+        targets = self.meanings.targets(left) if left else ()
+        if left is not None and left.dots and self.scope.is_own(replace(left, dots=0)):
+            targets = tuple(target for target in targets if not target.by)  # the rate of a joint, not of a vector
+        if may_name and left is None and (span := _SPAN.fullmatch("".join(_PLAIN.sub("", piece.text).split()))):
+            places = [self.robot.n if end.isalpha() else int(end) for end in (span[1] or "e", span[2] or "e")]
+            if max(places) <= self.robot.n:
+                quantity = f"p[{places[0]}]-p[{places[1]}]"
+                return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
+        if may_name and left is None and (chain := factors(piece.text)):
+            error = self._refused(piece, "a product of matrices", "multiply it out")
+            frames = chained(self.meanings, chain, self.robot.n)
+            # a chain names the transform from its first frame to its last one, such as T_1^0 T_2^1 = [...]
+            parts = ((), (1, 2, 3), (1, 2)) if chain[0].head == "R" else ((), (1, 2, 4), (1, 2, 3))
+            targets = tuple(Target(f"T[{frames[0]},{frames[1]}]", part, part) for part in parts) if frames else ()
+            return Side(piece, None, targets, error=error, frames=frames, factors=chain)
+        if may_name and joint is not None:
+            return Side(piece, left, (), joint, is_branch=True)
+        if may_name and left is None and "\\partial" in piece.text:
+            with suppress(CheckError):
+                return Side(piece, value=self.reader.value(piece))
+            if targets := self.meanings.derivatives(piece.text):
+                return Side(piece, None, targets)
+        if may_name and left is not None:
+            point = self._stands_for(left) if has_points and left.is_point and not left.dots else None
+            if point is not None:
+                return Side(piece, left, (), point)
+            if targets and not self.scope.is_own(left):
+                return Side(piece, left, targets)
+        try:
+            return Side(piece, left, targets, self.reader.value(piece))
+        except CheckError as error:
+            return Side(piece, left, targets, error=error)
+
+    def _stands_for(self, left: Left) -> Expression | None:
+        """What stands for a name of the pose or of a point until it is known which one is meant."""
+        poses = self.scope.poses
+        return None if poses is None or self.scope.is_own(left) else poses.placeholder(left.flat)
+
+    def _names_new_entries(self, piece: LatexPiece) -> bool:
+        """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""
+        lefts = [taken_apart(cell.text) for cell in piece.cells]
+        if piece.text.strip(AROUND) != MATRIX_MARK or len(lefts) < 2:
+            return False
+        return all(left and left.sub and not left.dots and not self.scope.is_own(left) for left in lefts)
+
+    def _branch_of(self, left: Left) -> Expression | None:
+        r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
+        match = _LABELLED.fullmatch(left.sub)
+        is_labelled = match is not None and (left.primes or left.sup or match["joint"] != left.sub)
+        if not self.document or match is None or not is_labelled or left.dots:
+            return None
+        name = Symbol(left.head + match["joint"], 0)
+        is_joint = left.head in ("theta", "q", "d") and self.plain.names.knows(name.text)
+        meaning = self.plain.names.meaning(name) if is_joint else None
+        if not isinstance(meaning, Name) or meaning.name not in self.joints:
+            return None
+        # a slide with a number above it is a power
+        return None if left.sup.isdigit() and not self.joints[meaning.name].is_revolute else meaning
+
+    def _said(self, side: Side, derived: bool) -> Side:
+        """What a side says that names a quantity, too: its formula, or else what is derived for it."""
+        read = self._side(side.piece, False)
+        if read.value is not None or not derived:
+            return read
+        rights = (self.meanings.right(target) for target in side.targets)
+        value = next((right.value for right in rights if right is not None), None)
+        if value is None:
+            return read
+        rows = (tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in value.tolist())
+        return Side(side.piece, value=Table(tuple(rows)))
+
+    def _named_cells(self, first: Side, second: Side) -> list[tuple[Side, Entry]]:
+        """Cells of a matrix of names beside those of the matrix that says what they are."""
+        cells = first.piece.cells
+        if first.piece.text.strip(AROUND) != MATRIX_MARK or not isinstance(second.value, Table):
+            return []
+        lefts, entries = [taken_apart(cell.text) for cell in cells], second.value.entries
+        targets = [tuple(filter(is_scalar, self.meanings.targets(left))) if left else () for left in lefts]
+        if len(cells) != len(entries) or not all(targets):
+            return []
+        return [(Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
