@@ -17,7 +17,14 @@ from derive.checking.latex.typography import blank, without_comments
 from derive.checking.spelling import from_plain_text, spelled
 from derive.errors import CheckError, Location, near_miss, quoted
 
-KINDS = {".tex": "LaTeX", ".md": "Markdown", ".markdown": "Markdown", ".ipynb": "a notebook", ".txt": "text"}
+KINDS = {
+    ".tex": "LaTeX",
+    ".md": "Markdown",
+    ".rst": "reStructuredText",
+    ".markdown": "Markdown",
+    ".ipynb": "a notebook",
+    ".txt": "text",
+}
 LARGEST = 10_000_000  # bytes of a document
 MAX_EXPANSIONS = 20_000  # calls of an author's macros that are written out in one document
 MAX_DEPTH = 20  # macros inside each other; what is deeper stays as it is, and its formula is not understood
@@ -178,7 +185,7 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
 
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
-    r"|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
+    r"|:math:`(?P<role>[^`\n]+)`|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
@@ -197,6 +204,8 @@ def _markdown(text: str) -> str:
     r"""Markdown with blanks for code and HTML; ``\\(`` and ``\\[`` are how it writes ``\(`` and ``\[``."""
 
     def without_code(match: re.Match[str]) -> str:
+        if match["role"]:
+            return f"      ${match['role']}$"
         if match["math"]:
             return f"$ {match['math']} $"
         language = (match["language"] or "").casefold()

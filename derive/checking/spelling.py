@@ -26,6 +26,10 @@ _EQUATION = re.compile(
     r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3])[ \t]*[.,;]?[ \t]*$",
     re.MULTILINE,
 )
+_DIRECTIVE = re.compile(
+    r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
+    re.MULTILINE,
+)
 _WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
 _WORD = re.compile(
     r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi)_?(?P<index>[0-9]*)(?![A-Za-z]))"
@@ -45,14 +49,21 @@ def spelled(text: str) -> Spelled:
 
 def from_plain_text(text: str) -> Spelled:
     """The equations of a text without mathematics between signs, each a display: ``theta2 = atan2(y, x)``."""
-    if _MATHEMATICS.search(text):
-        return text, range(len(text))
+    found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
+    if _MATHEMATICS.search(found[0]):
+        return found
 
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
         return match[0] if _WORDS.search(equation) else f"$${_WORD.sub(_macro, equation)}$$"
 
     return _rewritten((text, range(len(text))), _EQUATION, display)
+
+
+def _display(match: re.Match[str]) -> str:
+    """A block of mathematics of reStructuredText as displays, one for each paragraph."""
+    body = re.sub(r"(?m)^[ \t]+:[a-z]+:[^\n]*$", "", f"{match['line']}\n{match['body']}").strip("\n")
+    return "$$" + re.sub(r"\n[ \t]*\n(?=[ \t]*\S)", "$$\n\n$$", body) + "$$\n\n"
 
 
 def _macro(match: re.Match[str]) -> str:
@@ -103,6 +114,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
     (_FRACTION, _fraction),
+    (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),

@@ -38,7 +38,7 @@ CONFIGURATIONS = 12  # configurations of each
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
 _ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
-_WRIST = re.compile(r"[pP]?[wWcC]([xyz])|([xyz])[wWcC]")
+_WRIST = re.compile(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])")
 _COORDINATE = re.compile(r"([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|goal)?")
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
@@ -74,7 +74,7 @@ class PoseNames:
             elif found := _COORDINATE.fullmatch(short):
                 entries[word] = "xyz".index(found[1].lower()) + 1, 4
             elif found := _WRIST.fullmatch(short):
-                wrist[word] = "xyz".index(found[1] or found[2])
+                wrist[word] = "xyz".index((found[1] or found[2]).lower())
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
         example = _Arm(
             robot,

@@ -224,7 +224,12 @@ class _Check(SideReading):
             return  # a cell of a table
         if side.inline and "\\partial" not in side.text:
             left = taken_apart(side.text) if "=" in self.text[side.end :].lstrip()[:2] else None
-            if left is None or self.scope.is_own(left) or not self.meanings.targets(left):
+            end = self.text.find("$", side.end)
+            is_solution = re.search(r"\\(?:arc|cos|sin|tan|sqrt|operatorname)|atan2", self.text[side.end : end])
+            is_own = left is None or self.scope.is_own(left)
+            if not (left and is_own and is_solution and isinstance(error, UnknownNameError)) and (
+                left is None or is_own or not self.meanings.targets(left)
+            ):
                 return
         self._skip_for(side, error.found, error.location)
 
@@ -253,10 +258,14 @@ class _Check(SideReading):
         if not pieces:
             return
         is_scalar_equation = not any(piece.matrices for piece in pieces)
-        sides = [self._side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
+        sides = [self.side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
             sides[1:] = [self._said(side, turned) for side in sides[1:]]
+        for i, side in enumerate(sides[1:], 1):
+            is_identity = side.value is None and _IDENTITY.fullmatch("".join(_PLAIN.sub("", side.piece.text).split()))
+            if is_identity and self.document and (table := self._constant_matrix(sides[:1], True)) is not None:
+                sides[i] = Side(side.piece, value=table)
         first, *others = sides
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
@@ -274,14 +283,6 @@ class _Check(SideReading):
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
         chains = [side for side, _ in judged]
         sides, others = ([side for side in group if side not in chains] for group in (sides, others))
-        for i, side in enumerate(sides):
-            is_identity = side.error is not None and _IDENTITY.fullmatch(
-                "".join(_PLAIN.sub("", side.piece.text).split())
-            )
-            if is_identity and side is not first and (table := self._constant_matrix(named, True)) is not None:
-                sides[i] = replace(side, value=table, error=None)
-        others = sides[1:] if len(sides) > 1 else others
-        said = [side for side in sides if side.value is not None and side not in named]
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
                 yield from self._unread(side, named, side is sides[-1])

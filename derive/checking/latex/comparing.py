@@ -22,7 +22,21 @@ from derive.errors import CheckError, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, names, negate, substitute
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Pi,
+    Sum,
+    add,
+    is_constant,
+    multiply,
+    names,
+    negate,
+    number,
+    substitute,
+)
 from derive.robot.names import own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
@@ -30,6 +44,7 @@ VAGUE = 0.6  # part of the entries that must be right for a letter without indic
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
+_ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 _ROWS = re.compile(r"\\\\|&")
 
 
@@ -107,13 +122,25 @@ class Comparing:
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
             if first.is_branch and not found.verdict.equal:
                 raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
-            found = self._rounded(found, first.value, side.value, left, right)
+            found = self._rounded(self._turned(found, first.value, side.value), first.value, side.value, left, right)
+            if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):
+                raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             is_constraint = not found.verdict.equal and self._constrains(first.value, side.value)
             if is_constraint:
                 self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
             if is_constraint or (not found.verdict.equal and is_constant(first.value) != is_constant(side.value)):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
+
+    def _turned(self, found: Finding, one: Expression, other: Expression) -> Finding:
+        """Angles are equal up to full turns."""
+        is_angle = isinstance(one, Name) and one.name in self.joints and self.joints[one.name].is_revolute
+        for turns in (-2, 2) if self.document and is_angle and found.question and not found.verdict.equal else ():
+            if compare(self.robot, one, add(other, multiply(number(turns), Pi()))).equal:
+                return replace(
+                    found, verdict=Verdict(equal=True, exact=True), note=", up to a full turn", question=None
+                )
+        return found
 
     def _constrains(self, one: Expression, other: Expression) -> bool:
         """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
@@ -171,7 +198,8 @@ class Comparing:
         chosen: tuple[Finding, ...] = ()
         rights = tuple(self._meant(name))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
-        is_jacobian = not fits and name.left is not None and name.left.head == "J" and table.shape != (1, 1)
+        is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
+        is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)
         if is_jacobian and (by_rows := self.meanings.jacobian_by_rows(table)) is not None:
             self.scope.readings.append(f"a Jacobian is read as the rows {', '.join(map(str, by_rows.rows))} of ours")
             rights, fits = (by_rows,), [(by_rows, table)]
@@ -282,6 +310,8 @@ class Comparing:
     def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
         for i, row in enumerate(table.rows):
             for j, entry in enumerate(row):
+                if entry.is_open:
+                    continue
                 place = right.rows[i], right.columns[j]
                 text = entry.text or notation_text(entry.formula, self.robot)
                 if entry.unknown is not None:

@@ -175,10 +175,12 @@ class LatexReader:
         text = " ".join(self._text[cell.start : cell.end].split())
         if not cell.text.strip():
             raise self._refused(cell.start, "empty entry", remedy="write 0")
+        if self.names.signs is not None and _OPEN.fullmatch(cell.text.strip()):
+            return Entry(ZERO, text, cell.start, is_open=True)
         try:
             return Entry(self.formula(cell), text, cell.start)
         except UnknownNameError as error:
-            return Entry(ZERO, text, cell.start, error)
+            return Entry(ZERO, text, cell.start, unknown=error)
 
     def _check_size(self, piece: LatexPiece) -> None:
         """Refuse what is empty or beyond a limit."""
@@ -241,6 +243,7 @@ _PRIMED_NAME = re.compile(
     rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
 _BRACKET = re.compile(r"[][(){}]")
+_OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
 
 

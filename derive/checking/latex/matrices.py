@@ -23,6 +23,7 @@ class Entry:
     formula: Expression  # what it says; zero where a name is unknown
     text: str = ""  # as it is printed; empty where it is computed from what is printed
     offset: int = 0  # where it stands in the whole text
+    is_open: bool = False  # whether it is left out, such as the stars of a matrix of which one entry matters
     unknown: UnknownNameError | None = None  # the name that the robot does not know, if there is one
 
 
@@ -108,7 +109,8 @@ def joined_blocks(rows: Sequence[Sequence[Expression | Table]]) -> Table:
 
 def _computed(formula: Expression, *parts: Entry) -> Entry:
     """An entry made of others."""
-    return Entry(formula, "", parts[0].offset, next((part.unknown for part in parts if part.unknown), None))
+    unknown = next((part.unknown for part in parts if part.unknown), None)
+    return Entry(formula, "", parts[0].offset, any(part.is_open for part in parts), unknown)
 
 
 def _expanded(rows: tuple[tuple[Expression, ...], ...]) -> Expression:

@@ -30,6 +30,7 @@ CERTAIN = 1  # equations that must be right in one reading of the pose before an
 MARK = "⌖"  # first letter of what stands for a name of the pose
 # A coordinate of a point of a link, or its speed; with a letter before the number it is the centre of mass.
 _POINT = re.compile(r"([xyzXYZv])_?([cCgG]?)_?([1-9])|([pPv])_?([cCgG]?)_?([1-9])_?([xyz])")
+_OF_COLUMN = re.compile("[nsoap]_?[xyz]")  # an entry of [n o a p], which is the pose of the end effector
 WRIST = 3  # joints of a wrist
 
 
@@ -154,8 +155,11 @@ class Poses:
             if right and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
             # what no reading explains is wrong only where others of its kind say which one is meant
+            of_columns = group is Settled.TURN and all(
+                map(_OF_COLUMN.fullmatch, (n for claim in own.values() for n in claim.pose_names))
+            )
             is_certain = (right >= CERTAIN and 2 * right >= len(verdicts)) or (
-                known and group is Settled.PLACE and chosen.usual
+                chosen.usual and ((known and group is Settled.PLACE) or ((known or right) and of_columns))
             )
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong

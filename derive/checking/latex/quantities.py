@@ -5,14 +5,15 @@ from typing import Any
 
 import sympy
 
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
+from derive.errors import QuantityError
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
-from derive.robot.expression import ZERO
+from derive.robot.expression import ZERO, Call
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
-OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "base", "tool", "J_at")
+OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "task", "base", "tool", "J_at")
 
 
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
@@ -34,6 +35,11 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
         case (("base" | "tool"), _):
             cells = robot.base if name == "base" else robot.tool
             return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
+        case "task", _:  # x, y and the angle of a planar arm
+            first = expression_from_sympy(model.quantity("T")[0, 0])
+            if not (isinstance(first, Call) and first.function == "cos"):
+                raise QuantityError("the angle of an arm that is not planar")
+            return sympy.Matrix([*model.quantity("T")[:2, 3], expression_to_sympy(first.arguments[0])])
         case "gravity", _:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:

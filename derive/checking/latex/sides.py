@@ -66,7 +66,8 @@ class SideReading(Comparing):
             tuple(tuple(Entry(number(int(is_identity and i == j))) for j in range(shape[1])) for i in range(shape[0]))
         )
 
-    def _side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
+    def side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
+        """What a side says, or names if it may."""
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
         left = None if is_formula else taken_apart(piece.text)
         joint = self._branch_of(left) if left is not None else None
@@ -134,7 +135,7 @@ class SideReading(Comparing):
 
     def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""
-        read = self._side(side.piece, False)
+        read = self.side(side.piece, False)
         if read.value is not None or not derived:
             return read
         rights = (self.meanings.right(target) for target in side.targets)

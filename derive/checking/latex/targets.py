@@ -184,7 +184,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         return
     # the end effector's, seen from the base or from the end effector itself; whole, or the rows of its task
     frames = [sub] if sub in _END or sub in _BASE or sub == str(n) else []
-    in_end = sup in _END or sup == str(n) or bool(frames and (sub in _END or sub == str(n)))
+    in_end = sup in _END or sup in (str(n), str(n + 1)) or bool(frames and (sub in _END or sub == str(n)))
     if sup and not in_end and sup not in _BASE:
         return
     names = ["J_end", "J"] if in_end else ["J"]
@@ -246,7 +246,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             yield Target("p", row)
         yield from (Target("T", row, (column,)) for column in columns if plain)
         if not of_vector and head in ("x", "X"):
-            yield from (Target("p"), Target("p", (1, 2)))
+            yield from (Target("p"), Target("p", (1, 2)), Target("task"))
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)

@@ -20,7 +20,7 @@ _IDLE = (
     "nonumber|notag|displaystyle|textstyle|scriptstyle|scriptscriptstyle|hline|toprule|midrule|bottomrule|limits|nolimits|"
     "strut|mathstrut|space|allowbreak|nobreak|break|null|relax|protect|noindent|centering|par|medskip|bigskip|smallskip|hfill|"
     "normalsize|small|footnotesize|scriptsize|tiny|large|Large|boldmath|thinspace|medspace|thickspace|negthinspace|"
-    "negmedspace|negthickspace|begingroup|endgroup|bf|rm"
+    "negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold"
 )
 _COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _INK = re.compile(
@@ -35,9 +35,15 @@ _INK = re.compile(
     r"|\\(?:brk|fac)\s*[0-9]"  # where the handout's fragments may be broken
     rf"|\\in\s*\\?(?:mathbb|mathbf|mathds|R|Re)?\s*\{{?\s*R?\s*\}}?\s*\^\s*(?:{_GROUP}|[0-9])"  # \in R^{{2 x 2}}
     r"|_\s*\{\s*[0-9]\s*\\times\s*[0-9]\s*\}"  # the size of a matrix
-    r"|\\[,;:!> /]|~"
+    r"|\\[,;:!> /\n]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
     r"|\{\s*\}"
+)
+_STAR = re.compile(rf"\^\s*(?:\{{\s*(?:\*|\\(?:ast|star){_END})\s*\}}|\*|\\(?:ast|star){_END})")  # of what moves
+# theta_2^* = theta_2 - 90 degrees, where the star makes another name
+_STARRED = re.compile(
+    r"(?P<letter>\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*(?:_\s*\{?[0-9]\}?\s*\^\s*\{?\*\}?|\^\s*\{?\*\}?\s*_\s*\{?[0-9]\}?)"
+    r"\s*&?\s*=[^=$\n]*?(?P=letter)\s*_\s*\{?[0-9]\}?(?!\s*\^)"
 )
 _BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
 _BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox)\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
@@ -68,6 +74,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = without_comments(text.translate(_SAME))
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced
+    text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:
