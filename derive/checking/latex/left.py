@@ -23,12 +23,6 @@ _PARTIAL = re.compile(
 )
 
 
-# The gradient of the potential energy, the torques of gravity.
-_GRADIENT = re.compile(
-    r"(?:\\nabla(?:_\{?q\}?)?[UPV]|\\[dt]?frac\{\\partial\{?[UPV]\}?(?:\(q\))?\}\{\\partial\{?q\}?\})(?:\(q\))?"
-)
-
-
 class Turned(StrEnum):
     """What is raised behind a matrix."""
 
@@ -121,10 +115,7 @@ class Left:
 
 def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
-    tight = "".join(FONT.sub("", text).split())
-    if _GRADIENT.fullmatch(tight):
-        return Left("g")
-    if partial := _PARTIAL.fullmatch(tight):
+    if partial := _PARTIAL.fullmatch("".join(FONT.sub("", text).split())):
         row = {**AXES, "phi": 6}[partial["what"].removeprefix("\\").removeprefix("var").lower()]
         return Left("J", f"{row},{partial['label']}")
     if _TWO_LETTERS.search(text):

@@ -209,6 +209,9 @@ class Meanings:
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
         text, by = "".join(FONT.sub("", text).split()), list[str]()
+        text = re.sub(r"\\nabla(?:_\{?q\}?)?(\w)(?:\(q\))?", r"\\frac{\\partial \1}{\\partial q}", text).replace(
+            " ", ""
+        )
         while match := _OF_TIME.fullmatch(text):
             text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
         match = _PARTIAL.fullmatch(text)
@@ -221,12 +224,13 @@ class Meanings:
         else:
             named = [j.variable for j in self._robot.joints if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
-        if by == ["q"] and left.head in "pPx":  # the derivative of a position
-            return Target("J", (1, 2, 3)), Target("J", (1, 2))
         of = (
             t for t in self.targets(left) if match["label"] or t.quantity.startswith(("kinetic", "potential", "lagr"))
         )
-        return tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
+        found = tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
+        # the derivative of a position by all joint variables is the Jacobian
+        is_place = by == ["q"] and left.head in "pPx"
+        return (*found, *(Target("J", rows) for rows in ((1, 2, 3), (1, 2)) if is_place))
 
     def differentiated(self, name: str) -> Expression | None:
         """An energy of the arm or of a link by its letter, L for their difference, or an entry of B."""

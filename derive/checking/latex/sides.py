@@ -91,7 +91,7 @@ class SideReading(Comparing):
             return Side(piece, None, targets, error=error, frames=frames, factors=chain)
         if may_name and joint is not None:
             return Side(piece, left, (), joint, is_branch=True)
-        if may_name and left is None and "\\partial" in piece.text:
+        if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):
                 return Side(piece, value=self.reader.value(piece))
             if targets := self.meanings.derivatives(piece.text):
