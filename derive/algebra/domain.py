@@ -20,17 +20,7 @@ Value = TypeVar("Value")
 
 
 class PolynomialDomain:
-    """Exact polynomials as scalars of the mechanics (a `derive.mechanics.chain.Domain`).
-
-    Attributes:
-        groups: Revolute joints with parallel axes, see `derive.algebra.angles`.
-        with_offsets: Whether sines and cosines add the constants of their cells to the variables.
-        offsets: For each joint the constant that its sines and cosines add to the variable [rad].
-        directions: For each joint +1, or -1 where its angle is subtracted in the sums of its group.
-        angles: For each joint the joints whose variables its generator sums, empty for a prismatic joint.
-        generators: What the generators stand for, in the order of the ring.
-        places: Index of the generator of some kind that belongs to a joint.
-    """
+    """Exact polynomials as scalars of the mechanics (a `derive.mechanics.chain.Domain`)."""
 
     def __init__(
         self,
@@ -45,19 +35,25 @@ class PolynomialDomain:
     ) -> None:
         self.robot = robot
         self.contraction = contraction
+        # groups: revolute joints with parallel axes, see `derive.algebra.angles`; directions: for each joint +1, or -1
+        # where its angle is subtracted in the sums of its group
         self.groups, self.directions = contracted_groups(robot, contraction)
-        self.with_offsets = offsets
+        self.with_offsets = offsets  # whether sines and cosines add the constants of their cells to the variables
+        # for each joint the constant that its sines and cosines add to the variable [rad]
         self.offsets: tuple[Expression, ...] = (ZERO,) * robot.n
         if offsets:
             self.offsets = printed_offsets(robot, self.groups, self.directions)
         # in a group the generator of a joint is the sum of its angle and all before it, where `sums` says so
         home = {joint: group for group in self.groups for joint in group}
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
+        # for each joint the joints whose variables its generator sums, empty for a prismatic joint
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
         self._revolute = {joint.variable: i for i, joint in enumerate(robot.joints) if joint.is_revolute}
         values, angles = generators.robot_cells(robot)
         self.atoms = generators.collect([*values, *extra], angles, frozenset(self._revolute))
+        # what the generators stand for, in the order of the ring
         self.generators = tuple(self._needed_generators(rates))
+        # index of the generator of some kind that belongs to a joint
         self.places = {(g.kind, g.joint): i for i, g in enumerate(self.generators) if g.joint >= 0}
         self.ring = Ring([g.name for g in self.generators], max_terms)
         # Roots and inverses last: their relations hold polynomials in the other generators.

@@ -42,12 +42,7 @@ class Quotient:
 
 
 class QuotientRing:
-    """A ring that can hold some formulas of one robot, and the way of a formula into it.
-
-    Attributes:
-        faithful: Whether different polynomials are certainly different functions: no roots, nothing that is not
-            algebraic, no constant angles but multiples of pi/4 and pi/6.
-    """
+    """A ring that can hold some formulas of one robot, and the way of a formula into it."""
 
     def __init__(self, robot: Robot, formulas: Iterable[Expression]) -> None:
         given = list(formulas)
@@ -67,6 +62,8 @@ class QuotientRing:
         # and so are multiples of an angle too large to be expanded: cos(26 x) = 2 cos(13 x)^2 - 1
         units_are_plain = all(isinstance(unit, Name) and atoms.is_common(unit) for unit in atoms.units)
         has_others = atoms.roots or atoms.pi_rests or atoms.inverses
+        # whether different polynomials are certainly different functions: no roots, nothing that is not algebraic, no
+        # constant angles but multiples of pi/4 and pi/6
         self.faithful = algebraic == renamed and units_are_plain and not has_others
         self.domain = PolynomialDomain(robot, plain, max_terms=MAX_PRODUCT_TERMS)
         # an inverse u x = 1 of an x that is zero would make every polynomial of the ring zero

@@ -39,22 +39,18 @@ class Relation:
 
 
 class Ring:
-    """A polynomial ring modulo relations.
-
-    Attributes:
-        context: FLINT's ring without the relations.
-        index: Generator name -> its place in the exponent vectors.
-        relations: What the generators satisfy; sets of relations are written as bits, relation r as ``1 << r``.
-        opening: The relations that put generators of other relations in place of their own.
-        always: The relations by which every product must be reduced.
-    """
+    """A polynomial ring modulo relations."""
 
     def __init__(self, names: Sequence[str], max_terms: int = UNBOUNDED) -> None:
         self.names = tuple(names)
         self.max_terms = max_terms
-        self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
+        self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)  # FLINT's ring without the relations
+        # generator name -> its place in the exponent vectors
         self.index = {name: i for i, name in enumerate(self.names)}
+        # what the generators satisfy; sets of relations are written as bits, relation r as 1 << r
         self.relations: list[Relation] = []
+        # opening: the relations that put generators of other relations in place of their own; always: the relations by
+        # which every product must be reduced
         self.opening = self.always = 0
         self._raw = self.context.gens()
         self.zero = Polynomial(self, self.context.constant(0), 0)

@@ -43,12 +43,7 @@ class SymbolRoles:
 
 
 class LectureForm:
-    """Writes the polynomials of one domain.
-
-    Attributes:
-        table: The numbers of the printed factors.
-        is_of_short_arm: Whether no entry of the arm's T has more than `MOST_SHORT_TERMS`.
-    """
+    """Writes the polynomials of one domain."""
 
     def __init__(
         self,
@@ -58,13 +53,13 @@ class LectureForm:
         is_of_short_arm: Callable[[], bool] = lambda: False,
     ) -> None:
         self.domain = domain
-        self.table = FactorTable(domain)
+        self.table = FactorTable(domain)  # the numbers of the printed factors
         self.style = style or Style()
         self._products = ProductBuilder(self.table)
         self._in_decimals = is_given_in_decimals(domain.robot)
         self._terms: dict[str, Terms] = {}
         self._dynamic_cache: dict[tuple[str, Grouping | None], Expr] = {}
-        self.is_of_short_arm = is_of_short_arm
+        self.is_of_short_arm = is_of_short_arm  # whether no entry of the arm's T has more than `MOST_SHORT_TERMS`
         roles, factors = roles or SymbolRoles(), list(enumerate(self.table.factors))
         symbols = {i: getattr(f.argument, "name", "") for i, f in factors if f.kind is Kind.PARAMETER}
         self.inertial: Level = frozenset(i for i, name in symbols.items() if name in roles.inertial)

@@ -36,15 +36,11 @@ class _Group(NamedTuple):
 
 
 class FactorTable:
-    """Numbers the factors of one domain; the numbering depends on the domain alone.
-
-    Attributes:
-        factors: What the numbers stand for.
-    """
+    """Numbers the factors of one domain; the numbering depends on the domain alone."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
         self.domain = domain
-        self.factors: list[PrintedFactor] = []
+        self.factors: list[PrintedFactor] = []  # what the numbers stand for
         self._index: dict[PrintedFactor, int] = {}
         self._plain = []
         for g in domain.generators:

@@ -17,18 +17,14 @@ Read = Callable[[KeyPath], Expression]  # reads a cell
 
 
 class PlanCells:
-    """The cells of a plan.
-
-    Attributes:
-        cells: Expressions as written, in SI units and radians.
-        values: Numbers of symbols that the plan gives.
-    """
+    """The cells of a plan."""
 
     def __init__(self, document: Document, robot: Robot) -> None:
         self._document = document
         self._robot = robot
+        # expressions as written, in SI units and radians
         self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))
-        self.values: dict[str, Expression] = {}
+        self.values: dict[str, Expression] = {}  # numbers of symbols that the plan gives
         for name in self.keys(("values",)):
             path: KeyPath = ("values", name)
             check_symbol(document, path, name)

@@ -108,28 +108,21 @@ class JointCombinations:
 
 
 class PrintedInverse:
-    """The lines of one printed solution.
-
-    Attributes:
-        robot: Whose solution it is.
-        lines: Its lines.
-        sums: What names such as q23 stand for.
-        joints: Reads linear combinations of joint variables.
-        named: The lines that only name quantities, by name.
-        given: The lines with a target, but those that are primed.
-        primed: The lines that give a second solution from a first one.
-        close: Difference below which values are the same; decimals of many digits count as rounded.
-    """
+    """The lines of one printed solution."""
 
     def __init__(
         self, robot: Robot, lines: Sequence[PrintedLine], sums: Mapping[str, Expression], close: float = CLOSE
     ) -> None:
+        # robot: whose solution it is; lines: its lines; sums: what names such as q23 stand for
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
-        self.joints = JointCombinations(robot, sums)
+        self.joints = JointCombinations(robot, sums)  # reads linear combinations of joint variables
+        # the lines that only name quantities, by name
         self.named = {line.name: line for line in self.lines if line.target is None}
+        # the lines with a target, but those that are primed
         self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
+        # the lines that give a second solution from a first one
         self.primed = tuple(line for line in self.lines if line.primed)
-        self.close = close
+        self.close = close  # difference below which values are the same; decimals of many digits count as rounded
         self._before: dict[PrintedLine, tuple[PrintedLine, ...]] = {}
         self._choices: dict[PrintedLine, dict[str, tuple[float, ...]]] = {}
 

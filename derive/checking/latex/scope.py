@@ -44,21 +44,13 @@ _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
 class Scope:
-    """One text for one robot.
-
-    Attributes:
-        equations: What is compared, in the order of the text.
-        definitions: By name the formulas that it is given, each with the number of its equation.
-        defining: Numbers of the equations that only define something.
-        names: Sides that are such a name, by the number of the equation and the offset of the side.
-        readings: How the text is read, in words, where that is not the usual way.
-    """
+    """One text for one robot."""
 
     def __init__(self, model: Model, text: str, start: Location, document: bool) -> None:
         self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
         has_time = "t" not in robot_symbols(self.robot)
         found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
-        self.equations = tuple(found)
+        self.equations = tuple(found)  # what is compared, in the order of the text
         if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
             allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
@@ -75,9 +67,11 @@ class Scope:
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.bases = self._base_letters() if document else frozenset()
         self._signs = plus_minus() if document else None
-        self.readings: list[str] = []
+        self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
+        # by name the formulas that it is given, each with the number of its equation
         self.definitions: dict[str, list[tuple[int, Expression]]] = {}
-        self.defining: set[int] = set()
+        self.defining: set[int] = set()  # numbers of the equations that only define something
+        # sides that are such a name, by the number of the equation and the offset of the side
         self.names: set[tuple[int, int]] = set()
         self._define()
         self._reads = self.reader(0)

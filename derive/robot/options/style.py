@@ -18,15 +18,10 @@ Choice = TypeVar("Choice", bound=StrEnum)
 
 
 class Contraction(StrEnum):
-    """Which sums of joint angles are contracted.
+    """Which sums of joint angles are contracted."""
 
-    Attributes:
-        ALIGNED: Those of parallel axes that point the same way: c12, s123.
-        OPPOSED: Those of antiparallel axes too: cos(q1 + q2 - q4).
-    """
-
-    ALIGNED = "aligned"
-    OPPOSED = "opposed"
+    ALIGNED = "aligned"  # those of parallel axes that point the same way: c12, s123
+    OPPOSED = "opposed"  # those of antiparallel axes too: cos(q1 + q2 - q4)
 
 
 def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
@@ -39,177 +34,106 @@ def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
 
 
 class Order(StrEnum):
-    """What is grouped first in an entry without a length: of a rotation matrix, of the lower half of a Jacobian.
+    """What is grouped first in an entry without a length: of a rotation matrix, of the lower half of a Jacobian."""
 
-    Attributes:
-        BASE: The sines and cosines of the joints from the base outwards: ``c1*(c2*(c4*c5*c6 - s4*s6) - s2*s5*c6)``.
-        BASE_EXPANDED: Those of the first joint alone: ``c1*(c2*c4*c5*c6 - c2*s4*s6 - s2*s5*c6) - s1*(...)``.
-        TOOL: Those of the joints from the tool inwards: ``c6*(c5*(...) - s5*(...)) - s6*(...)``.
-        TOOL_EXPANDED: Those of the last joint alone.
-        EXPANDED: Nothing: a sum of products.
-    """
-
-    BASE = "base"
-    BASE_EXPANDED = "base-expanded"
-    TOOL = "tool"
-    TOOL_EXPANDED = "tool-expanded"
-    EXPANDED = "expanded"
+    BASE = "base"  # the sines and cosines of the joints from the base outwards: c1*(c2*(c4*c5*c6 - s4*s6) - s2*s5*c6)
+    BASE_EXPANDED = "base-expanded"  # those of the first joint alone: c1*(c2*c4*c5*c6 - c2*s4*s6 - s2*s5*c6) - s1*(...)
+    TOOL = "tool"  # those of the joints from the tool inwards: c6*(c5*(...) - s5*(...)) - s6*(...)
+    TOOL_EXPANDED = "tool-expanded"  # those of the last joint alone
+    EXPANDED = "expanded"  # nothing: a sum of products
 
 
 class LengthOrder(StrEnum):
-    """What is grouped first in an entry with lengths: of a position, of the upper half of a Jacobian.
+    """What is grouped first in an entry with lengths: of a position, of the upper half of a Jacobian."""
 
-    Attributes:
-        USUAL: As `BASE`; but where a length multiplies a direction in all brackets, such as the one from the wrist to
-            the tool, as `OFFSET` unless that costs two operations.
-        BASE: The joints from the base outwards, lengths inside the first bracket: ``c1*(a2*c2 + a3*c23)``.
-        BASE_EXPANDED: The first joint alone.
-        TOOL: The joints from the tool inwards.
-        TOOL_EXPANDED: The last joint alone.
-        OFFSET: Each offset d along a joint axis stands in front, the link lengths are nested from the base outwards:
-            ``d6*(c1*s5 + s1*c5) + c1*(a2*c2 + a3*c23) + d4*s1``.
-        LENGTH: Each length, then the joints from the base outwards: ``d6*(c1*(c2*s5 + s2*c5) + s1) + c1*s2*q3``.
-        LENGTH_TOOL: Each length, then the joints from the tool inwards.
-        LENGTH_EXPANDED: Each length, what it multiplies expanded.
-        EXPANDED: Nothing: a sum of products.
-    """
-
+    # as `BASE`; but where a length multiplies a direction in all brackets, such as the one from the wrist to the tool,
+    # as `OFFSET` unless that costs two operations
     USUAL = "usual"
-    BASE = "base"
-    BASE_EXPANDED = "base-expanded"
-    TOOL = "tool"
-    TOOL_EXPANDED = "tool-expanded"
+    BASE = "base"  # the joints from the base outwards, lengths inside the first bracket: c1*(a2*c2 + a3*c23)
+    BASE_EXPANDED = "base-expanded"  # the first joint alone
+    TOOL = "tool"  # the joints from the tool inwards
+    TOOL_EXPANDED = "tool-expanded"  # the last joint alone
+    # each offset d along a joint axis stands in front, the link lengths are nested from the base outwards: d6*(c1*s5 +
+    # s1*c5) + c1*(a2*c2 + a3*c23) + d4*s1
     OFFSET = "offset"
-    LENGTH = "length"
-    LENGTH_TOOL = "length-tool"
-    LENGTH_EXPANDED = "length-expanded"
-    EXPANDED = "expanded"
+    LENGTH = "length"  # each length, then the joints from the base outwards: d6*(c1*(c2*s5 + s2*c5) + s1) + c1*s2*q3
+    LENGTH_TOOL = "length-tool"  # each length, then the joints from the tool inwards
+    LENGTH_EXPANDED = "length-expanded"  # each length, what it multiplies expanded
+    EXPANDED = "expanded"  # nothing: a sum of products
 
 
 class ShortSums(StrEnum):
-    """How a kinematic sum of at most three terms is written, the entry itself or what a length multiplies.
+    """How a kinematic sum of at most three terms is written, the entry itself or what a length multiplies."""
 
-    Attributes:
-        NESTED: As a longer one: ``c1*(a2*c2 + a3*c23)``.
-        SHORT_ARMS: As a sum of products where no entry of the arm's T is longer, else nested.
-        POSITIONS: One with lengths as a sum of products: ``a2*c1*c2 + a3*c1*c23``, but ``c1*(c2*c4 + s2*s4)``.
-        EXPANDED: Any one as a sum of products.
-    """
-
-    NESTED = "nested"
-    SHORT_ARMS = "short-arms"
-    POSITIONS = "positions"
-    EXPANDED = "expanded"
+    NESTED = "nested"  # as a longer one: c1*(a2*c2 + a3*c23)
+    SHORT_ARMS = "short-arms"  # as a sum of products where no entry of the arm's T is longer, else nested
+    POSITIONS = "positions"  # one with lengths as a sum of products: a2*c1*c2 + a3*c1*c23, but c1*(c2*c4 + s2*s4)
+    EXPANDED = "expanded"  # any one as a sum of products
 
 
 class Grouping(StrEnum):
-    """What is grouped first in dynamics.
+    """What is grouped first in dynamics."""
 
-    Attributes:
-        USUAL: Torques of gravity by function; anything else of point masses by geometry, of bodies with moments of
-            inertia by body, in Christoffel symbols differences of moments of inertia by function: ``(Iy - Iz)*c2*s2``.
-        BODY: Masses and moments of inertia: ``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
-        GEOMETRY: Each product of lengths and functions of q: ``(m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2``.
-        FUNCTION: Each function of q, its coefficient a sum of products: ``(m1*l1 + m2*a1)*g*c1``.
-        FUNCTION_BODY: Each function of q, its coefficient by masses and inertias.
-        FUNCTION_GEOMETRY: Each function of q, its coefficient by products of lengths: ``(m1*l1 + (m2 + m3)*a1)*g*c1``.
-        EXPANDED: Nothing: a sum of products.
-    """
-
+    # torques of gravity by function; anything else of point masses by geometry, of bodies with moments of inertia by
+    # body, in Christoffel symbols differences of moments of inertia by function: (Iy - Iz)*c2*s2
     USUAL = "usual"
-    BODY = "body"
-    GEOMETRY = "geometry"
-    FUNCTION = "function"
-    FUNCTION_BODY = "function-body"
+    BODY = "body"  # masses and moments of inertia: m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)
+    GEOMETRY = "geometry"  # each product of lengths and functions of q: (m1 + m2)*a1**2 + m2*a2**2 + 2*m2*a1*a2*c2
+    FUNCTION = "function"  # each function of q, its coefficient a sum of products: (m1*l1 + m2*a1)*g*c1
+    FUNCTION_BODY = "function-body"  # each function of q, its coefficient by masses and inertias
+    # each function of q, its coefficient by products of lengths: (m1*l1 + (m2 + m3)*a1)*g*c1
     FUNCTION_GEOMETRY = "function-geometry"
-    EXPANDED = "expanded"
+    EXPANDED = "expanded"  # nothing: a sum of products
 
 
 class Products(StrEnum):
-    """Whether the coefficient of a body that is a product of sums stays one.
+    """Whether the coefficient of a body that is a product of sums stays one."""
 
-    Attributes:
-        KEPT: ``m3*(a2*c2 + l3*c23)**2``.
-        EXPANDED: ``m3*(a2**2*c2**2 + 2*a2*l3*c2*c23 + l3**2*c23**2)``.
-    """
-
-    KEPT = "kept"
-    EXPANDED = "expanded"
+    KEPT = "kept"  # m3*(a2*c2 + l3*c23)**2
+    EXPANDED = "expanded"  # m3*(a2**2*c2**2 + 2*a2*l3*c2*c23 + l3**2*c23**2)
 
 
 class CommonFactors(StrEnum):
-    """Which common factors are taken out of the bracket of a body.
+    """Which common factors are taken out of the bracket of a body."""
 
-    Attributes:
-        NONE: None: ``m3*(a2*l3*c2*s23 + l3**2*c23*s23)``.
-        FUNCTIONS: Functions of q: ``m3*s23*(a2*l3*c2 + l3**2*c23)``.
-        ALL: Lengths too: ``m3*l3*s23*(a2*c2 + l3*c23)``; of an entry by geometry, those of the whole.
-    """
-
-    NONE = "none"
-    FUNCTIONS = "functions"
-    ALL = "all"
+    NONE = "none"  # none: m3*(a2*l3*c2*s23 + l3**2*c23*s23)
+    FUNCTIONS = "functions"  # functions of q: m3*s23*(a2*l3*c2 + l3**2*c23)
+    ALL = "all"  # lengths too: m3*l3*s23*(a2*c2 + l3*c23); of an entry by geometry, those of the whole
 
 
 class GravityPlace(StrEnum):
-    """Where the acceleration of gravity stands.
+    """Where the acceleration of gravity stands."""
 
-    Attributes:
-        BRACKET: In front of each bracket: ``m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)``.
-        TERM: In every term: ``(m1*g*l1 + m2*g*a1)*c1 + m2*g*l2*c12``.
-        OUTSIDE: In front of the whole: ``g*((m1*l1 + m2*a1)*c1 + m2*l2*c12)``.
-    """
-
-    BRACKET = "bracket"
-    TERM = "term"
-    OUTSIDE = "outside"
+    BRACKET = "bracket"  # in front of each bracket: m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)
+    TERM = "term"  # in every term: (m1*g*l1 + m2*g*a1)*c1 + m2*g*l2*c12
+    OUTSIDE = "outside"  # in front of the whole: g*((m1*l1 + m2*a1)*c1 + m2*l2*c12)
 
 
 class Kinetic(StrEnum):
-    """How the kinetic energy is written.
+    """How the kinetic energy is written."""
 
-    Attributes:
-        MATRIX: By the entries of B: ``1/2*B11*qd1**2 + B12*qd1*qd2 + 1/2*B22*qd2**2``.
-        BODY: By bodies: ``1/2*m1*l1**2*qd1**2 + 1/2*m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)``.
-    """
-
-    MATRIX = "matrix"
-    BODY = "body"
+    MATRIX = "matrix"  # by the entries of B: 1/2*B11*qd1**2 + B12*qd1*qd2 + 1/2*B22*qd2**2
+    BODY = "body"  # by bodies: 1/2*m1*l1**2*qd1**2 + 1/2*m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)
 
 
 class Rates(StrEnum):
-    """How velocities and accelerations are collected.
+    """How velocities and accelerations are collected."""
 
-    Attributes:
-        USUAL: A coefficient of one term as `SYMBOL`, of several as `PRODUCT`.
-        PRODUCT: Each product of rates with its coefficient: ``-2*h*qd1*qd2 - h*qd2**2``.
-        SYMBOL: Each coefficient (a Christoffel symbol, an entry of B) with its rates: ``-h*(2*qd1*qd2 + qd2**2)``.
-        FACTORED: The same, a common velocity in front: ``-h*qd2*(2*qd1 + qd2)``.
-        TERM: Each term of the coefficients with its rates: ``m2*l2**2*(qdd1 + qdd2) + m2*a1*l2*c2*(2*qdd1 + qdd2)``.
-        GEOMETRY: The same, in each bracket every product of rates with its masses:
-            ``a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)``.
-        EXPANDED: Multiplied out.
-    """
-
-    USUAL = "usual"
-    PRODUCT = "product"
-    SYMBOL = "symbol"
-    FACTORED = "factored"
-    TERM = "term"
+    USUAL = "usual"  # a coefficient of one term as `SYMBOL`, of several as `PRODUCT`
+    PRODUCT = "product"  # each product of rates with its coefficient: -2*h*qd1*qd2 - h*qd2**2
+    SYMBOL = "symbol"  # each coefficient (a Christoffel symbol, an entry of B) with its rates: -h*(2*qd1*qd2 + qd2**2)
+    FACTORED = "factored"  # the same, a common velocity in front: -h*qd2*(2*qd1 + qd2)
+    TERM = "term"  # each term of the coefficients with its rates: m2*l2**2*(qdd1 + qdd2) + m2*a1*l2*c2*(2*qdd1 + qdd2)
+    # the same, in each bracket every product of rates with its masses: a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)
     GEOMETRY = "geometry"
-    EXPANDED = "expanded"
+    EXPANDED = "expanded"  # multiplied out
 
 
 class Brackets(StrEnum):
-    """Which bodies' coefficients stand in brackets, apart from torques of gravity, where all do.
+    """Which bodies' coefficients stand in brackets, apart from torques of gravity, where all do."""
 
-    Attributes:
-        ALL: All sums: ``m2*(l2**2 + a1*l2*c2) + I2``.
-        LONG: Sums of three terms or more: ``m2*l2**2 + m2*a1*l2*c2 + I2``, but ``m2*(a1**2 + l2**2 + 2*a1*l2*c2)``.
-    """
-
-    ALL = "all"
-    LONG = "long"
+    ALL = "all"  # all sums: m2*(l2**2 + a1*l2*c2) + I2
+    LONG = "long"  # sums of three terms or more: m2*l2**2 + m2*a1*l2*c2 + I2, but m2*(a1**2 + l2**2 + 2*a1*l2*c2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,43 +142,41 @@ class Style:
 
     Each option is independent of the others; `NAMED_STYLES` are the usual sets of them. A value may be given by its
     name, ``Style.of("gravity: body")``.
-
-    Attributes:
-        rotations: What is grouped first in entries of frames and Jacobians without a length.
-        positions: What is grouped first in those with lengths.
-        short: Whether short ones of both are grouped too.
-        inertia: What is grouped first in B.
-        christoffel: What is grouped first in a Christoffel symbol, hence in C.
-        gravity: What is grouped first in g.
-        torques: What is grouped first in the coefficients of torques; as in B and Christoffel symbols if `USUAL`.
-        potential: What is grouped first in the potential energy.
-        kinetic: How the kinetic energy is written.
-        products: Whether products of sums stay products within one body.
-        brackets: Which bodies' coefficients stand in brackets.
-        factors: Which common factors stand in front of a body's bracket.
-        g: Where the acceleration of gravity stands.
-        coriolis: How the rates are collected in C, N and dB/dt.
-        velocities: How the products of velocities are collected in torques.
-        accelerations: How the accelerations are collected in torques.
-        contraction: Which sums of joint angles are contracted.
     """
 
+    # what is grouped first in entries of frames and Jacobians without a length
     rotations: Annotated[Order, "Kinematic entries without a length: from base or tool."] = Order.BASE
+    # what is grouped first in those with lengths
     positions: Annotated[LengthOrder, "Those with lengths: from base, tool, by length."] = LengthOrder.USUAL
+    # whether short ones of both are grouped too
     short: Annotated[ShortSums, "Whether kinematic sums of up to three terms are nested."] = ShortSums.NESTED
+    # what is grouped first in B
     inertia: Annotated[Grouping, "What is grouped first in the inertia matrix."] = Grouping.USUAL
+    # what is grouped first in a Christoffel symbol, hence in C
     christoffel: Annotated[Grouping, "What is grouped first in Christoffel symbols."] = Grouping.USUAL
+    # what is grouped first in g
     gravity: Annotated[Grouping, "What is grouped first in torques of gravity."] = Grouping.USUAL
+    # what is grouped first in the coefficients of torques; as in B and Christoffel symbols if `USUAL`
     torques: Annotated[Grouping, "What is grouped first in the coefficients of torques."] = Grouping.USUAL
+    # what is grouped first in the potential energy
     potential: Annotated[Grouping, "What is grouped first in the potential energy."] = Grouping.USUAL
+    # how the kinetic energy is written
     kinetic: Annotated[Kinetic, "Kinetic energy by entries of B, or by bodies."] = Kinetic.MATRIX
+    # whether products of sums stay products within one body
     products: Annotated[Products, "Whether products of sums stay products."] = Products.KEPT
+    # which bodies' coefficients stand in brackets
     brackets: Annotated[Brackets, "Which bodies' coefficients stand in brackets."] = Brackets.ALL
+    # which common factors stand in front of a body's bracket
     factors: Annotated[CommonFactors, "What is taken out of a body's bracket."] = CommonFactors.FUNCTIONS
+    # where the acceleration of gravity stands
     g: Annotated[GravityPlace, "Gravity in every term, or in front of more."] = GravityPlace.BRACKET
+    # how the rates are collected in C, N and dB/dt
     coriolis: Annotated[Rates, "How rates are collected in C, N and dB/dt."] = Rates.SYMBOL
+    # how the products of velocities are collected in torques
     velocities: Annotated[Rates, "How products of velocities are collected in torques."] = Rates.USUAL
+    # how the accelerations are collected in torques
     accelerations: Annotated[Rates, "How accelerations are collected in torques."] = Rates.PRODUCT
+    # which sums of joint angles are contracted
     contraction: Annotated[Contraction, "Which sums of joint angles are contracted."] = Contraction.ALIGNED
 
     @classmethod
