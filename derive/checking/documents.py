@@ -12,6 +12,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from derive.checking.latex.typography import blank, without_comments
 from derive.checking.spelling import from_plain_text, spelled
@@ -167,9 +168,8 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
     try:
         cells = json.loads(text)["cells"]
         found = [
-            (number, "".join(cell["source"]))
+            (number, "".join(cell["source"]) if cell["cell_type"] in ("markdown", "raw") else _displayed(cell))
             for number, cell in enumerate(cells, 1)
-            if cell["cell_type"] in ("markdown", "raw")
         ]
     except (ValueError, TypeError, KeyError, RecursionError):
         raise CheckError(f"{name} is not a notebook", allowed="allowed: JSON with a list of cells") from None
@@ -178,6 +178,13 @@ def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
         starts.append((len(whole), f"cell {number}"))
         whole += source + "\n\n"
     return whole, tuple(starts) or ((0, ""),)
+
+
+def _displayed(cell: Mapping[str, Any]) -> str:
+    """The formulas that a code cell has shown; a name alone is the left side of the matrix after it."""
+    data = (output.get("data", {}).get("text/latex") for output in cell.get("outputs", ()))
+    shown = "\n\n".join("".join(latex) for latex in data if latex)
+    return re.sub(r"\$\\displaystyle ([^$=]{1,30})\$\s+\$\\displaystyle (?=\\left\[\\begin)", r"$\1 = ", shown)
 
 
 # -- what is no mathematics

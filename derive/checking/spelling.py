@@ -115,6 +115,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
     (_FRACTION, _fraction),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
+    (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),

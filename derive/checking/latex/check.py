@@ -15,7 +15,7 @@ from derive.checking.formulas.findings import Finding, Role, Skipped, compared, 
 from derive.checking.latex.comparing import ANY, VAGUE, Side
 from derive.checking.latex.conditions import explaining, ways
 from derive.checking.latex.equations import Sides
-from derive.checking.latex.left import Left, taken_apart
+from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
@@ -27,7 +27,7 @@ from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Name, is_constant, names, number
+from derive.robot.expression import ZERO, Name, Number, is_constant, names, number
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +95,11 @@ class _Check(SideReading):
         poses = self.scope.poses
         if poses and not known:
             found = self._repositioned(found, poses)
+        wrong = {one for one in found if isinstance(one, Finding) and one in self.loose and not one.verdict.equal}
+        if {self.loose[one] for one in wrong} == {*AXES} and not self.loose.keys() - wrong:
+            reason = "which point x, y and z are is not certain"
+            self.skipped += [Skipped(one.location, reason, one.text) for one in wrong]
+            found = [one for one in found if one not in wrong]
         judged = iter(poses.judged(claims, self.scope.readings, known) if poses else ())
         for one in found:
             if isinstance(one, Finding):
@@ -247,6 +252,8 @@ class _Check(SideReading):
             pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
         if len(pieces) > 1 and any(map(is_no_claim, pieces)):
             pieces = [piece for piece in pieces if not is_no_claim(piece)]
+            if len(pieces) < 2 and not any(piece.matrices for piece in equation):
+                return []
             if len(pieces) < 2:
                 raise self._refused(equation[-1], "a matrix that gives names to the entries of a pose")
         # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
@@ -355,7 +362,11 @@ class _Check(SideReading):
         # a whole matrix of numbers for one that moves, such as that of the home position
         moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
         is_example = len(entries) > 1 and moves and all(e is not None and is_constant(e) for e in entries)
-        if self.document and (len(decimals) * 2 > len(entries) or is_example):
+        is_of_pose = moves and all(finding.quantity[:1] in "Tp" for finding in findings)
+        is_condition = (
+            side.piece.inline and moves and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
+        )
+        if self.document and (len(decimals) * 2 > len(entries) or is_example or is_condition):
             what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
             raise self._refused(side.piece, f"{what} is a numeric example")
 

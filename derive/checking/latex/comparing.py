@@ -10,7 +10,7 @@ from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
 from derive.checking.latex.conditions import Condition, Values, ways
-from derive.checking.latex.left import Left
+from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import LatexPiece
@@ -70,6 +70,7 @@ class Comparing:
         self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
         self.meanings, self.plain = scope.meanings, scope.plain
         self.conditions: list[Condition] = []
+        self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
         self.joints = {joint.variable: joint for joint in self.robot.joints}
         self.rates = set(map(velocity_name, self.joints))
         self.parameters = own_names(self.robot) - self.joints.keys()
@@ -147,6 +148,8 @@ class Comparing:
         moving = self.rates | self.joints.keys()
         if not self.document or not isinstance(one, Name) or one.name not in moving:
             return False
+        if isinstance(other, Sum) and all(term == one or is_constant(term) for term in other.terms):
+            return True  # theta_2 = q_2 - pi/2, the offset of the table
         return ((self.parameters | moving) - {one.name}).issuperset(names(other))
 
     def _entry_by_entry(
@@ -235,6 +238,8 @@ class Comparing:
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen:
             raise self._unfit(name, rights, table, offset)
+        if name.left is not None and name.left.head in AXES and name.left.is_plain and not name.left.sub:
+            self.loose |= dict.fromkeys(chosen, name.left.head)
         yield from chosen
 
     def _unfit(self, name: Side, rights: tuple[Right, ...], table: Table, offset: int) -> CheckError:

@@ -122,6 +122,15 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
     text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)
     if display.inline and RELATION.search(text):
         text = _unbracketed(text)
+    inner = text.strip()
+    if (
+        inner.startswith("{")
+        and "\\over" not in inner
+        and not inner.startswith("{}")
+        and closing_brace(inner, 0) == len(inner) - 1
+    ):
+        text = text.replace("{", " ", 1)
+        text = " ".join(text.rsplit("}", 1))
     if text.count("\\{") != text.count("\\}"):
         text = text.replace("\\{", "  ")
     # rows and what stands side by side in them, then lines of one equation together again

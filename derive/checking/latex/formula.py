@@ -111,6 +111,7 @@ class LatexReader:
                 text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
                 if ALTERNATIVE.search(text):
                     raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
+                text = _ARGUMENTS.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
@@ -232,6 +233,11 @@ _RUN = re.compile(
 # The label of a branch, as in \\theta_1^{(2)}.
 _BRANCH = re.compile(
     r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
+)
+# The arguments of an entry: M_{11}(\\theta_2), b_{12}(q).
+_JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|q)\}?(?:\s*_\s*\{?[0-9]\}?)?"
+_ARGUMENTS = re.compile(
+    rf"((?<![A-Za-z\\])[MBDCGgJNH]\s*_\s*(?:\{{[0-9, ]+\}}|[0-9]))\s*\(\s*{_JOINT}(?:\s*,\s*{_JOINT})*\s*\)"
 )
 # An entry of a column of a rotation, with the number of the frame from which it is seen: a_x^3.
 _COLUMN_OF_FRAME = re.compile(

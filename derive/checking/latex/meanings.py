@@ -12,7 +12,7 @@ from functools import reduce
 import sympy
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
-from derive.checking.latex.left import FONT, Left, Reading, Turned, taken_apart
+from derive.checking.latex.left import AXES, FONT, Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
@@ -92,18 +92,19 @@ class Meanings:
     """The quantities of one robot, as left sides name them."""
 
     def __init__(self, model: Model) -> None:
-        self._model, self._robot = model, model.robot
+        self._model, self.robot = model, model.robot
         self.torque = 0  # which index of a Christoffel symbol is that of the torque
         self.reading: Reading = frozenset()
         self.is_angular_first = False  # whether a whole Jacobian has the rows of the angular velocity above
         self.jacobian: Table | None = None  # a square Jacobian of the text that has other rows than ours
         self.has_jacobian = False  # whether the text prints one that is ours
+        self.columns: dict[str, int] = {}  # letters of the columns of a pose that the text names
         self.bases: frozenset[str] = frozenset()  # letters of the text for the frame that all else is seen from
         self.entries: dict[str, Left] = {}  # letters for entries of a matrix, and that matrix
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
-        labels = [joint_label(joint.variable) for joint in self._robot.joints]
+        labels = [joint_label(joint.variable) for joint in self.robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
 
@@ -113,14 +114,16 @@ class Meanings:
         if indices is not None:
             entry = int(indices[1]), int(indices[2])
             return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
+        if left.head in self.columns and left.is_plain and left.sub in AXES:
+            return (Target("T", (AXES[left.sub],), (self.columns[left.head],)),)
         if left.before in self.bases:
             left = replace(left, before="0")
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
             left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}
-        for target in candidates(left, self._robot.n, self._first, self.reading, tool=self._robot.tool is not None):
+        for target in candidates(left, self.robot.n, self._first, self.reading, tool=self.robot.tool is not None):
             name, _, place = target.quantity.partition("[")
-            if name in OWN or REGISTRY[name].is_of(self._robot):
+            if name in OWN or REGISTRY[name].is_of(self.robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
@@ -202,9 +205,9 @@ class Meanings:
     def _slope(self, value: Matrix, by: str) -> Matrix:
         """The derivative of a matrix, or of one formula by all joint variables or velocities."""
         if by not in ("q", "qd"):
-            return sympy.ImmutableMatrix(slope(self._robot, value, by))
-        moving = [j.variable if by == "q" else velocity_name(j.variable) for j in self._robot.joints]
-        return sympy.ImmutableMatrix([slope(self._robot, value[0, 0], name) for name in moving])
+            return sympy.ImmutableMatrix(slope(self.robot, value, by))
+        moving = [j.variable if by == "q" else velocity_name(j.variable) for j in self.robot.joints]
+        return sympy.ImmutableMatrix([slope(self.robot, value[0, 0], name) for name in moving])
 
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
@@ -222,7 +225,7 @@ class Meanings:
         if not match["label"]:
             by = ["qd" if match["rate"] else "q", *by]
         else:
-            named = [j.variable for j in self._robot.joints if joint_label(j.variable) == match["label"]]
+            named = [j.variable for j in self.robot.joints if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
         of = (
             t for t in self.targets(left) if match["label"] or t.quantity.startswith(("kinetic", "potential", "lagr"))
@@ -274,7 +277,7 @@ class Meanings:
         if hasattr(value, "shape"):
             yield _whole(quantity, value)
         name = parse(self._model, quantity)[0].name
-        parts = (target for target in candidates(Left(name), self._robot.n) if target.quantity == quantity)
+        parts = (target for target in candidates(Left(name), self.robot.n) if target.quantity == quantity)
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
@@ -294,6 +297,8 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return expression_from_sympy(right.value[0, 0]) if right else None
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
+    if name.endswith("'") and (entry := entry_named(meanings, None, name[:-1])):
+        return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
     if name[0] == ENERGY:
         return meanings.differentiated(name[1:])
     left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None

@@ -167,7 +167,7 @@ def _holds_equations(plain: str, node: _Environment) -> bool:
     inner = plain[node.begin[1] : node.end[0]]
     for child in reversed(node.children):
         inner = inner[: child.begin[0] - node.begin[1]] + inner[child.end[1] - node.begin[1] :]
-    return RELATION.search(inner) is not None
+    return RELATION.search(inner) is not None or any(child.name in EQUATION_ENVIRONMENTS for child in node.children)
 
 
 def _determinants(piece: LatexPiece) -> LatexPiece:

@@ -105,9 +105,12 @@ class Claim:
 class Poses:
     """The names of a pose in one text."""
 
-    def __init__(self, model: Model, text: str) -> None:
+    def __init__(self, model: Model, text: str, columns: Mapping[str, int]) -> None:
         words = list(printed_words(text))
-        self._model, self._names = model, PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
+        found = PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
+        named = {word: re.fullmatch("([a-z])_?([xyz])", word) for word in words}
+        own = {w: ("xyz".index(m[2]) + 1, columns[m[1]]) for w, m in named.items() if m and m[1] in columns}
+        self._model, self._names = model, replace(found, entries={**found.entries, **own})
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         has_centres = bool(model.robot.links)
         self._centres = {word for word, match in points.items() if (match[2] or match[5]) and has_centres}
@@ -155,12 +158,12 @@ class Poses:
             if right and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
             # what no reading explains is wrong only where others of its kind say which one is meant
-            of_columns = group is Settled.TURN and all(
-                map(_OF_COLUMN.fullmatch, (n for claim in own.values() for n in claim.pose_names))
-            )
-            is_certain = (right >= CERTAIN and 2 * right >= len(verdicts)) or (
-                chosen.usual and ((known and group is Settled.PLACE) or ((known or right) and of_columns))
-            )
+            of_columns = all(map(_OF_COLUMN.fullmatch, (n for claim in own.values() for n in claim.pose_names)))
+            # of the usual pose it is enough that something else says so
+            is_place = group is Settled.PLACE and known
+            is_turn = group is Settled.TURN and of_columns and (known or right)
+            is_most = right >= CERTAIN and 2 * right >= len(verdicts)
+            is_certain = is_most or (chosen.usual and (is_place or is_turn))
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong
                 may_differ = claim.is_branch or (claim.is_open and group is not Settled.POINT)

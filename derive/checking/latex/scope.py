@@ -10,7 +10,7 @@ from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import Left, Reading, Scripts, taken_apart
+from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
 from derive.checking.latex.names import plus_minus
@@ -61,7 +61,9 @@ class Scope:
         orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
         self.meanings = Meanings(model)
         self.plain = LatexReader(self.robot, text, start)
-        self.poses = Poses(model, text) if document else None
+        columns = self._named_columns() if document else {}
+        self.meanings.columns = columns
+        self.poses = Poses(model, text, columns) if document else None
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
@@ -168,6 +170,22 @@ class Scope:
         return frozenset(letters if len(letters) == 1 and len(lefts) > 2 and not letters & frames else ()) - set(
             "0123456789"
         )
+
+    def _named_columns(self) -> dict[str, int]:
+        """Letters of the columns of a pose that a matrix of the text names, such as m, n, o and p."""
+        for matrix in (matrix for equation in self.equations for side in equation for matrix in side.matrices):
+            rows = matrix.rows[:3]
+            if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
+                continue
+            cells = [[taken_apart(cell.text) for cell in row] for row in rows]
+            plain = [
+                x.head if x and x.is_plain and x.sub == a else ""
+                for a, row in zip(AXES, cells, strict=True)
+                for x in row
+            ]
+            if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
+                return {head: column for column, head in enumerate(plain[:4], 1)}
+        return {}
 
     def _settle_jacobian(self) -> None:
         """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
@@ -279,7 +297,7 @@ class Scope:
                 if not its_name:
                     meaning = reader.formula(side)
                     self.definitions.setdefault(name, []).append((index, meaning))
-                    self.defining |= {index} if names[0] else set()
+                    self.defining |= {index} if names[0] and len(equation) == 2 else set()
                     self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
                     return True
         return False

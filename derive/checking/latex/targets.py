@@ -120,6 +120,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
         product = "Cqd" if left.head in "CS" and left.factor == "d" else ""
         product = "B_qdd" if left.head in "BMDH" and left.factor == "dd" else product
         quantities = ("Bdot",) if is_rate else (product,) if product else ()
+    if left.head in "BHV" and "dot" in left.arguments:  # B(q, qd), the torques of velocities
+        quantities = (*quantities, "Cqd")
     for quantity in quantities:
         is_vector = quantity in _VECTORS
         if not left.sub:

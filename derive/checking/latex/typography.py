@@ -35,7 +35,7 @@ _INK = re.compile(
     r"|\\(?:brk|fac)\s*[0-9]"  # where the handout's fragments may be broken
     rf"|\\in\s*\\?(?:mathbb|mathbf|mathds|R|Re)?\s*\{{?\s*R?\s*\}}?\s*\^\s*(?:{_GROUP}|[0-9])"  # \in R^{{2 x 2}}
     r"|_\s*\{\s*[0-9]\s*\\times\s*[0-9]\s*\}"  # the size of a matrix
-    r"|\\[,;:!> /\n]|~"
+    r"|\\[,;:!> /]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
     r"|\{\s*\}"
 )
@@ -75,6 +75,7 @@ def cleaned(text: str, time: bool = True) -> str:
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced
     text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
+    text = re.sub(r"(\\\\)|\\\n", lambda m: m[1] or r"\\", text)  # a row end that lost a backslash on its way
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:

@@ -27,6 +27,8 @@ _ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}{_TIGHT}(?:\([^()]*\))?"
 _FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|(?:\\[,;:! ]\s*)+)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
 _FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
 _COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+_NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
+_LIST_OF_NAMES = re.compile(rf"[\[(]{_NAME}(?:,{_NAME})+[\])](?:\^.*)?")  # [x, y, \theta]^T
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -43,6 +45,8 @@ def _names_its_columns(piece: LatexPiece) -> bool:
 
 def is_no_claim(piece: LatexPiece) -> bool:
     """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
+    if _LIST_OF_NAMES.fullmatch("".join(piece.text.split())):
+        return True
     return _names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
 
 

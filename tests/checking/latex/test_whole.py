@@ -77,7 +77,7 @@ def test_one_equation_that_no_pose_explains_is_not_called_wrong() -> None:
 
 
 def test_the_usual_reading_is_the_end_effector_in_the_base() -> None:
-    first, *others = Poses(Model(SPHERICAL), "p_x r_{13} x_3").readings
+    first, *others = Poses(Model(SPHERICAL), "p_x r_{13} x_3", {}).readings
     assert (first.position, first.reference, first.usual) == (6, 0, True)
     assert {MARK + name for name in ("px", "r13", "x3")} <= first.values.keys()
     assert not any(reading.usual for reading in others)
