@@ -15,7 +15,7 @@ from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, names_of_pose
-from derive.checking.latex.scope import Scope
+from derive.checking.latex.scope import ANGLES, Scope
 from derive.checking.latex.targets import Target
 from derive.checking.latex.whole import one_cause
 from derive.errors import CheckError, quoted
@@ -254,10 +254,13 @@ class Comparing:
 
     def _refuse_vague(self, name: Side, table: Table, fits: list[tuple[Right, Table]]) -> None:
         """A letter for anything names a matrix only if most entries fit; an energy is certain where something moves."""
-        is_moving = not self.rates.isdisjoint(name for entry in table.entries for name in names(entry.formula))
-        is_energy = is_moving and all(right.quantity.startswith(("kinetic", "lagrangian")) for right, _ in fits)
-        is_vague = name.left is not None and name.left.is_vague and not is_energy
-        if fits and is_vague and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
+        if name.left is None or not name.left.is_vague or not fits:
+            return
+        used = {word for entry in table.entries for word in names(entry.formula)}
+        is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
+        # the angle of a planar arm has all joints
+        is_angle = name.left.head in ANGLES and isinstance(table.entries[0].formula, Sum) and used == self.joints.keys()
+        if not (is_energy or is_angle) and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
 

@@ -28,7 +28,7 @@ MAX_SIDES = 20  # sides of one equation
 MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
 # Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
 _LENT = frozenset("uvwhkexyzfFQTKVUP")
-_ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
+ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 # A Christoffel symbol with letters for its indices.
 _SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
 # A partial derivative that is subtracted, and the index of its variable.
@@ -40,6 +40,10 @@ _SUBTRACTED = re.compile(
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
 _FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
 _GRAVITY = re.compile(r"([+-])[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
+_ARC = re.compile(
+    r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
+)
+_OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*_")
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -325,6 +329,15 @@ class Scope:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
             return ""
+        rest = " ".join(other.text for other in self.equations[index] if other is not side)
+        if (
+            left.head in ANGLES
+            and not left.sub
+            and self.document
+            and _ARC.match(rest)
+            and not _OF_ROTATION.search(rest)
+        ):
+            return left.flat  # an angle of a triangle, phi = arctan(...), unless entries of a rotation give it
         is_product = False
         with suppress(CheckError):  # what looks like one name is a product of known ones, such as dC_{23}
             is_product = len(left.head) > 1 and bool(self.plain.formula(side))
@@ -334,7 +347,7 @@ class Scope:
             return ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
-        is_angle = left.head in _ANGLES and not left.sub
+        is_angle = left.head in ANGLES and not left.sub
         if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
             return ""
         # what is a quantity by its letter is a name only where another formula has it
