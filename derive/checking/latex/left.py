@@ -115,7 +115,12 @@ class Left:
 
 def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
-    if partial := _PARTIAL.fullmatch("".join(FONT.sub("", text).split())):
+    tight = "".join(FONT.sub("", text).split())
+    if re.fullmatch(
+        r"\\sqrt\{(?:\\det|\|)[({]*J(?:\(\w+\))?J(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?[)}|]*\}", tight
+    ):
+        return Left("manipulability")
+    if partial := _PARTIAL.fullmatch(tight):
         row = {**AXES, "phi": 6}[partial["what"].removeprefix("\\").removeprefix("var").lower()]
         return Left("J", f"{row},{partial['label']}")
     if _TWO_LETTERS.search(text):
