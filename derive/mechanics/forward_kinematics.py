@@ -12,6 +12,10 @@ of the link before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x
 end effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics,
 section 3.1; Lynch and Park, Modern Robotics, ch. 5, for spatial velocities).
 
+*Its derivatives*: a joint turns and shifts, with its velocity (v_j, w_j), the columns of the joints from its own on,
+and of those before only the end effector: dJ_i/dq_j = (w_j x v_i, w_j x w_i) for j <= i, (w_i x v_j, 0) for j > i
+(Hourtash, The kinematic Hessian and higher derivatives, CIRA 2005).
+
 *Analytic Jacobians*: velocity of the end effector and rates of its orientation angles. Both kinds of angles begin with
 a turn about the world's z axis, and the direction u = (x, y, z) that their second turn tilts, column 1 of R for roll,
 pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
@@ -93,6 +97,16 @@ def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
             entries = [*turning, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
+
+
+def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[list[S]]]:
+    """dJ/dq, 6 x n x n, from J, both in the same axes: entry r, i, j is the derivative of J_ri by q_j."""
+    columns = [((a, b, c), (d, e, f)) for a, b, c, d, e, f in zip(*jacobian, strict=True)]
+    places = range(len(columns))
+    linear = [[cross(columns[min(i, j)][1], columns[max(i, j)][0]) for j in places] for i in places]
+    still = (zero, zero, zero)
+    angular = [[cross(columns[j][1], columns[i][1]) if j < i else still for j in places] for i in places]
+    return [[[entry[r] for entry in row] for row in half] for half in (linear, angular) for r in range(3)]
 
 
 class RootField(Field, Protocol):

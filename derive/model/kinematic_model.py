@@ -285,13 +285,26 @@ class KinematicModel:
 
         The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.7).
         """
+        rates = [self.hessian(k) * qd for k, qd in enumerate(self.qd, 1)]
+        return sympy.ImmutableMatrix(sum(rates, sympy.zeros(6, self.n)))
+
+    def hessian(self, k: int) -> Matrix:
+        """dJ/dq_k, 6xn: the derivative of the geometric Jacobian by a joint variable, world frame.
+
+        Args:
+            k: The joint, from 1.
+
+        Returns:
+            6xn.
+
+        Raises:
+            QuantityError: No such joint.
+        """
+        self._require_index(k, 1)
         if self._is_long:
-            rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))
-            return sympy.ImmutableMatrix(rate)
-        write, slope = self.form.kinematic, self.domain.derivative
-        columns = [(*v, *w) for v, w in zip(*self.jacobian_columns, strict=True)]
-        rates = [[[write(slope(entry, k)) * qd for k, qd in enumerate(self.qd)] for entry in c] for c in columns]
-        return sympy.ImmutableMatrix([[sympy.Add(*terms) for terms in column] for column in rates]).T
+            return sympy.ImmutableMatrix(self.J.diff(self.q[k - 1]))
+        slope = self.domain.derivative
+        return columns_matrix(*self.jacobian_columns, write=lambda entry: self.form.kinematic(slope(entry, k - 1)))
 
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian: derivative of position and of orientation angles.

@@ -103,6 +103,17 @@ ROWS = (
         ),
         kinematics.jacobian_rates,
     ),
+    _row(
+        ("H = jacobian_hessian(q)", (6, "n", "n")),
+        (
+            "Derivatives of the geometric Jacobian with respect to q, in the world frame.",
+            "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
+        ),
+        kinematics.hessians,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        margin=POLICY.kinematics_margin,
+        search=False,
+    ),
     *(
         _row(
             (f"J_A = analytic_jacobian_{kind}(q)", (6, "n")),

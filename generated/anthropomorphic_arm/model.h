@@ -45,6 +45,7 @@ enum {
     anthropomorphic_arm_jacobian_constant_count = 2,
     anthropomorphic_arm_jacobian_end_constant_count = 2,
     anthropomorphic_arm_jacobian_dot_constant_count = 2,
+    anthropomorphic_arm_jacobian_hessian_constant_count = 2,
     anthropomorphic_arm_analytic_jacobian_rpy_constant_count = 2,
     anthropomorphic_arm_analytic_jacobian_zyz_constant_count = 2,
     anthropomorphic_arm_inverse_kinematics_constant_count = 9,
@@ -140,6 +141,23 @@ void anthropomorphic_arm_jacobian_dot_batch(size_t count, const double *q, const
 
 /** The constants of anthropomorphic_arm_jacobian_dot, 2, from the parameters, 2. */
 void anthropomorphic_arm_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 3 x 3, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 12 mul, 3 add, 3 sin, 3 cos.
+ */
+void anthropomorphic_arm_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_arm_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_arm_jacobian_hessian, 2, from the parameters, 2. */
+void anthropomorphic_arm_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

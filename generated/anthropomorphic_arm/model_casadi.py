@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q3, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,6 +18,7 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
@@ -41,6 +42,7 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 12, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
@@ -63,6 +65,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -253,6 +256,58 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, -t14, -t11,
         0.0, t8, t8,
         0.0, t16, t16,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a3*t3
+    c2 = cos(q2)
+    t6 = t4 + p_a2*c2
+    c1 = cos(q1)
+    t7 = c1*t6
+    t8 = c1*t4
+    t9 = c1*t5
+    s2 = sin(q2)
+    t10 = t5 + p_a2*s2
+    t11 = c1*t10
+    s1 = sin(q1)
+    t12 = s1*t10
+    t13 = s1*t5
+    t14 = t6*s1
+    t15 = t4*s1
+    return (
+        -t7, t12, t13,
+        t12, -t7, -t8,
+        t13, -t8, -t8,
+        -t14, -t11, -t9,
+        -t11, -t14, -t15,
+        -t9, -t15, -t15,
+        0.0, 0.0, 0.0,
+        0.0, -t10, -t5,
+        0.0, -t5, -t5,
+        0.0, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
     )
 
@@ -569,6 +624,17 @@ jacobian_dot = _function(
     shape=(6, 3),
     kernel=_jacobian_dot,
     hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1,
+    ),
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
     needs=(
         0, 1,
     ),

@@ -37,6 +37,7 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 12, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
@@ -59,6 +60,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -156,6 +158,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 22 mul, 12 add, 3 sin, 3 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 12 mul, 3 add, 3 sin, 3 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -429,6 +448,58 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, -t14, -t11,
         0.0, t8, t8,
         0.0, t16, t16,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a3*t3
+    c2 = cos(q2)
+    t6 = t4 + p_a2*c2
+    c1 = cos(q1)
+    t7 = c1*t6
+    t8 = c1*t4
+    t9 = c1*t5
+    s2 = sin(q2)
+    t10 = t5 + p_a2*s2
+    t11 = c1*t10
+    s1 = sin(q1)
+    t12 = s1*t10
+    t13 = s1*t5
+    t14 = t6*s1
+    t15 = t4*s1
+    return (
+        -t7, t12, t13,
+        t12, -t7, -t8,
+        t13, -t8, -t8,
+        -t14, -t11, -t9,
+        -t11, -t14, -t15,
+        -t9, -t15, -t15,
+        0.0, 0.0, 0.0,
+        0.0, -t10, -t5,
+        0.0, -t5, -t5,
+        0.0, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
     )
 
@@ -1886,6 +1957,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             0, 1,
         ),

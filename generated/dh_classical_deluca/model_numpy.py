@@ -35,6 +35,7 @@ OPERATIONS = {
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_hessian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
@@ -57,6 +58,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -157,6 +159,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Velocities of axes and origins: 3 mul, 1 sin, 1 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 1, 1):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: 2 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -377,6 +396,29 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -c1*t1,
         -t1*s1,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (q1,) = q
+    (p_a1,) = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -p_a1*c1,
+        -p_a1*s1,
         0.0,
         0.0,
         0.0,
@@ -1729,6 +1771,16 @@ _FUNCTIONS = {
         shape=(6, 1),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            1,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 1, 1),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             1,
         ),

@@ -44,6 +44,7 @@ enum {
     dh_general_laschi_jacobian_constant_count = 1,
     dh_general_laschi_jacobian_end_constant_count = 4,
     dh_general_laschi_jacobian_dot_constant_count = 1,
+    dh_general_laschi_jacobian_hessian_constant_count = 1,
     dh_general_laschi_analytic_jacobian_rpy_constant_count = 1,
     dh_general_laschi_analytic_jacobian_zyz_constant_count = 1,
     dh_general_laschi_inverse_kinematics_constant_count = 11,
@@ -142,6 +143,23 @@ void dh_general_laschi_jacobian_dot_batch(size_t count, const double *q, const d
 
 /** The constants of dh_general_laschi_jacobian_dot, 1, from the parameters, 3. */
 void dh_general_laschi_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 1 x 1, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: 2 mul, 1 sin, 1 cos.
+ */
+void dh_general_laschi_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of dh_general_laschi_jacobian_hessian, 1, from the parameters, 3. */
+void dh_general_laschi_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

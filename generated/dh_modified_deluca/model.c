@@ -411,6 +411,42 @@ void dh_modified_deluca_jacobian_dot_batch(size_t count, const double *restrict 
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+KERNEL void jacobian_hessian_lane(double *restrict result, const size_t lanes)
+{
+    result[0] = 0.0;
+    result[lanes] = 0.0;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+}
+
+void dh_modified_deluca_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    jacobian_hessian_lane(result, 1);
+}
+
+static void jacobian_hessian_block(double *restrict result)
+{
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(result + i, jacobian_hessian_lanes);
+}
+
+void dh_modified_deluca_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double result_block[6 * jacobian_hessian_lanes];
+        jacobian_hessian_block(result_block);
+        store(6, result_block, jacobian_hessian_lanes, result + 6 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 

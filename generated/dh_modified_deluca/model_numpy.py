@@ -35,6 +35,7 @@ OPERATIONS = {
     "jacobian": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "jacobian_hessian": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 7, "add": 1, "div": 2, "sin": 1, "cos": 1, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 19, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
@@ -57,6 +58,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -157,6 +159,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Velocities of axes and origins: no operations.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 1, 1):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: no operations.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -351,6 +370,17 @@ def _jacobian_end(functions, k, q):
 
 
 def _jacobian_dot(functions, k, q, qd):
+    return (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
     return (
         0.0,
         0.0,
@@ -1700,6 +1730,12 @@ _FUNCTIONS = {
         arguments=("q", "qd"),
         shape=(6, 1),
         kernel=_jacobian_dot,
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 1, 1),
+        kernel=_jacobian_hessian,
     ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",

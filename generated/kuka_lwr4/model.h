@@ -114,6 +114,19 @@ void kuka_lwr4_jacobian_dot(const double *q, const double *qd, double *result);
 void kuka_lwr4_jacobian_dot_batch(size_t count, const double *q, const double *qd, double *result);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  H, 6 x 7 x 7, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: 211 mul, 94 add, 6 sin, 6 cos.
+ */
+void kuka_lwr4_jacobian_hessian(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_lwr4_jacobian_hessian_batch(size_t count, const double *q, double *result);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.

@@ -14,7 +14,7 @@ Order of the entries of q, qd, qdd and tau, columns of 7:
     7: q7, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 28: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 28, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -22,6 +22,7 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
 
@@ -59,6 +60,7 @@ OPERATIONS = {
     "jacobian": {"mul": 78, "add": 35, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian_end": {"mul": 78, "add": 37, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian_hessian": {"mul": 211, "add": 94, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "inverse_kinematics": {"mul": 269, "add": 184, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
@@ -81,6 +83,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -467,6 +470,146 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, s1*qd1, -(c2*t4 + t3*qd1), t15*t5 - t2*t31, -(t29*t6 + t8*t32), t11*t33 - t34*t9,
         t28*t36 - t35*t12,
         0.0, 0.0, -s2*qd2, t18*t5 - t2*t23, -(t20*t6 + t8*t24), t11*t25 - t26*t9, t28*t27 - t21*t12,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t1 = c1*c2
+    c3 = cos(q3)
+    s1 = sin(q1)
+    s3 = sin(q3)
+    t2 = c3*t1 - s1*s3
+    c4 = cos(q4)
+    s2 = sin(q2)
+    t3 = c1*s2
+    s4 = sin(q4)
+    t4 = c4*t2 + t3*s4
+    c5 = cos(q5)
+    t5 = c3*s1 + t1*s3
+    s5 = sin(q5)
+    t6 = c5*t4 - s5*t5
+    s6 = sin(q6)
+    t7 = t3*c4 - t2*s4
+    c6 = cos(q6)
+    t8 = s6*t6 + c6*t7
+    t9 = c2*s1
+    t10 = c1*c3 - s3*t9
+    t11 = s2*c3
+    t12 = c3*t9 + c1*s3
+    t13 = s2*s3
+    t14 = s2*s1
+    t15 = c4*t12 + s4*t14
+    t16 = c5*t10 - s5*t15
+    t17 = c5*t5 + t4*s5
+    t18 = c5*t15 + s5*t10
+    t19 = c4*t14 - s4*t12
+    t20 = s6*t18 + c6*t19
+    t21 = c4*t11 - c2*s4
+    t22 = c4*c2 + s4*t11
+    t23 = c5*t21 - s5*t13
+    t24 = c6*t22 - s6*t23
+    t25 = c5*t13 + s5*t21
+    t26 = 0.078*t24
+    t27 = 0.078*t8
+    t28 = 0.078*t20
+    t29 = t27*t25 + t26*t17
+    t30 = t26*t16 - t25*t28
+    t31 = t17*t28 + t27*t16
+    t32 = s1*t31
+    t33 = c1*t31
+    t34 = t7*t29 - t19*t30
+    t35 = t5*t29 + t10*t30
+    t36 = t3*t29 - t14*t30
+    t37 = s1*t29 + c1*t30
+    t38 = t7*t26 - t27*t22
+    t39 = t22*t28 - t26*t19
+    t40 = t5*t38 + t10*t39
+    t41 = t3*t38 - t14*t39
+    t42 = s1*t38 + c1*t39
+    t43 = t27 + 0.39*t7
+    t44 = t26 + 0.39*t22
+    t45 = t43*t13 + t5*t44
+    t46 = t28 + 0.39*t19
+    t47 = t7*t28 - t27*t19
+    t48 = s1*t47
+    t49 = c1*t47
+    t50 = t44*t10 - t13*t46
+    t51 = t3*t45 - t14*t50
+    t52 = s1*t45 + c1*t50
+    t53 = c2*t43 - t3*t44
+    t54 = t44*t14 - c2*t46
+    t55 = s1*t53 + c1*t54
+    t56 = t44 + 0.4*c2
+    t57 = c1*t56
+    t58 = s1*t56
+    t59 = t22*t30 + t7*t31
+    t60 = t13*t30 - t5*t31
+    t61 = c2*t30 + t3*t31
+    t62 = t13*t39 - t5*t47
+    t63 = c2*t39 + t3*t47
+    t64 = t5*t46 + t43*t10
+    t65 = s1*t64
+    t66 = c1*t64
+    t67 = c2*t50 + t3*t64
+    t68 = t3*t46 - t43*t14
+    t69 = s1*t68
+    t70 = c1*t68
+    t71 = t43 + 0.4*t3
+    t72 = t46 + 0.4*t14
+    t73 = s1*t72 + c1*t71
+    t74 = t22*t29 + t19*t31
+    t75 = t10*t31 + t13*t29
+    t76 = t14*t31 + c2*t29
+    t77 = t10*t47 + t13*t38
+    t78 = t14*t47 + c2*t38
+    t79 = t14*t64 + c2*t45
+    return (
+        t71, t58, t53, -t45, -t38, t29, 0.0,
+        t58, c1*t73, -t70, -t66, -t49, t33, 0.0,
+        t53, -t70, c2*t53 - t14*t68, -t79, -t78, t76, 0.0,
+        -t45, -t66, -t79, t10*t64 + t13*t45, t77, -t75, 0.0,
+        -t38, -t49, -t78, t77, -(t22*t38 + t19*t47), t74, 0.0,
+        t29, t33, t76, -t75, t74, t27, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t72, -t57, -t54, t50, t39, -t30, 0.0,
+        -t57, s1*t73, -t69, -t65, -t48, t32, 0.0,
+        -t54, -t69, t3*t68 - c2*t54, t67, t63, -t61, 0.0,
+        t50, -t65, t67, t5*t64 - t13*t50, -t62, t60, 0.0,
+        t39, -t48, t63, -t62, t22*t39 + t7*t47, -t59, 0.0,
+        -t30, t32, -t61, t60, -t59, t28, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t56, -t55, t52, t42, -t37, 0.0,
+        0.0, -t55, t3*t53 - t14*t54, -t51, -t41, t36, 0.0,
+        0.0, t52, -t51, -(t5*t45 + t10*t50), -t40, t35, 0.0,
+        0.0, t42, -t41, -t40, t19*t39 - t7*t38, t34, 0.0,
+        0.0, -t37, t36, t35, t34, -t26, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t14, -t1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t10, c1*t13, -t2, 0.0, 0.0, 0.0, 0.0,
+        t19, -c1*t22, c2*t19 - t22*t14, t4, 0.0, 0.0, 0.0,
+        t16, -c1*t25, c2*t16 - t25*t14, t25*t10 - t13*t16, t6, 0.0, 0.0,
+        t20, -c1*t24, c2*t20 - t24*t14, t24*t10 - t13*t20, t22*t20 - t24*t19, t25*t20 - t24*t16, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t3, -t9, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t5, s1*t13, -t12, 0.0, 0.0, 0.0, 0.0,
+        -t7, -s1*t22, t3*t22 - c2*t7, t15, 0.0, 0.0, 0.0,
+        t17, -s1*t25, c2*t17 + t3*t25, t5*t25 - t13*t17, t18, 0.0, 0.0,
+        -t8, -s1*t24, t3*t24 - c2*t8, t8*t13 + t5*t24, t7*t24 - t8*t22, -(t24*t17 + t8*t25), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -s2, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, s1*t10 - c1*t5, -t11, 0.0, 0.0, 0.0, 0.0,
+        0.0, -(c1*t7 + s1*t19), t3*t19 - t7*t14, t21, 0.0, 0.0, 0.0,
+        0.0, c1*t17 - s1*t16, t3*t16 + t17*t14, t5*t16 - t17*t10, t23, 0.0, 0.0,
+        0.0, -(c1*t8 + s1*t20), t3*t20 - t8*t14, t8*t10 + t5*t20, t7*t20 - t8*t19, -(t8*t16 + t17*t20), 0.0,
     )
 
 
@@ -1299,6 +1442,13 @@ jacobian_dot = _function(
     output="dJ/dt",
     shape=(6, 7),
     kernel=_jacobian_dot,
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 7, 7),
+    kernel=_jacobian_hessian,
 )
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",

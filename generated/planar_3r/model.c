@@ -613,6 +613,134 @@ void planar_3r_jacobian_dot_batch(size_t count, const double *restrict q, const 
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void planar_3r_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_a1;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double t1 = q1 + q2;
+    const double t2 = q3 + t1;
+    angles[0] = q1;
+    angles[lanes] = t1;
+    angles[2 * lanes] = t2;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double c1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k2*ca3;
+    const double t2 = k1*ca2 + t1;
+    const double t3 = k2*sa3;
+    const double t4 = k1*sa2 + t3;
+    result[0] = -(k3*c1 + t2);
+    result[lanes] = -t2;
+    result[2 * lanes] = -t1;
+    result[3 * lanes] = -t2;
+    result[4 * lanes] = -t2;
+    result[5 * lanes] = -t1;
+    result[6 * lanes] = -t1;
+    result[7 * lanes] = -t1;
+    result[8 * lanes] = -t1;
+    result[9 * lanes] = -(k3*s1 + t4);
+    result[10 * lanes] = -t4;
+    result[11 * lanes] = -t3;
+    result[12 * lanes] = -t4;
+    result[13 * lanes] = -t4;
+    result[14 * lanes] = -t3;
+    result[15 * lanes] = -t3;
+    result[16 * lanes] = -t3;
+    result[17 * lanes] = -t3;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.0;
+    result[37 * lanes] = 0.0;
+    result[38 * lanes] = 0.0;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = 0.0;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = 0.0;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+}
+
+void planar_3r_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3 * jacobian_hessian_lanes], sines[3 * jacobian_hessian_lanes], cosines[3 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(3 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void planar_3r_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[3 * jacobian_hessian_lanes], result_block[54 * jacobian_hessian_lanes];
+        load(3, q + 3 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(54, result_block, jacobian_hessian_lanes, result + 54 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 

@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q3, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,6 +18,7 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
@@ -43,6 +44,7 @@ OPERATIONS = {
     "jacobian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "inverse_kinematics": {"mul": 103, "add": 76, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 65},
 }
@@ -64,6 +66,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "GIVEN",
     "NONE",
@@ -245,6 +248,51 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t13 + c1*t14), -t13, -t8,
         -(t11 + t14*s1), -t11, -t6,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a2, p_a3, p_a1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, p_a1 = k
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = q3 + t1
+    t4 = cos(t3)
+    t5 = p_a3*t4
+    t6 = p_a2*t2 + t5
+    c1 = cos(q1)
+    t7 = sin(t1)
+    t8 = sin(t3)
+    t9 = p_a3*t8
+    t10 = p_a2*t7 + t9
+    s1 = sin(q1)
+    return (
+        -(p_a1*c1 + t6), -t6, -t5,
+        -t6, -t6, -t5,
+        -t5, -t5, -t5,
+        -(p_a1*s1 + t10), -t10, -t9,
+        -t10, -t10, -t9,
+        -t9, -t9, -t9,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -567,6 +615,17 @@ jacobian_dot = _function(
     shape=(6, 3),
     kernel=_jacobian_dot,
     hoisted=_jacobian_dot_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
     needs=(
         0, 1, 2,
     ),

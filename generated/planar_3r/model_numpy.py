@@ -37,6 +37,7 @@ OPERATIONS = {
     "jacobian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 9, "add": 8, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 6, "add": 6, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "inverse_kinematics": {"mul": 103, "add": 76, "div": 5, "sin": 2, "cos": 2, "sqrt": 2, "atan2": 6, "cases": 65},
 }
@@ -58,6 +59,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "GIVEN",
     "NONE",
@@ -154,6 +156,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 9 mul, 8 add, 3 sin, 3 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 6 mul, 6 add, 3 sin, 3 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -406,6 +425,51 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t13 + c1*t14), -t13, -t8,
         -(t11 + t14*s1), -t11, -t6,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a1, p_a2, p_a3 = p
+    return (
+        p_a2, p_a3, p_a1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, p_a1 = k
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = q3 + t1
+    t4 = cos(t3)
+    t5 = p_a3*t4
+    t6 = p_a2*t2 + t5
+    c1 = cos(q1)
+    t7 = sin(t1)
+    t8 = sin(t3)
+    t9 = p_a3*t8
+    t10 = p_a2*t7 + t9
+    s1 = sin(q1)
+    return (
+        -(p_a1*c1 + t6), -t6, -t5,
+        -t6, -t6, -t5,
+        -t5, -t5, -t5,
+        -(p_a1*s1 + t10), -t10, -t9,
+        -t10, -t10, -t9,
+        -t9, -t9, -t9,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -1869,6 +1933,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             0, 1, 2,
         ),

@@ -775,6 +775,316 @@ void puma560_corke_jacobian_dot_batch(size_t count, const double *restrict q, co
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 16 };
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = 0.0203*ca5 - 0.4318*sa5;
+    const double t2 = t1 + 0.4318*c2;
+    const double t3 = c1*t1;
+    const double t4 = c1*ca5;
+    const double t5 = c1*t2;
+    const double t6 = s1*t2;
+    const double t7 = s1*t1;
+    const double t8 = s1*ca5;
+    const double t9 = 0.0203*sa5 + 0.4318*ca5;
+    const double t10 = s1*t9;
+    const double t11 = c1*t9;
+    const double t12 = t9 + 0.4318*s2;
+    const double t13 = s1*t12;
+    const double t14 = c1*t12;
+    const double t15 = s1*sa5;
+    const double t16 = ca5*s4;
+    const double t17 = c1*c4 - s1*t16;
+    const double t18 = sa5*s4;
+    const double t19 = c1*t18;
+    const double t20 = s1*t18;
+    const double t21 = s4*s5;
+    const double t22 = c4*s5;
+    const double t23 = s1*c4 + c1*t16;
+    const double t24 = sa5*c5 + ca5*t22;
+    const double t25 = ca5*c5 - sa5*t22;
+    const double t26 = c1*t25;
+    const double t27 = c1*sa5;
+    const double t28 = s1*t25;
+    const double t29 = s1*t24 + c1*t21;
+    const double t30 = c1*t24 - s1*t21;
+    result[0] = -(t5 + 0.15005*s1);
+    result[lanes] = t13;
+    result[2 * lanes] = t10;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t13;
+    result[7 * lanes] = -t5;
+    result[8 * lanes] = -t3;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t10;
+    result[13 * lanes] = -t3;
+    result[14 * lanes] = -t3;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.15005*c1 - t6;
+    result[37 * lanes] = -t14;
+    result[38 * lanes] = -t11;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = -t14;
+    result[43 * lanes] = -t6;
+    result[44 * lanes] = -t7;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = -t11;
+    result[49 * lanes] = -t7;
+    result[50 * lanes] = -t7;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = 0.0;
+    result[58 * lanes] = 0.0;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = 0.0;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = 0.0;
+    result[64 * lanes] = 0.0;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = -t12;
+    result[80 * lanes] = -t9;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = -t9;
+    result[86 * lanes] = -t9;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+    result[96 * lanes] = 0.0;
+    result[97 * lanes] = 0.0;
+    result[98 * lanes] = 0.0;
+    result[99 * lanes] = 0.0;
+    result[100 * lanes] = 0.0;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = 0.0;
+    result[106 * lanes] = 0.0;
+    result[107 * lanes] = 0.0;
+    result[108 * lanes] = 0.0;
+    result[109 * lanes] = 0.0;
+    result[110 * lanes] = 0.0;
+    result[111 * lanes] = 0.0;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = 0.0;
+    result[114 * lanes] = c1;
+    result[115 * lanes] = 0.0;
+    result[116 * lanes] = 0.0;
+    result[117 * lanes] = 0.0;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = c1;
+    result[121 * lanes] = 0.0;
+    result[122 * lanes] = 0.0;
+    result[123 * lanes] = 0.0;
+    result[124 * lanes] = 0.0;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = t15;
+    result[127 * lanes] = -t4;
+    result[128 * lanes] = -t4;
+    result[129 * lanes] = 0.0;
+    result[130 * lanes] = 0.0;
+    result[131 * lanes] = 0.0;
+    result[132 * lanes] = t17;
+    result[133 * lanes] = -t19;
+    result[134 * lanes] = -t19;
+    result[135 * lanes] = ca5*t17 - t15*t18;
+    result[136 * lanes] = 0.0;
+    result[137 * lanes] = 0.0;
+    result[138 * lanes] = t29;
+    result[139 * lanes] = -t26;
+    result[140 * lanes] = -t26;
+    result[141 * lanes] = ca5*t29 - t15*t25;
+    result[142 * lanes] = t18*t29 - t17*t25;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = 0.0;
+    result[147 * lanes] = 0.0;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+    result[150 * lanes] = s1;
+    result[151 * lanes] = 0.0;
+    result[152 * lanes] = 0.0;
+    result[153 * lanes] = 0.0;
+    result[154 * lanes] = 0.0;
+    result[155 * lanes] = 0.0;
+    result[156 * lanes] = s1;
+    result[157 * lanes] = 0.0;
+    result[158 * lanes] = 0.0;
+    result[159 * lanes] = 0.0;
+    result[160 * lanes] = 0.0;
+    result[161 * lanes] = 0.0;
+    result[162 * lanes] = -t27;
+    result[163 * lanes] = -t8;
+    result[164 * lanes] = -t8;
+    result[165 * lanes] = 0.0;
+    result[166 * lanes] = 0.0;
+    result[167 * lanes] = 0.0;
+    result[168 * lanes] = t23;
+    result[169 * lanes] = -t20;
+    result[170 * lanes] = -t20;
+    result[171 * lanes] = ca5*t23 + t18*t27;
+    result[172 * lanes] = 0.0;
+    result[173 * lanes] = 0.0;
+    result[174 * lanes] = -t30;
+    result[175 * lanes] = -t28;
+    result[176 * lanes] = -t28;
+    result[177 * lanes] = t25*t27 - ca5*t30;
+    result[178 * lanes] = -(t18*t30 + t25*t23);
+    result[179 * lanes] = 0.0;
+    result[180 * lanes] = 0.0;
+    result[181 * lanes] = 0.0;
+    result[182 * lanes] = 0.0;
+    result[183 * lanes] = 0.0;
+    result[184 * lanes] = 0.0;
+    result[185 * lanes] = 0.0;
+    result[186 * lanes] = 0.0;
+    result[187 * lanes] = 0.0;
+    result[188 * lanes] = 0.0;
+    result[189 * lanes] = 0.0;
+    result[190 * lanes] = 0.0;
+    result[191 * lanes] = 0.0;
+    result[192 * lanes] = 0.0;
+    result[193 * lanes] = 0.0;
+    result[194 * lanes] = 0.0;
+    result[195 * lanes] = 0.0;
+    result[196 * lanes] = 0.0;
+    result[197 * lanes] = 0.0;
+    result[198 * lanes] = 0.0;
+    result[199 * lanes] = -sa5;
+    result[200 * lanes] = -sa5;
+    result[201 * lanes] = 0.0;
+    result[202 * lanes] = 0.0;
+    result[203 * lanes] = 0.0;
+    result[204 * lanes] = 0.0;
+    result[205 * lanes] = t16;
+    result[206 * lanes] = t16;
+    result[207 * lanes] = t17*t27 + t15*t23;
+    result[208 * lanes] = 0.0;
+    result[209 * lanes] = 0.0;
+    result[210 * lanes] = 0.0;
+    result[211 * lanes] = -t24;
+    result[212 * lanes] = -t24;
+    result[213 * lanes] = t29*t27 - t15*t30;
+    result[214 * lanes] = -(t29*t23 + t17*t30);
+    result[215 * lanes] = 0.0;
+}
+
+void puma560_corke_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * jacobian_hessian_lanes], sines[5 * jacobian_hessian_lanes], cosines[5 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(5 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, result + i, jacobian_hessian_lanes);
+}
+
+void puma560_corke_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[6 * jacobian_hessian_lanes], result_block[216 * jacobian_hessian_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, result_block);
+        store(216, result_block, jacobian_hessian_lanes, result + 216 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 

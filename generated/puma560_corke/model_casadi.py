@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -21,6 +21,7 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
     inertia_matrix(q) -> B
@@ -99,6 +100,7 @@ OPERATIONS = {
     "jacobian": {"mul": 32, "add": 13, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 45, "add": 23, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 74, "add": 42, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 58, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 77, "add": 32, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 51, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "inertia_matrix": {"mul": 67, "add": 53, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
@@ -137,6 +139,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "inertia_matrix",
@@ -407,6 +410,90 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, t18, t18, -(t5*t17 + s1*t8), t17*t20 + (s1*t19 + (t18*c4 + c1*t1)),
         t18*t16 + (s1*t13 - (c1*t15 + t17*t14)),
         0.0, 0.0, 0.0, -t10, t5*t12 + t8*s4, t5*t3 - (t10*c5 + t8*t9) - t6*t11,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 0.0203*t2 - 0.4318*t3
+    c2 = cos(q2)
+    t5 = t4 + 0.4318*c2
+    c1 = cos(q1)
+    t6 = c1*t4
+    t7 = c1*t2
+    t8 = c1*t5
+    s1 = sin(q1)
+    t9 = s1*t5
+    t10 = s1*t4
+    t11 = s1*t2
+    t12 = 0.0203*t3 + 0.4318*t2
+    t13 = s1*t12
+    t14 = c1*t12
+    s2 = sin(q2)
+    t15 = t12 + 0.4318*s2
+    t16 = s1*t15
+    t17 = c1*t15
+    t18 = s1*t3
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t19 = t2*s4
+    t20 = c1*c4 - s1*t19
+    t21 = t3*s4
+    t22 = c1*t21
+    t23 = s1*t21
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t24 = s4*s5
+    t25 = c4*s5
+    t26 = s1*c4 + c1*t19
+    t27 = t3*c5 + t2*t25
+    t28 = t2*c5 - t3*t25
+    t29 = c1*t28
+    t30 = c1*t3
+    t31 = s1*t28
+    t32 = s1*t27 + c1*t24
+    t33 = c1*t27 - s1*t24
+    return (
+        -(t8 + 0.15005*s1), t16, t13, 0.0, 0.0, 0.0,
+        t16, -t8, -t6, 0.0, 0.0, 0.0,
+        t13, -t6, -t6, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.15005*c1 - t9, -t17, -t14, 0.0, 0.0, 0.0,
+        -t17, -t9, -t10, 0.0, 0.0, 0.0,
+        -t14, -t10, -t10, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t15, -t12, 0.0, 0.0, 0.0,
+        0.0, -t12, -t12, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t18, -t7, -t7, 0.0, 0.0, 0.0,
+        t20, -t22, -t22, t2*t20 - t18*t21, 0.0, 0.0,
+        t32, -t29, -t29, t2*t32 - t18*t28, t21*t32 - t20*t28, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t30, -t11, -t11, 0.0, 0.0, 0.0,
+        t26, -t23, -t23, t2*t26 + t21*t30, 0.0, 0.0,
+        -t33, -t31, -t31, t28*t30 - t2*t33, -(t21*t33 + t28*t26), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t3, -t3, 0.0, 0.0, 0.0,
+        0.0, t19, t19, t20*t30 + t18*t26, 0.0, 0.0,
+        0.0, -t27, -t27, t32*t30 - t18*t33, -(t32*t26 + t20*t33), 0.0,
     )
 
 
@@ -2702,6 +2789,13 @@ jacobian_dot = _function(
     output="dJ/dt",
     shape=(6, 6),
     kernel=_jacobian_dot,
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
 )
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",

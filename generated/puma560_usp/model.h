@@ -51,6 +51,7 @@ enum {
     puma560_usp_jacobian_constant_count = 5,
     puma560_usp_jacobian_end_constant_count = 5,
     puma560_usp_jacobian_dot_constant_count = 5,
+    puma560_usp_jacobian_hessian_constant_count = 5,
     puma560_usp_analytic_jacobian_rpy_constant_count = 5,
     puma560_usp_analytic_jacobian_zyz_constant_count = 5,
     puma560_usp_inverse_kinematics_constant_count = 23,
@@ -146,6 +147,23 @@ void puma560_usp_jacobian_dot_batch(size_t count, const double *q, const double 
 
 /** The constants of puma560_usp_jacobian_dot, 5, from the parameters, 5. */
 void puma560_usp_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       5 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 95 mul, 39 add, 5 sin, 5 cos.
+ */
+void puma560_usp_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_jacobian_hessian, 5, from the parameters, 5. */
+void puma560_usp_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

@@ -37,6 +37,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
@@ -58,6 +59,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "GIVEN",
     "NONE",
@@ -154,6 +156,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 6 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -379,6 +398,46 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         t6 + s1*t7, t6, 0.0,
         -(t4 + t7*c1), -t4, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_l2, p_l3 = p
+    return (
+        p_l2, p_l3,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_l2, p_l3 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_l3*t2
+    t4 = cos(t1)
+    t5 = p_l3*t4
+    c1 = cos(q1)
+    return (
+        p_l2*s1 + t3, t3, 0.0,
+        t3, t3, 0.0,
+        0.0, 0.0, 0.0,
+        -(p_l2*c1 + t5), -t5, 0.0,
+        -t5, -t5, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
@@ -1738,6 +1797,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            1, 2,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             1, 2,
         ),

@@ -110,6 +110,19 @@ void scara_matlab_jacobian_dot(const double *q, const double *qd, double *result
 void scara_matlab_jacobian_dot_batch(size_t count, const double *q, const double *qd, double *result);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  H, 6 x 4 x 4, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_matlab_jacobian_hessian(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_jacobian_hessian_batch(size_t count, const double *q, double *result);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.

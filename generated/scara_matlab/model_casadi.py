@@ -11,7 +11,7 @@ Order of the entries of q, qd, qdd and tau, columns of 4:
     4: q4, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 16: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 16, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -19,6 +19,7 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     inertia_matrix(q) -> B
     coriolis_matrix(q, qd) -> C
@@ -70,6 +71,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -107,6 +109,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
@@ -253,6 +256,44 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t4), -t6, 0.0, 0.0,
         -(t7 + t4*s1), -t7, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = 2.0*t2
+    t4 = sin(t1)
+    t5 = 2.0*t4
+    s1 = sin(q1)
+    return (
+        -(2.0*c1 + t3), -t3, 0.0, 0.0,
+        -t3, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -(2.0*s1 + t5), -t5, 0.0, 0.0,
+        -t5, -t5, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -760,6 +801,13 @@ jacobian_dot = _function(
     output="dJ/dt",
     shape=(6, 4),
     kernel=_jacobian_dot,
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 4, 4),
+    kernel=_jacobian_hessian,
 )
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",

@@ -62,6 +62,7 @@ enum {
     scara_perugia_zup_jacobian_constant_count = 2,
     scara_perugia_zup_jacobian_end_constant_count = 2,
     scara_perugia_zup_jacobian_dot_constant_count = 2,
+    scara_perugia_zup_jacobian_hessian_constant_count = 2,
     scara_perugia_zup_analytic_jacobian_rpy_constant_count = 2,
     scara_perugia_zup_inertia_matrix_constant_count = 7,
     scara_perugia_zup_coriolis_matrix_constant_count = 1,
@@ -169,6 +170,23 @@ void scara_perugia_zup_jacobian_dot_batch(size_t count, const double *q, const d
 
 /** The constants of scara_perugia_zup_jacobian_dot, 2, from the parameters, 18. */
 void scara_perugia_zup_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 4 x 4, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_perugia_zup_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_zup_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_zup_jacobian_hessian, 2, from the parameters, 18. */
+void scara_perugia_zup_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

@@ -540,6 +540,94 @@ void skeleton_jacobian_dot_batch(size_t count, const double *restrict q, const d
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void skeleton_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_l0 = params[2];
+    const double p_l1 = params[3];
+    k[0] = p_l0;
+    k[1] = p_l1;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double t1 = q1 + q2;
+    angles[0] = q1;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k2*ca2;
+    const double t2 = k2*sa2;
+    result[0] = -(k1*c1 + t1);
+    result[lanes] = -t1;
+    result[2 * lanes] = -t1;
+    result[3 * lanes] = -t1;
+    result[4 * lanes] = k1*s1 + t2;
+    result[5 * lanes] = t2;
+    result[6 * lanes] = t2;
+    result[7 * lanes] = t2;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+}
+
+void skeleton_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * jacobian_hessian_lanes], sines[2 * jacobian_hessian_lanes], cosines[2 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(2 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void skeleton_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[2 * jacobian_hessian_lanes], result_block[24 * jacobian_hessian_lanes];
+        load(2, q + 2 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(24, result_block, jacobian_hessian_lanes, result + 24 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 

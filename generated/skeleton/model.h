@@ -46,6 +46,7 @@ enum {
     skeleton_jacobian_constant_count = 2,
     skeleton_jacobian_end_constant_count = 2,
     skeleton_jacobian_dot_constant_count = 2,
+    skeleton_jacobian_hessian_constant_count = 2,
     skeleton_analytic_jacobian_rpy_constant_count = 2,
     skeleton_inverse_kinematics_constant_count = 13,
     skeleton_branches = 1, /**< Branches of inverse kinematics. */
@@ -140,6 +141,23 @@ void skeleton_jacobian_dot_batch(size_t count, const double *q, const double *qd
 
 /** The constants of skeleton_jacobian_dot, 2, from the parameters, 4. */
 void skeleton_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 2 x 2, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void skeleton_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_jacobian_hessian, 2, from the parameters, 4. */
+void skeleton_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

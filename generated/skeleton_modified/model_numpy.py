@@ -36,6 +36,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
@@ -57,6 +58,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "GIVEN",
     "NONE",
@@ -153,6 +155,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 6 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 2, 2):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -370,6 +389,40 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t7), -t6,
         t4 + t7*s1, t4,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    p_l0, p_l1 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_l1*t2
+    t4 = sin(t1)
+    t5 = p_l1*t4
+    s1 = sin(q1)
+    return (
+        -(p_l0*c1 + t3), -t3,
+        -t3, -t3,
+        p_l0*s1 + t5, t5,
+        t5, t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
         0.0, 0.0,
@@ -1745,6 +1798,16 @@ _FUNCTIONS = {
         shape=(6, 2),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 2, 2),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             2, 3,
         ),

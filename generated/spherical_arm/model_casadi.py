@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q3, prismatic [m]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,6 +18,7 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
@@ -41,6 +42,7 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 11, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "inverse_kinematics": {"mul": 36, "add": 31, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 22},
@@ -63,6 +65,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -231,6 +234,52 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, -(t5 + q3*t2), -t7,
         0.0, -t1, 0.0,
         0.0, -t4, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    t2 = q3*t1
+    s1 = sin(q1)
+    t3 = s1*s2
+    t4 = q3*t3
+    c2 = cos(q2)
+    t5 = c1*c2
+    t6 = s1*c2
+    t7 = q3*c2
+    t8 = s1*t7
+    t9 = c1*t7
+    return (
+        p_d2*s1 - t2, -t8, -t3,
+        -t8, -t2, t5,
+        -t3, t5, 0.0,
+        -(t4 + p_d2*c1), t9, t1,
+        t9, -t4, t6,
+        t1, t6, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -t7, -s2,
+        0.0, -s2, 0.0,
+        0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
     )
 
@@ -505,6 +554,17 @@ jacobian_dot = _function(
     shape=(6, 3),
     kernel=_jacobian_dot,
     hoisted=_jacobian_dot_constants,
+    needs=(
+        0,
+    ),
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
     needs=(
         0,
     ),

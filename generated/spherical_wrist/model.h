@@ -44,6 +44,7 @@ enum {
     spherical_wrist_jacobian_constant_count = 1,
     spherical_wrist_jacobian_end_constant_count = 1,
     spherical_wrist_jacobian_dot_constant_count = 1,
+    spherical_wrist_jacobian_hessian_constant_count = 1,
     spherical_wrist_analytic_jacobian_rpy_constant_count = 1,
     spherical_wrist_analytic_jacobian_zyz_constant_count = 1,
     spherical_wrist_inverse_kinematics_constant_count = 4,
@@ -139,6 +140,23 @@ void spherical_wrist_jacobian_dot_batch(size_t count, const double *q, const dou
 
 /** The constants of spherical_wrist_jacobian_dot, 1, from the parameters, 1. */
 void spherical_wrist_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 3 x 3, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: 9 mul, 2 sin, 2 cos.
+ */
+void spherical_wrist_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of spherical_wrist_jacobian_hessian, 1, from the parameters, 1. */
+void spherical_wrist_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,6 +18,7 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
 
@@ -44,6 +45,7 @@ OPERATIONS = {
     "jacobian": {"mul": 8, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 6, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 9, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
@@ -66,6 +68,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -241,6 +244,50 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, -t1, -t8,
         0.0, -t7, t3,
         0.0, 0.0, -t5,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (p_d6,) = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    t2 = p_d6*t1
+    s1 = sin(q1)
+    t3 = s2*s1
+    t4 = p_d6*t3
+    c2 = cos(q2)
+    t5 = p_d6*c2
+    t6 = s1*t5
+    t7 = c1*t5
+    return (
+        -t2, -t6, 0.0,
+        -t6, -t2, 0.0,
+        0.0, 0.0, 0.0,
+        -t4, t7, 0.0,
+        t7, -t4, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -t5, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0,
+        -t3, c1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0,
+        t1, s1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -s2, 0.0,
     )
 
 
@@ -552,6 +599,17 @@ jacobian_dot = _function(
     shape=(6, 3),
     kernel=_jacobian_dot,
     hoisted=_jacobian_dot_constants,
+    needs=(
+        0,
+    ),
+)
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
     needs=(
         0,
     ),

@@ -37,6 +37,7 @@ OPERATIONS = {
     "jacobian": {"mul": 8, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 6, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 9, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
@@ -59,6 +60,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "GIVEN",
@@ -156,6 +158,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian, differentiated in time: 17 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: 9 mul, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -418,6 +437,50 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, -t1, -t8,
         0.0, -t7, t3,
         0.0, 0.0, -t5,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (p_d6,) = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    t2 = p_d6*t1
+    s1 = sin(q1)
+    t3 = s2*s1
+    t4 = p_d6*t3
+    c2 = cos(q2)
+    t5 = p_d6*c2
+    t6 = s1*t5
+    t7 = c1*t5
+    return (
+        -t2, -t6, 0.0,
+        -t6, -t2, 0.0,
+        0.0, 0.0, 0.0,
+        -t4, t7, 0.0,
+        t7, -t4, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -t5, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0,
+        -t3, c1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0,
+        t1, s1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -s2, 0.0,
     )
 
 
@@ -1870,6 +1933,16 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_jacobian_dot,
         hoisted=_jacobian_dot_constants,
+        needs=(
+            0,
+        ),
+    ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
         needs=(
             0,
         ),

@@ -49,6 +49,7 @@ enum {
     stanford_deluca_jacobian_constant_count = 2,
     stanford_deluca_jacobian_end_constant_count = 2,
     stanford_deluca_jacobian_dot_constant_count = 2,
+    stanford_deluca_jacobian_hessian_constant_count = 2,
     stanford_deluca_analytic_jacobian_rpy_constant_count = 2,
     stanford_deluca_analytic_jacobian_zyz_constant_count = 2,
     stanford_deluca_inverse_kinematics_constant_count = 11,
@@ -144,6 +145,23 @@ void stanford_deluca_jacobian_dot_batch(size_t count, const double *q, const dou
 
 /** The constants of stanford_deluca_jacobian_dot, 2, from the parameters, 3. */
 void stanford_deluca_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 87 mul, 33 add, 4 sin, 4 cos.
+ */
+void stanford_deluca_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of stanford_deluca_jacobian_hessian, 2, from the parameters, 3. */
+void stanford_deluca_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.

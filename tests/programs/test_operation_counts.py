@@ -53,3 +53,10 @@ def test_every_other_tool_needs_more(name: str, symbol: str) -> None:
 def test_gravity_along_the_first_axis_needs_no_first_angle(name: str, function: str) -> None:
     sources = [node.source for node in program_of(name)[function].tape.nodes if node.source is not None]
     assert all((source.kind, source.index) != ("q", 0) for source in sources)
+
+
+@pytest.mark.parametrize("name", ["scara-symbolic", *(pytest.param(name, marks=pytest.mark.sweep) for name in LONG)])
+def test_derivatives_of_j_need_less_than_its_rates_by_each_joint(name: str) -> None:
+    program = program_of(name)
+    hessian, rate = program["jacobian_hessian"], program["jacobian_dot"]
+    assert hessian.operations.total < hessian.shape[1] * rate.operations.total

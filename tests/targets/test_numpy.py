@@ -38,6 +38,7 @@ SHAPES = {
     "forward_kinematics": (4, 4),
     "link_transforms": (2, 4, 4),
     **dict.fromkeys(("jacobian", "jacobian_end", "jacobian_dot"), (6, 2)),
+    "jacobian_hessian": (6, 2, 2),
     **dict.fromkeys(("analytic_jacobian_rpy", "analytic_jacobian_zyz"), (6, 2)),
     **dict.fromkeys(("inertia_matrix", "coriolis_matrix"), (2, 2)),
     **dict.fromkeys(("kinetic_energy", "potential_energy"), ()),

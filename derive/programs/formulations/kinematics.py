@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from derive.mechanics import forward_kinematics as recursion
-from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
+from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_hessian, jacobian_rate
 from derive.mechanics.vectors import Frame, column, multiply, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulations.choice import Formulation
@@ -70,6 +70,16 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
             return derivative(improved_values(flat(matrix())), rates)
 
         yield Formulation(f"{words}, differentiated in time", _in_time)
+
+
+def hessians(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of dJ/dq."""
+    for words, matrix, _ in _pairs(trace):
+
+        def _crossed(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
+            return [v for rows in jacobian_hessian(matrix(), trace.chain.zero) for v in flat(rows)]
+
+        yield Formulation(f"products of columns of the {words}", _crossed)
 
 
 def analytic_jacobians(kind: str, trace: Trace) -> Iterator[Formulation]:

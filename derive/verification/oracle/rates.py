@@ -21,6 +21,12 @@ def jacobian_dot(arm: NumericArm, q: Array, qd: Array) -> Array:
     return jacobian(arm, q + 1j * STEP * qd).imag / STEP
 
 
+def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
+    """Entry r, i, j: d J_ri / d q_j."""
+    slopes: Array = jacobian(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
+    return np.moveaxis(slopes, -3, -1)
+
+
 def analytic_jacobian_rpy(arm: NumericArm, q: Array) -> Array:
     """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll)."""
     pose, slope = _pose_and_slope(arm, q)

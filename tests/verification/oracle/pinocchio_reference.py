@@ -107,6 +107,9 @@ class Reference:
         linear = rate[:3] - pin.skew(jacobian[:3] @ qd) @ jacobian[3:] - pin.skew(place) @ rate[3:]
         return np.vstack([linear, rate[3:]])
 
+    def jacobian_hessian(self, q: Array) -> Array:
+        return np.stack([self.jacobian_dot(q, e) for e in np.eye(len(q))], axis=-1)
+
     def analytic_jacobian_rpy(self, q: Array) -> Array:
         _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
         turned = pin.utils.rotate("z", yaw)
