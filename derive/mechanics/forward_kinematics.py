@@ -16,6 +16,10 @@ section 3.1; Lynch and Park, Modern Robotics, ch. 5, for spatial velocities).
 and of those before only the end effector: dJ_i/dq_j = (w_j x v_i, w_j x w_i) for j <= i, (w_i x v_j, 0) for j > i
 (Hourtash, The kinematic Hessian and higher derivatives, CIRA 2005).
 
+*Seen from another frame* and of another point of the last link, J has the same volume, its manipulability: sqrt(det(J
+J^T)), |det J| of a square J (Yoshikawa, Manipulability of robotic mechanisms, International Journal of Robotics
+Research 4(2), 1985). In the middle of the arm most entries are zero.
+
 *Analytic Jacobians*: velocity of the end effector and rates of its orientation angles. Both kinds of angles begin with
 a turn about the world's z axis, and the direction u = (x, y, z) that their second turn tilts, column 1 of R for roll,
 pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
@@ -28,6 +32,7 @@ Robotics, section 3.6).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate
 from typing import Any, Protocol, Self, TypeVar
 
@@ -55,7 +60,18 @@ def link_transforms(chain: Chain[S]) -> list[Frame[S]]:
 def jacobian(chain: Chain[S]) -> list[list[S]]:
     """J(q): (v, omega) = J qd for the origin of the end effector, tool included, in the world frame."""
     poses = joint_poses(chain)
-    end = (poses[-1] @ chain.tool).position
+    return _columns(chain, poses, (poses[-1] @ chain.tool).position)
+
+
+def jacobian_from(chain: Chain[S], k: int, *, at_end: bool) -> list[list[S]]:
+    """J seen from joint frame k: in its axes, of its origin as a point of the last link unless of the end effector."""
+    inner = replace(chain, base=chain.unit, joints=chain.joints[:k], tool=chain.unit).inverted
+    outer = joint_poses(replace(chain, base=chain.unit, joints=chain.joints[k:]))
+    end = ([chain.unit, *outer][-1] @ chain.tool).position if at_end else chain.null
+    return _columns(chain, [*reversed(joint_poses(inner)), *outer], end)
+
+
+def _columns(chain: Chain[S], poses: Sequence[Frame[S]], end: Vector[S]) -> list[list[S]]:
     columns: list[list[S]] = []
     for joint, pose in zip(chain.joints, poses, strict=True):
         z = column(pose.rotation, 2)

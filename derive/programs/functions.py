@@ -236,5 +236,25 @@ ROWS = (
         exists=_has_regressor,
         columns=dynamics.base_columns,
     ),
+    # Last, so that what is traced before does not depend on them.
+    *(
+        _row(
+            (f"w = manipulability{'_' * (part != 'all')}{part.removeprefix('all')}(q)", ()),
+            (
+                f"Manipulability of the {what}.",
+                "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
+            ),
+            partial(kinematics.manipulabilities, part),
+            margin=1.0,
+            search=False,
+        )
+        for part, what in (("all", "task"), ("position", "position"), ("orientation", "orientation"))
+    ),
+    _row(
+        ("dw/dq = manipulability_dq(q)", ("n",)),
+        ("Gradient of the manipulability of the task.", "d w / d q_j; where w = 0 of an oblong J no finite numbers"),
+        kinematics.manipulability_gradients,
+        search=False,
+    ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

@@ -156,6 +156,14 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         regular = distance > NEAR
         near = np.where(regular, distance, 1.0)[..., None, None]
         return PartialExpectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
+    if function.startswith("manipulability"):  # what rounding leaves of w^2 is large in w, and in its slope, near zero
+        name = function.removesuffix("_dq")
+        volume = value if name == function else oracle.evaluate(name, *arguments)
+        share = volume / np.maximum(volume.max(), FLOOR * limits.natural_size(name, arguments))
+        regular, axes = share > NEAR, tuple(range(volume.ndim, value.ndim))
+        near = np.expand_dims(np.where(regular, share, 1.0), axes)
+        size = np.maximum(np.abs(value[regular]).max(initial=0.0), yardstick)
+        return PartialExpectation(oracle, arguments, value, size / near, regular)
     batch = list(range(arguments[0].ndim - 1))
     if function == "link_transforms":  # the frames of all links have one size
         batch.append(len(batch))

@@ -60,6 +60,7 @@ class Bounds:
         # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
+        self.rows = arm.rows  # rows of J by part
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
@@ -80,6 +81,11 @@ class Bounds:
                 return self.jacobian * self.turning(rates[0])
             case "jacobian_hessian":
                 return self.jacobian[..., None] * self.steepness
+            case "manipulability" | "manipulability_position" | "manipulability_orientation" | "manipulability_dq":
+                # the product of the lengths of as many rows as there are
+                rows = self.rows.get(function.partition("_")[2], self.rows["all"])
+                lengths = np.linalg.norm(self.jacobian[list(rows)], axis=1)
+                return np.asarray(np.prod(lengths) * (self.steepness if function == "manipulability_dq" else 1.0))
             case "inertia_matrix":
                 return self.inertia_matrix
             case "coriolis_matrix":

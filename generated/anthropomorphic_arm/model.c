@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -909,6 +914,238 @@ void anthropomorphic_arm_analytic_jacobian_zyz_batch(size_t count, const double 
         load(3, q + 3 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(18, result_block, analytic_jacobian_zyz_lanes, result + 18 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_a2*p_a3;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    result[0] = fabs((c2*(k1 + k2*c3) - s2*(k2*s3))*(k3*s3));
+}
+
+void anthropomorphic_arm_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_lanes], sines[2 * manipulability_lanes], cosines[2 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(2 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[3 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_a2*p_a3;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    result[0] = fabs((c2*(k1 + k2*c3) - s2*(k2*s3))*(k3*s3));
+}
+
+void anthropomorphic_arm_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_position_lanes], sines[2 * manipulability_position_lanes], cosines[2 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(2 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[3 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void anthropomorphic_arm_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void anthropomorphic_arm_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a2;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k1*s3;
+    const double t2 = k1*c3;
+    const double t3 = k2 + t2;
+    const double t4 = t1*s2 - c2*t3;
+    const double t5 = k2*t1;
+    const double t6 = sign(t4*t5);
+    const double t7 = t5*t6;
+    const double t8 = t7*(c2*t1);
+    const double t9 = s2*t7;
+    result[0] = 0.0;
+    result[lanes] = t8 + t3*t9;
+    result[2 * lanes] = t8 + t2*(t9 + t6*(k2*t4));
+}
+
+void anthropomorphic_arm_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_dq_lanes], sines[2 * manipulability_dq_lanes], cosines[2 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(2 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[3 * manipulability_dq_lanes], result_block[3 * manipulability_dq_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(3, result_block, manipulability_dq_lanes, result + 3 * start, rows);
     }
 }
 

@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -45,6 +49,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 12, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "manipulability": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 14, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
 }
 GIVEN = ()
@@ -68,6 +76,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -377,6 +389,85 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    s3 = sin(q3)
+    t1 = p_a3*s3
+    s2 = sin(q2)
+    c2 = cos(q2)
+    c3 = cos(q3)
+    t2 = p_a3*c3
+    t3 = p_a2 + t2
+    t4 = t1*s2 - c2*t3
+    t5 = p_a2*t1
+    t6 = sign(t4*t5)
+    t7 = t5*t6
+    t8 = t7*(c2*t1)
+    t9 = s2*t7
+    return (
+        0.0, t8 + t3*t9, t8 + t2*(t9 + t6*(p_a2*t4)),
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a2, p_a3 = p
@@ -657,6 +748,46 @@ analytic_jacobian_zyz = _function(
     shape=(6, 3),
     kernel=_analytic_jacobian_zyz,
     hoisted=_analytic_jacobian_zyz_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(3,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
     needs=(
         0, 1,
     ),

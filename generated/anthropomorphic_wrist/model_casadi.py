@@ -24,6 +24,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -57,6 +61,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 93, "add": 37, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 7, "add": 2, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 48, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 46, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 163, "add": 114, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 115},
 }
 GIVEN = ()
@@ -80,6 +88,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -670,6 +682,151 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t35, t35, t26*t37 - t3, -t19*t28, 0.0,
         0.0, -t36, -t36, t22*t32 - t21*t33, -(t23*t32 + t16*t33), 0.0,
         0.0, t34, t34, t37, t16*t30 - t23*t31, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_a2, p_d4 = p
+    t1 = p_a2*p_d4
+    t2 = p_d4*t1
+    return (
+        p_a2, p_d4, t1, t2,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_a2, p_d4, k3, k4 = k
+    s3 = sin(q3)
+    c2 = cos(q2)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    s5 = sin(q5)
+    t3 = absolute(((p_a2 + p_d4*s3)*(k3*c2) + s2*(k4*c3))*(c3*s5))
+    return (
+        t3,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_a2, p_d4,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a2, p_d4 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*(p_d6*s5)
+    s4 = sin(q4)
+    t2 = s5*(p_d6*s4)
+    t3 = c4*t1 + s4*t2
+    c3 = cos(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t4 = c3*s2 + c2*s3
+    t5 = c2*c3 - s2*s3
+    t6 = t2*t4
+    t7 = t1*t1
+    t8 = t1 + p_a2*c3
+    t9 = t3*t3 + (t8*t8 + (t7 + t6*t6))
+    c5 = cos(q5)
+    t10 = p_d6*c5
+    t11 = t10*c4
+    t12 = s4*t10
+    t13 = p_d4 + t10
+    t14 = t13 + p_a2*s3
+    t15 = t4*t14 + t5*t8
+    t16 = t5*t2
+    t17 = t11*t12 - (t16*t15 + t2*t1)
+    t18 = t12*t12 + (t7 + t15*t15)
+    t19 = t13*t1 + (t11*t3 - (t16*t6 - t14*t8))
+    t20 = t15*t6 + t12*t3
+    t21 = (t14*t14 + (t13*t13 + (t11*t11 + (t2*t2 + t16*t16))))*(t9*t18 - t20*t20)
+    t22 = absolute(t21 - (t9*(t17*t17) + t19*(t19*t18 - t20*(2.0*t17))))
+    return (
+        sqrt(t22),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = c5*s5
+    t2 = c5*c5
+    t3 = s4*t1
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t4 = c2*c3 - s2*s3
+    t5 = c3*s2 + c2*s3
+    c4 = cos(q4)
+    t6 = t4*t5 - c4*t1
+    t7 = t2*(c4*s4)
+    t8 = c4*c4
+    t9 = s4*s4
+    t10 = 1.0 - t2
+    t11 = t4*t4 + (1.0 + t2)
+    t12 = t8*t10 + (t9 + t5*t5)
+    t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6)
+    return (
+        sqrt(absolute(t3*(t6*(2.0*t7) - t12*t3) - t13)),
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a2, p_d4 = p
+    return (
+        p_d4, p_a2,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d4, p_a2 = k
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = s3*s2 - c2*c3
+    s5 = sin(q5)
+    c4 = cos(q4)
+    t3 = s5*c4
+    t4 = p_d4*t3
+    t5 = p_a2*c3
+    t6 = p_a2*s3
+    t7 = p_d4*c4
+    t8 = t5*t7
+    s4 = sin(q4)
+    t9 = p_d4*s4
+    t10 = s5*t9
+    t11 = t5*t10
+    t12 = t9*t11 + t4*t8
+    t13 = t1*t6 - t5*t2
+    t14 = s4*t13
+    t15 = t8*t13
+    t16 = sign(t3*t15 + (t1*t12 + t11*t14))
+    t17 = t3*t16
+    t18 = t16*(t2*t12)
+    t19 = t1*t16
+    t20 = t7*t19
+    t21 = t9*t19 + t14*t16
+    c5 = cos(q5)
+    return (
+        0.0, -(t18 + (t1*t5 + t2*t6)*(t16*(s4*t11) + t8*t17)), -(t18 + t6*(t17*(t7*t13) + (t10*t21 + t4*t20))),
+        0.0, c5*(t16*(c4*t15) + (t21*(t5*t9) + t8*t20)), 0.0,
     )
 
 
@@ -1317,6 +1474,46 @@ analytic_jacobian_zyz = _function(
     hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
     ),
 )
 

@@ -38,6 +38,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
 GIVEN = ()
@@ -61,6 +65,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -210,6 +218,76 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian, and the angles' rates: 2 mul, 1 sin, 1 cos.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    Once per set of parameters: 1 mul, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    Once per set of parameters: 1 mul, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 1):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 1, differentiated backwards: no operations.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -468,6 +546,50 @@ def _analytic_jacobian_zyz(functions, k, q):
         0.0,
         1.0,
         0.0,
+        0.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
         0.0,
     )
 
@@ -1804,6 +1926,38 @@ _FUNCTIONS = {
         needs=(
             1,
         ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            1,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            1,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(1,),
+        kernel=_manipulability_dq,
     ),
 }
 

@@ -19,6 +19,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -43,6 +47,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
 GIVEN = ()
@@ -66,6 +74,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -277,6 +289,50 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
+        0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a1, p_alpha1 = p
@@ -471,6 +527,42 @@ analytic_jacobian_zyz = _function(
     needs=(
         1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(1,),
+    kernel=_manipulability_dq,
 )
 
 

@@ -67,6 +67,10 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 753, "add": 496, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 453, "add": 234, "div": 2, "sin": 21, "cos": 21, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 432, "add": 224, "div": 2, "sin": 20, "cos": 20, "sqrt": 1},
+    "manipulability": {"mul": 840, "add": 615, "div": 0, "sin": 19, "cos": 19, "sqrt": 1},
+    "manipulability_position": {"mul": 372, "add": 242, "div": 0, "sin": 17, "cos": 17, "sqrt": 1},
+    "manipulability_orientation": {"mul": 289, "add": 188, "div": 0, "sin": 19, "cos": 19, "sqrt": 1},
+    "manipulability_dq": {"mul": 2431, "add": 1922, "div": 1, "sin": 19, "cos": 19, "sqrt": 1},
 }
 
 __all__ = [
@@ -83,6 +87,10 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "precompute",
 ]
 
@@ -207,6 +215,74 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
 
 
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 10: 840 mul, 615 add, 19 sin, 19 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 10: 372 mul, 242 add, 17 sin, 17 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 10: 289 mul, 188 add, 19 sin, 19 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 21):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 10, differentiated backwards: 2431 mul, 1922 add, 1 div, 19 sin, 19 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
 def precompute(params):
     """Parameters for many calls: checked once, and what a function computes from them alone is computed once.
 
@@ -230,7 +306,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s2 = sin(q2)
@@ -405,7 +481,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = k
     s1 = sin(q1)
@@ -679,7 +755,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s2 = sin(q2)
@@ -876,7 +952,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L4, p_L5, p_L3, p_L2, p_L1 = k
     s20 = sin(q20)
@@ -1081,7 +1157,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     (
         qd1, qd2, qd3, qd4, qd5, qd6, qd7, qd8, qd9, qd10, qd11, qd12, qd13, qd14, qd15, qd16, qd17, qd18, qd19,
@@ -1487,7 +1563,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s1 = sin(q1)
@@ -1732,7 +1808,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign = functions
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s1 = sin(q1)
@@ -1955,6 +2031,1609 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3 = k
+    c11 = cos(q11)
+    s12 = sin(q12)
+    t1 = c11*s12
+    c13 = cos(q13)
+    s11 = sin(q11)
+    s13 = sin(q13)
+    t2 = c13*t1 - s11*s13
+    c14 = cos(q14)
+    c12 = cos(q12)
+    t3 = c11*c12
+    s14 = sin(q14)
+    t4 = c14*t2 + t3*s14
+    c15 = cos(q15)
+    t5 = s11*c13 + s13*t1
+    s15 = sin(q15)
+    t6 = c15*t4 - t5*s15
+    s16 = sin(q16)
+    t7 = t3*c14 - s14*t2
+    c16 = cos(q16)
+    t8 = s16*t6 - t7*c16
+    s17 = sin(q17)
+    t9 = t5*c15 + s15*t4
+    c17 = cos(q17)
+    t10 = s17*t8 + t9*c17
+    s18 = sin(q18)
+    t11 = t7*s16 + c16*t6
+    c18 = cos(q18)
+    t12 = t11*c18 - s18*t10
+    t13 = s11*s12
+    t14 = t13*c13 + c11*s13
+    t15 = c12*s11
+    t16 = c14*t14 + t15*s14
+    t17 = c12*c13
+    t18 = c11*c13 - t13*s13
+    t19 = c12*s13
+    t20 = t16*c15 + t18*s15
+    t21 = t15*c14 - s14*t14
+    t22 = s16*t20 - t21*c16
+    t23 = t18*c15 - t16*s15
+    t24 = s17*t22 - t23*c17
+    t25 = t21*s16 + c16*t20
+    t26 = t25*c18 - s18*t24
+    t27 = p_L5*c12
+    t28 = p_L4*c11 - p_L5*t13
+    t29 = t28 - p_L6*t16
+    t30 = t29 - p_L7*t25
+    t31 = t30 - p_L8*t26
+    t32 = p_L4*s11 + p_L5*t1
+    t33 = t32 + p_L6*t4
+    t34 = t33 + p_L7*t11
+    t35 = t34 + p_L8*t12
+    t36 = t12*t31 + t26*t35
+    s7 = sin(q7)
+    s9 = sin(q9)
+    c9 = cos(q9)
+    s8 = sin(q8)
+    t37 = c9*s8
+    c7 = cos(q7)
+    t38 = s7*s9 - t37*c7
+    s5 = sin(q5)
+    t39 = s7*t37 + c7*s9
+    s6 = sin(q6)
+    c8 = cos(q8)
+    t40 = c8*c9
+    c6 = cos(q6)
+    t41 = s6*t39 - t40*c6
+    c5 = cos(q5)
+    t42 = s5*t38 - t41*c5
+    c3 = cos(q3)
+    t43 = s5*t41 + c5*t38
+    s4 = sin(q4)
+    t44 = s6*t40 + c6*t39
+    c4 = cos(q4)
+    t45 = s4*t43 - t44*c4
+    s3 = sin(q3)
+    c2 = cos(q2)
+    t46 = s4*t44 + c4*t43
+    s2 = sin(q2)
+    t47 = s2*t46 + c2*(c3*t42 + s3*t45)
+    c10 = cos(q10)
+    s10 = sin(q10)
+    t48 = s9*s10
+    t49 = s8*c10 + c8*t48
+    t50 = s8*t48 - c8*c10
+    t51 = c9*s10
+    t52 = c9*c10
+    t53 = s7*t50 - c7*t51
+    t54 = s6*t49 + c6*t53
+    t55 = s6*t53 - c6*t49
+    t56 = s7*t51 + c7*t50
+    t57 = s5*t55 - c5*t56
+    t58 = s4*t54 + c4*t57
+    t59 = p_L3*c10
+    t60 = t59 - p_L2*t56
+    t61 = t60 + p_L1*t58
+    t62 = s4*t57 - c4*t54
+    t63 = s5*t56 + c5*t55
+    t64 = s2*t58 - c2*(c3*t63 - s3*t62)
+    t65 = p_L2*t38
+    t66 = t65 + p_L1*t46
+    t67 = t47*t61 - t64*t66
+    t68 = t42*s3 - c3*t45
+    t69 = s3*t63 + c3*t62
+    t70 = t61*t68 + t69*t66
+    t71 = t46*t61 - t58*t66
+    t72 = t42*t60 + t63*t65
+    t73 = t44*t60 - t54*t65
+    t74 = t73*t73 + (t72*t72 + (t71*t71 + (t67*t67 + t70*t70)))
+    t75 = t38*t60 + t56*t65
+    t76 = t40*t59
+    t77 = s9*t59
+    t78 = t3*t28 + t15*t32
+    t79 = t28*t5 - t18*t32
+    t80 = t79*t79 + (t78*t78 + (t77*t77 + (t76*t76 + (t75*t75 + t74))))
+    t81 = t7*t29 + t21*t33
+    t82 = t29*t9 - t23*t33
+    t83 = t11*t30 + t25*t34
+    t84 = t9*s17 - c17*t8
+    t85 = t23*s17 + c17*t22
+    t86 = t30*t84 - t85*t34
+    t87 = t36*t36 + (t86*t86 + (t83*t83 + (t82*t82 + (t81*t81 + t80))))
+    c19 = cos(q19)
+    t88 = c18*t10 + t11*s18
+    s19 = sin(q19)
+    t89 = t84*c19 + s19*t88
+    t90 = c18*t24 + t25*s18
+    t91 = t85*c19 - s19*t90
+    t92 = t31*t89 - t91*t35
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t93 = t12*s20 + c20*(c19*t88 - t84*s19)
+    t94 = t26*s20 + c20*(c19*t90 + t85*s19)
+    t95 = t31*t93 + t94*t35
+    t96 = t95*t95 + (t92*t92 + t87)
+    t97 = s12*c14 + s14*t17
+    t98 = s12*s14 - c14*t17
+    t99 = t98*c15 + t19*s15
+    t100 = t97*s16 + c16*t99
+    t101 = s16*t99 - t97*c16
+    t102 = t19*c15 - t98*s15
+    t103 = t27 - p_L6*t98
+    t104 = s17*t101 - t102*c17
+    t105 = t102*s17 + c17*t101
+    t106 = t100*c18 - s18*t104
+    t107 = c18*t104 + t100*s18
+    t108 = t103 - p_L7*t100
+    t109 = t108 - p_L8*t106
+    t110 = t106*t35 + t12*t109
+    t111 = s9*c10
+    t112 = s8*s10 - c8*t111
+    t113 = s8*t111 + c8*s10
+    t114 = s7*t113 - c7*t52
+    t115 = s6*t112 - c6*t114
+    t116 = s6*t114 + c6*t112
+    t117 = s7*t52 + c7*t113
+    t118 = s5*t116 - c5*t117
+    t119 = s4*t115 - c4*t118
+    t120 = s4*t118 + c4*t115
+    t121 = s5*t117 + c5*t116
+    t122 = s2*t119 + c2*(c3*t121 - s3*t120)
+    t123 = s3*t121 + c3*t120
+    t124 = p_L3*s10
+    t125 = t124 + p_L2*t117
+    t126 = t125 + p_L1*t119
+    t127 = t122*t66 - t47*t126
+    t128 = t123*t66 - t126*t68
+    t129 = t119*t66 - t46*t126
+    t130 = t121*t65 - t42*t125
+    t131 = t115*t65 - t44*t125
+    t132 = t131*t131 + (t130*t130 + (t129*t129 + (t127*t127 + t128*t128)))
+    t133 = t117*t65 - t38*t125
+    t134 = t40*t124
+    t135 = s9*t124
+    t136 = s12*t32 + t3*t27
+    t137 = t136*t136 + (t135*t135 + (t134*t134 + (t133*t133 + t132)))
+    t138 = t19*t32 - t27*t5
+    t139 = t97*t33 + t7*t103
+    t140 = t102*t33 - t103*t9
+    t141 = t100*t34 + t11*t108
+    t142 = t141*t141 + (t140*t140 + (t139*t139 + (t138*t138 + t137)))
+    t143 = t105*t34 - t108*t84
+    t144 = t105*c19 - s19*t107
+    t145 = t106*s20 + c20*(c19*t107 + t105*s19)
+    t146 = t144*t35 - t109*t89
+    t147 = t145*t35 + t109*t93
+    t148 = t147*t147 + (t146*t146 + (t110*t110 + (t143*t143 + t142)))
+    t149 = t73*t131 + (t72*t130 + (t71*t129 + (t67*t127 + t70*t128)))
+    t150 = t78*t136 - (t77*t135 + (t76*t134 - (t75*t133 + t149)))
+    t151 = t83*t141 - (t82*t140 - (t81*t139 - (t79*t138 - t150)))
+    t152 = t95*t147 - (t92*t146 - (t36*t110 - (t86*t143 - t151)))
+    t153 = t96*t148 - t152*t152
+    t154 = t126*t64 - t61*t122
+    t155 = t126*t69 + t61*t123
+    t156 = t126*t58 - t119*t61
+    t157 = t125*t63 + t60*t121
+    t158 = t125*t54 - t115*t60
+    t159 = t125*t56 + t117*t60
+    t160 = t54*t158 + (t63*t157 + (t58*t156 + (t64*t154 + t69*t155)))
+    t161 = t124*t49 - t112*t59
+    t162 = t124*t51 + t52*t59
+    t163 = t27*t15 - s12*t28
+    t164 = t27*t18 - t28*t19
+    t165 = t15*t163 + (t51*t162 + (t49*t161 + (t56*t159 + t160)))
+    t166 = t21*t103 - t97*t29
+    t167 = t103*t23 - t29*t102
+    t168 = t25*t108 - t100*t30
+    t169 = t108*t85 - t30*t105
+    t170 = t25*t168 + (t23*t167 + (t21*t166 + (t18*t164 + t165)))
+    t171 = t26*t109 - t106*t31
+    t172 = t109*t91 - t31*t144
+    t173 = t109*t94 - t31*t145
+    t174 = t94*t173 + (t91*t172 + (t26*t171 + (t85*t169 + t170)))
+    t175 = t54*t73 - (t63*t72 - (t58*t71 + (t64*t67 - t69*t70)))
+    t176 = t18*t79 - (t15*t78 - (t51*t77 - (t49*t76 - (t56*t75 - t175))))
+    t177 = t26*t36 - (t85*t86 - (t25*t83 - (t23*t82 - (t21*t81 - t176))))
+    t178 = t94*t95 - (t91*t92 - t177)
+    t179 = t54*t131 - (t63*t130 - (t58*t129 + (t64*t127 - t69*t128)))
+    t180 = t15*t136 + (t51*t135 - (t49*t134 + (t56*t133 - t179)))
+    t181 = t25*t141 + (t23*t140 + (t21*t139 + (t18*t138 + t180)))
+    t182 = t94*t147 + (t91*t146 + (t26*t110 + (t85*t143 + t181)))
+    t183 = t148*t178 - t152*t182
+    t184 = t158*t73 - (t157*t72 - (t156*t71 + (t154*t67 - t155*t70)))
+    t185 = t163*t78 - (t162*t77 - (t161*t76 - (t159*t75 - t184)))
+    t186 = t168*t83 - (t167*t82 - (t166*t81 - (t164*t79 - t185)))
+    t187 = t173*t95 - (t172*t92 - (t171*t36 - (t169*t86 - t186)))
+    t188 = t152*t178 - t96*t182
+    t189 = t158*t131 - (t157*t130 - (t156*t129 + (t154*t127 - t155*t128)))
+    t190 = t163*t136 + (t162*t135 - (t161*t134 + (t159*t133 - t189)))
+    t191 = t168*t141 + (t167*t140 + (t166*t139 + (t164*t138 + t190)))
+    t192 = t173*t147 + (t172*t146 + (t171*t110 + (t169*t143 + t191)))
+    t193 = t192*t188 + (t174*t153 - t187*t183)
+    t194 = t44*t54 - (t42*t63 - (t46*t58 + (t47*t64 - t68*t69)))
+    t195 = t3*t15 - (c11*s11 - (s9*t51 - (t40*t49 - (t38*t56 - t194))))
+    t196 = t84*t85 - (t11*t25 - (t9*t23 - (t7*t21 - (t5*t18 - t195))))
+    t197 = t93*t94 - (t89*t91 - (t12*t26 - t196))
+    t198 = t44*t158 - (t42*t157 - (t46*t156 + (t47*t154 - t68*t155)))
+    t199 = t5*t164 - (t3*t163 + (s9*t162 - (t40*t161 - (t38*t159 - t198))))
+    t200 = t12*t171 - (t84*t169 - (t11*t168 - (t9*t167 - (t7*t166 - t199))))
+    t201 = t93*t173 - (t89*t172 - t200)
+    t202 = t44*t73 + (t42*t72 + (t46*t71 + (t47*t67 + t68*t70)))
+    t203 = t115*t73 + (t121*t72 + (t119*t71 + (t122*t67 + t123*t70)))
+    t204 = t5*t79 + (t3*t78 - (s9*t77 + (t40*t76 + (t38*t75 + t202))))
+    t205 = t19*t79 - (s12*t78 - (t52*t77 + (t112*t76 + (t117*t75 + t203))))
+    t206 = t12*t36 + (t84*t86 + (t11*t83 + (t9*t82 + (t7*t81 + t204))))
+    t207 = t105*t86 - (t100*t83 - (t102*t82 - (t97*t81 - t205)))
+    t208 = t93*t95 + (t89*t92 + t206)
+    t209 = t145*t95 - (t144*t92 - (t106*t36 - t207))
+    t210 = t44*t131 + (t42*t130 + (t46*t129 + (t47*t127 + t68*t128)))
+    t211 = t115*t131 + (t121*t130 + (t119*t129 + (t122*t127 + t123*t128)))
+    t212 = s12*t136 + (t52*t135 + (t112*t134 - (t117*t133 + t211)))
+    t213 = t5*t138 - (t3*t136 + (s9*t135 + (t40*t134 - (t38*t133 + t210))))
+    t214 = t100*t141 + (t102*t140 + (t97*t139 + (t19*t138 + t212)))
+    t215 = t12*t110 - (t84*t143 - (t11*t141 - (t9*t140 - (t7*t139 - t213))))
+    t216 = t93*t147 - (t89*t146 - t215)
+    t217 = t145*t147 + (t144*t146 + (t106*t110 + (t105*t143 + t214)))
+    t218 = t148*t208 - t152*t216
+    t219 = t152*t208 - t96*t216
+    t220 = t192*t219 + (t201*t153 - t187*t218)
+    t221 = t54*t54 + (t63*t63 + (t58*t58 + (t64*t64 + t69*t69)))
+    t222 = t115*t54 - (t63*t121 - (t119*t58 + (t64*t122 - t69*t123)))
+    t223 = c11*c11 + (c10*c10 + (t51*t51 + (t49*t49 + (t56*t56 + t221))))
+    t224 = t15*s12 - (s10*c10 - (t52*t51 - (t112*t49 - (t117*t56 - t222))))
+    t225 = t25*t25 + (t23*t23 + (t21*t21 + (t18*t18 + (t15*t15 + t223))))
+    t226 = t85*t105 + (t25*t100 + (t23*t102 + (t21*t97 + (t18*t19 + t224))))
+    t227 = t94*t94 + (t91*t91 + (t26*t26 + (t85*t85 + t225)))
+    t228 = t94*t145 + (t91*t144 + (t26*t106 + t226))
+    t229 = t182*t208 - t178*t216
+    t230 = t192*t229 + (t201*t183 - t174*t218)
+    t231 = t187*t229 + (t201*t188 - t174*t219)
+    t232 = t182*t231 - (t178*t230 + (t197*t193 - t227*t220))
+    t233 = t121*t121 + (t119*t119 + (t123*t123 + (1.0 + t122*t122)))
+    t234 = t52*t52 + (t112*t112 + (t117*t117 + (t115*t115 + t233)))
+    t235 = t102*t102 + (t97*t97 + (t19*t19 + (s12*s12 + (s10*s10 + t234))))
+    t236 = t144*t144 + (t106*t106 + (t105*t105 + (t100*t100 + t235)))
+    t237 = t145*t145 + t236
+    t238 = t115*t158 - (t121*t157 - (t119*t156 + (t122*t154 - t123*t155)))
+    t239 = t158*t158 + (t157*t157 + (t156*t156 + (t154*t154 + t155*t155)))
+    t240 = t44*t44 + (t42*t42 + (t46*t46 + (t68*t68 + (1.0 + t47*t47))))
+    t241 = t44*t115 + (t42*t121 + (t46*t119 + (t47*t122 + t68*t123)))
+    t242 = s12*t163 + (t52*t162 - (t112*t161 - (t117*t159 - t238)))
+    t243 = t163*t163 + (t162*t162 + (t161*t161 + (t159*t159 + t239)))
+    t244 = t3*t3 + (s11*s11 + (s9*s9 + (t40*t40 + (t38*t38 + t240))))
+    t245 = t5*t19 - (t3*s12 + (s9*t52 + (t40*t112 + (t38*t117 + t241))))
+    t246 = t100*t168 + (t102*t167 + (t97*t166 + (t19*t164 + t242)))
+    t247 = t168*t168 + (t167*t167 + (t166*t166 + (t164*t164 + t243)))
+    t248 = t84*t84 + (t11*t11 + (t9*t9 + (t7*t7 + (t5*t5 + t244))))
+    t249 = t12*t106 - (t84*t105 - (t11*t100 - (t9*t102 - (t7*t97 - t245))))
+    t250 = t145*t173 + (t144*t172 + (t106*t171 + (t105*t169 + t246)))
+    t251 = t173*t173 + (t172*t172 + (t171*t171 + (t169*t169 + t247)))
+    t252 = t93*t145 - (t89*t144 - t249)
+    t253 = t148*t209 - t152*t217
+    t254 = t152*t209 - t96*t217
+    t255 = t192*t254 + (t153*t250 - t187*t253)
+    t256 = t216*t209 - t208*t217
+    t257 = t192*t256 - (t201*t253 - t218*t250)
+    t258 = t187*t256 - (t201*t254 - t219*t250)
+    t259 = t182*t258 - (t178*t257 - (t197*t255 - t220*t228))
+    t260 = t182*t209 - t178*t217
+    t261 = t192*t260 + (t183*t250 - t174*t253)
+    t262 = t174*t256 - (t201*t260 - t229*t250)
+    t263 = t182*t262 - (t227*t257 - (t197*t261 - t230*t228))
+    t264 = t187*t260 + (t188*t250 - t174*t254)
+    t265 = t178*t262 - (t227*t258 - (t197*t264 - t231*t228))
+    t266 = t201*(t217*t265 - (t209*t263 - (t237*t232 + t228*t259)))
+    t267 = t148*t187 - t152*t192
+    t268 = t152*t187 - t96*t192
+    t269 = t192*t268 + (t153*t251 - t187*t267)
+    t270 = t192*t208 - t187*t216
+    t271 = t192*t270 + (t201*t267 - t218*t251)
+    t272 = t187*t270 + (t201*t268 - t219*t251)
+    t273 = t182*t272 - (t178*t271 + (t197*t269 - t174*t220))
+    t274 = t192*t209 - t187*t217
+    t275 = t192*t274 + (t250*t267 - t253*t251)
+    t276 = t256*t251 - (t201*t274 - t250*t270)
+    t277 = t182*t276 - (t174*t257 - (t197*t275 - t228*t271))
+    t278 = t187*t274 + (t250*t268 - t254*t251)
+    t279 = t178*t276 - (t174*t258 - (t197*t278 - t228*t272))
+    t280 = t197*(t217*t279 - (t209*t277 - (t237*t273 + t250*t259)))
+    t281 = t178*t192 - t187*t182
+    t282 = t192*t281 + (t174*t267 - t183*t251)
+    t283 = t187*t281 + (t174*t268 - t188*t251)
+    t284 = t229*t251 + (t201*t281 - t174*t270)
+    t285 = t260*t251 + (t250*t281 - t174*t274)
+    t286 = t182*t284 - (t174*t230 + (t197*t282 - t227*t271))
+    t287 = t208*(t228*t277 - (t250*t263 - t237*t286)) - (t266 - t280)
+    t288 = t182*t264 - (t178*t261 + (t193*t228 - t227*t255))
+    t289 = t182*t285 - (t174*t261 + (t228*t282 - t227*t275))
+    t290 = t182*t283 - (t178*t282 + (t227*t269 - t174*t193))
+    t291 = t182*t278 - (t178*t275 + (t228*t269 - t174*t255))
+    t292 = t178*t285 - (t174*t264 + (t228*t283 - t227*t278))
+    t293 = t256*(t174*t262 - (t227*t276 - (t197*t285 - t228*t284)))
+    t294 = t178*t284 - (t174*t231 + (t197*t283 - t227*t272))
+    t295 = t228*t291 - (t237*t290 + (t217*t292 + (t250*t288 - t209*t289)))
+    t296 = t293 - ((t93*t93 + (t89*t89 + (t12*t12 + t248)))*t295 + t287)
+    t297 = t290*t252 + (t201*t288 - (t197*t291 - (t216*t292 - t208*t289)))
+    t298 = t217*t294 - (t209*t286 - (t232*t250 - (t228*t273 - t297)))
+    t299 = t216*(t228*t279 - (t250*t265 - t237*t294)) - (t252*t298 - t296)
+    return (
+        sqrt(absolute(t299)),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L3, p_L2, p_L1, p_L4,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L5, p_L3, p_L2, p_L1, p_L4 = k
+    s12 = sin(q12)
+    c14 = cos(q14)
+    c13 = cos(q13)
+    c12 = cos(q12)
+    t1 = c13*c12
+    s14 = sin(q14)
+    t2 = s12*c14 + s14*t1
+    s16 = sin(q16)
+    t3 = s12*s14 - c14*t1
+    c15 = cos(q15)
+    s13 = sin(q13)
+    t4 = s13*c12
+    s15 = sin(q15)
+    t5 = c15*t3 + s15*t4
+    c16 = cos(q16)
+    t6 = s16*t2 + c16*t5
+    c18 = cos(q18)
+    t7 = s16*t5 - c16*t2
+    s17 = sin(q17)
+    t8 = c15*t4 - s15*t3
+    c17 = cos(q17)
+    s18 = sin(q18)
+    t9 = p_L5*c12
+    t10 = t9 - p_L6*t3
+    t11 = t10 - p_L7*t6
+    t12 = t11 - p_L8*(c18*t6 + s18*(c17*t8 - s17*t7))
+    t13 = t9 - t12
+    t14 = t10 - t12
+    t15 = t11 - t12
+    s10 = sin(q10)
+    t16 = t12 - p_L3*s10
+    s9 = sin(q9)
+    c10 = cos(q10)
+    t17 = s9*c10
+    s8 = sin(q8)
+    c8 = cos(q8)
+    t18 = s8*t17 + s10*c8
+    c7 = cos(q7)
+    c9 = cos(q9)
+    t19 = c10*c9
+    s7 = sin(q7)
+    t20 = s7*t19 + t18*c7
+    t21 = t16 - p_L2*t20
+    t22 = s8*s10 - c8*t17
+    s6 = sin(q6)
+    t23 = s7*t18 - c7*t19
+    c6 = cos(q6)
+    t24 = s6*t22 - c6*t23
+    s4 = sin(q4)
+    t25 = s6*t23 + t22*c6
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t26 = s5*t25 - c5*t20
+    c4 = cos(q4)
+    t27 = s4*t24 - c4*t26
+    t28 = t21 - p_L1*t27
+    t29 = s10*s9
+    t30 = s8*c10 + c8*t29
+    t31 = s8*c9
+    t32 = s8*t29 - c8*c10
+    t33 = c8*c9
+    t34 = s10*c9
+    t35 = s7*t32 - c7*t34
+    t36 = s6*t30 + c6*t35
+    t37 = s6*t35 - c6*t30
+    t38 = s7*t34 + c7*t32
+    t39 = s5*t37 - c5*t38
+    t40 = s4*t36 + c4*t39
+    s2 = sin(q2)
+    t41 = s4*t39 - c4*t36
+    s3 = sin(q3)
+    t42 = s5*t38 + c5*t37
+    c3 = cos(q3)
+    c2 = cos(q2)
+    t43 = s2*t40 - c2*(c3*t42 - s3*t41)
+    t44 = s4*t26 + t24*c4
+    t45 = s5*t20 + t25*c5
+    t46 = s2*t27 + c2*(c3*t45 - s3*t44)
+    c11 = cos(q11)
+    s11 = sin(q11)
+    t47 = s11*s12
+    t48 = c11*c13 - s13*t47
+    t49 = c13*t47 + c11*s13
+    t50 = s11*c12
+    t51 = c11*c12
+    t52 = c14*t49 + s14*t50
+    t53 = c15*t48 - s15*t52
+    t54 = c15*t52 + s15*t48
+    t55 = c14*t50 - s14*t49
+    t56 = s16*t54 - c16*t55
+    t57 = s16*t55 + c16*t54
+    t58 = p_L4*c11
+    t59 = t58 - p_L5*t47
+    t60 = t59 - p_L6*t52
+    t61 = t60 - p_L7*t57
+    t62 = t61 - p_L8*(c18*t57 + s18*(c17*t53 - s17*t56))
+    t63 = t59 - t62
+    t64 = t60 - t62
+    t65 = t61 - t62
+    t66 = t62 + p_L3*c10
+    t67 = t66 - p_L2*t38
+    t68 = t67 + p_L1*t40
+    t69 = t28*t43 + t46*t68
+    t70 = t62*t62
+    t71 = s3*t42 + c3*t41
+    t72 = t45*s3 + c3*t44
+    t73 = t28*t71 - t68*t72
+    t74 = t28*t40 + t27*t68
+    t75 = t21*t42 - t45*t67
+    t76 = t21*t36 + t24*t67
+    t77 = t76*t76 + (t75*t75 + (t74*t74 + (t73*t73 + (t70 + t69*t69))))
+    t78 = t21*t38 - t20*t67
+    t79 = t16*t30 + t22*t66
+    t80 = t16*t34 - t19*t66
+    t81 = c10*t16 + s10*t66
+    t82 = c11*t12
+    t83 = t82*t82 + (t81*t81 + (t80*t80 + (t79*t79 + (t78*t78 + t77))))
+    t84 = t50*t13 - s12*t63
+    t85 = t48*t13 - t4*t63
+    t86 = t55*t14 - t2*t64
+    t87 = t53*t14 - t8*t64
+    t88 = t57*t15 - t6*t65
+    t89 = t88*t88 + (t87*t87 + (t86*t86 + (t85*t85 + (t84*t84 + t83))))
+    t90 = s17*t53 + c17*t56
+    t91 = s17*t8 + c17*t7
+    t92 = t15*t90 - t65*t91
+    t93 = t92*t92 + t89
+    t94 = s9*s7 - c7*t31
+    t95 = s7*t31 + s9*c7
+    t96 = s6*t95 - c6*t33
+    t97 = s5*t94 - c5*t96
+    t98 = s5*t96 + c5*t94
+    t99 = s6*t33 + c6*t95
+    t100 = s4*t98 - c4*t99
+    t101 = s4*t99 + c4*t98
+    t102 = s3*t97 - c3*t100
+    t103 = s2*t101 + c2*(c3*t97 + s3*t100)
+    t104 = c11*s12
+    t105 = s11*c13 + t104*s13
+    t106 = t104*c13 - s11*s13
+    t107 = c14*t106 + s14*t51
+    t108 = c14*t51 - t106*s14
+    t109 = c15*t105 + t107*s15
+    t110 = t107*c15 - s15*t105
+    t111 = s16*t110 - t108*c16
+    t112 = s16*t108 + c16*t110
+    t113 = t109*s17 - c17*t111
+    t114 = p_L4*s11
+    t115 = t114 + p_L5*t104
+    t116 = t115 + p_L6*t107
+    t117 = t116 + p_L7*t112
+    t118 = t117 + p_L8*(t112*c18 - s18*(c17*t109 + s17*t111))
+    t119 = c10*t118
+    t120 = c11*(t114 - t118) - s11*(t58 - t62)
+    t121 = t115 - t118
+    t122 = t116 - t118
+    t123 = t117 - t118
+    t124 = s10*t118
+    t125 = s11*t12
+    t126 = t118 + p_L2*t94
+    t127 = t126 + p_L1*t101
+    t128 = t68*t102 + t127*t71
+    t129 = t127*t72 + t28*t102
+    t130 = t103*t68 - t127*t43
+    t131 = t101*t68 - t127*t40
+    t132 = t46*t127 + t103*t28
+    t133 = t27*t127 + t101*t28
+    t134 = t97*t67 + t126*t42
+    t135 = t45*t126 + t97*t21
+    t136 = t134*t134 + (t131*t131 + (t128*t128 + (t70 + t130*t130)))
+    t137 = t99*t67 - t126*t36
+    t138 = t94*t67 + t126*t38
+    t139 = t24*t126 + t99*t21
+    t140 = t20*t126 + t94*t21
+    t141 = t33*t66 - t118*t30
+    t142 = s9*t66 + t118*t34
+    t143 = t22*t118 + t33*t16
+    t144 = t19*t118 + s9*t16
+    t145 = t142*t142 + (t141*t141 + (t138*t138 + (t137*t137 + t136)))
+    t146 = t51*t63 + t50*t121
+    t147 = t105*t63 - t48*t121
+    t148 = s12*t121 + t51*t13
+    t149 = t4*t121 - t105*t13
+    t150 = t147*t147 + (t146*t146 + (t120*t120 + (t119*t119 + t145)))
+    t151 = t108*t64 + t55*t122
+    t152 = t109*t64 - t53*t122
+    t153 = t2*t122 + t108*t14
+    t154 = t8*t122 - t109*t14
+    t155 = t112*t65 + t57*t123
+    t156 = t65*t113 - t123*t90
+    t157 = t6*t123 + t112*t15
+    t158 = t123*t91 - t15*t113
+    t159 = t156*t156 + (t155*t155 + (t152*t152 + (t151*t151 + t150)))
+    t160 = t137*t76 - (t134*t75 - (t131*t74 + (t130*t69 - t128*t73)))
+    t161 = t139*t76 - (t135*t75 - (t133*t74 + (t132*t69 - t129*t73)))
+    t162 = t139*t137 + (t135*t134 + (t133*t131 + (t132*t130 + t129*t128)))
+    t163 = t143*t143 + (t140*t140 + (t139*t139 + (t133*t133 + t135*t135)))
+    t164 = t119*t81 + (t142*t80 - (t141*t79 - (t138*t78 - t160)))
+    t165 = t124*t81 - (t144*t80 - (t143*t79 - (t140*t78 - t161)))
+    t166 = t124*t119 - (t144*t142 + (t143*t141 + (t140*t138 + t162)))
+    t167 = t148*t148 + (t125*t125 + (t124*t124 + (t144*t144 + t163)))
+    t168 = t151*t86 - (t147*t85 - (t146*t84 - (t120*t82 - t164)))
+    t169 = t157*t157 + (t154*t154 + (t153*t153 + (t149*t149 + t167)))
+    t170 = t156*t92 - (t155*t88 - (t152*t87 - t168))
+    t171 = t132*t132 + (t118*t118 + (t12*t12 + (t158*t158 + t169)))
+    t172 = t149*t85 + (t148*t84 - (t125*t82 + (t118*t62 + t165)))
+    t173 = t158*t92 + (t157*t88 + (t154*t87 + (t153*t86 + t172)))
+    t174 = t149*t147 - (t148*t146 + (t125*t120 + (t12*t62 - t166)))
+    t175 = t158*t156 - (t157*t155 - (t154*t152 - (t153*t151 - t174)))
+    t176 = (t129*t129 + t171)*(t93*t159 - t170*t170) - (t93*(t175*t175) + t173*(t173*t159 - t170*(2.0*t175)))
+    return (
+        sqrt(absolute(t176)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    s11 = sin(q11)
+    c13 = cos(q13)
+    s12 = sin(q12)
+    c11 = cos(q11)
+    t1 = s12*c11
+    s13 = sin(q13)
+    t2 = s11*c13 + s13*t1
+    c15 = cos(q15)
+    t3 = c13*t1 - s13*s11
+    c14 = cos(q14)
+    c12 = cos(q12)
+    t4 = c11*c12
+    s14 = sin(q14)
+    t5 = c14*t3 + t4*s14
+    s15 = sin(q15)
+    t6 = t2*c15 + s15*t5
+    s17 = sin(q17)
+    t7 = c15*t5 - t2*s15
+    s16 = sin(q16)
+    t8 = t4*c14 - s14*t3
+    c16 = cos(q16)
+    t9 = s16*t7 - t8*c16
+    c17 = cos(q17)
+    t10 = t6*s17 - c17*t9
+    c19 = cos(q19)
+    t11 = s17*t9 + t6*c17
+    c18 = cos(q18)
+    t12 = t8*s16 + c16*t7
+    s18 = sin(q18)
+    t13 = c18*t11 + t12*s18
+    s19 = sin(q19)
+    t14 = t10*c19 + s19*t13
+    t15 = s12*s11
+    t16 = c11*c13 - s13*t15
+    t17 = c12*c13
+    t18 = c13*t15 + c11*s13
+    t19 = c12*s13
+    t20 = c12*s11
+    t21 = c14*t18 + s14*t20
+    t22 = c15*t16 - s15*t21
+    t23 = c15*t21 + s15*t16
+    t24 = c14*t20 - s14*t18
+    t25 = s16*t23 - c16*t24
+    t26 = s17*t22 + c17*t25
+    t27 = s17*t25 - c17*t22
+    t28 = s16*t24 + c16*t23
+    t29 = c18*t27 + s18*t28
+    t30 = c19*t26 - s19*t29
+    s8 = sin(q8)
+    c10 = cos(q10)
+    s10 = sin(q10)
+    s9 = sin(q9)
+    t31 = s10*s9
+    c8 = cos(q8)
+    t32 = s8*c10 + c8*t31
+    s6 = sin(q6)
+    t33 = s8*t31 - c8*c10
+    s7 = sin(q7)
+    c9 = cos(q9)
+    t34 = s10*c9
+    c7 = cos(q7)
+    t35 = s7*t33 - c7*t34
+    c6 = cos(q6)
+    t36 = s6*t32 + c6*t35
+    s4 = sin(q4)
+    t37 = s6*t35 - c6*t32
+    s5 = sin(q5)
+    t38 = s7*t34 + c7*t33
+    c5 = cos(q5)
+    t39 = s5*t37 - c5*t38
+    c4 = cos(q4)
+    t40 = s4*t36 + c4*t39
+    s2 = sin(q2)
+    t41 = s4*t39 - c4*t36
+    s3 = sin(q3)
+    t42 = s5*t38 + c5*t37
+    c3 = cos(q3)
+    c2 = cos(q2)
+    t43 = s2*t40 - c2*(c3*t42 - s3*t41)
+    t44 = s8*c9
+    t45 = s9*s7 - c7*t44
+    t46 = s7*t44 + s9*c7
+    t47 = c8*c9
+    t48 = c10*c9
+    t49 = s6*t46 - c6*t47
+    t50 = s5*t45 - c5*t49
+    t51 = s5*t49 + c5*t45
+    t52 = s6*t47 + c6*t46
+    t53 = s4*t51 - c4*t52
+    t54 = s4*t52 + c4*t51
+    t55 = s2*t54 + c2*(c3*t50 + s3*t53)
+    t56 = s3*t50 - c3*t53
+    t57 = s3*t42 + c3*t41
+    t58 = t52*t36 - (t50*t42 - (t54*t40 + (t55*t43 - t56*t57)))
+    t59 = t4*t20 - (c11*s11 - (s9*t34 - (t47*t32 - (t45*t38 - t58))))
+    t60 = t10*t26 - (t12*t28 - (t6*t22 - (t8*t24 - (t2*t16 - t59))))
+    t61 = t12*c18 - s18*t11
+    t62 = c18*t28 - s18*t27
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t63 = t61*s20 + c20*(c19*t13 - t10*s19)
+    t64 = s20*t62 + c20*(c19*t29 + s19*t26)
+    t65 = t63*t64 - (t14*t30 - (t61*t62 - t60))
+    t66 = s12*c14 + s14*t17
+    t67 = s12*s14 - c14*t17
+    t68 = c15*t67 + t19*s15
+    t69 = t66*s16 + c16*t68
+    t70 = s16*t68 - t66*c16
+    t71 = t19*c15 - s15*t67
+    t72 = s17*t70 - t71*c17
+    t73 = t69*c18 - s18*t72
+    t74 = c18*t72 + t69*s18
+    t75 = t71*s17 + c17*t70
+    t76 = t73*s20 + c20*(c19*t74 + t75*s19)
+    t77 = t75*c19 - s19*t74
+    t78 = s9*c10
+    t79 = s8*s10 - c8*t78
+    t80 = s8*t78 + s10*c8
+    t81 = s7*t80 - c7*t48
+    t82 = s6*t79 - c6*t81
+    t83 = s6*t81 + t79*c6
+    t84 = s7*t48 + t80*c7
+    t85 = s5*t83 - c5*t84
+    t86 = s4*t82 - c4*t85
+    t87 = s4*t85 + t82*c4
+    t88 = s5*t84 + t83*c5
+    t89 = s2*t86 + c2*(c3*t88 - s3*t87)
+    t90 = t88*s3 + c3*t87
+    t91 = t82*t82 + (t88*t88 + (t86*t86 + (t90*t90 + (1.0 + t89*t89))))
+    t92 = s12*s12 + (s10*s10 + (t48*t48 + (t79*t79 + (t84*t84 + t91))))
+    t93 = t75*t75 + (t69*t69 + (t71*t71 + (t66*t66 + (t19*t19 + t92))))
+    t94 = t76*t76 + (t77*t77 + (t73*t73 + t93))
+    t95 = t82*t36 - (t88*t42 - (t86*t40 + (t89*t43 - t90*t57)))
+    t96 = t82*t52 + (t88*t50 + (t86*t54 + (t89*t55 + t90*t56)))
+    t97 = t36*t36 + (t42*t42 + (t40*t40 + (t43*t43 + t57*t57)))
+    t98 = c11*c11 + (c10*c10 + (t34*t34 + (t32*t32 + (t38*t38 + t97))))
+    t99 = s12*t20 - (s10*c10 - (t48*t34 - (t79*t32 - (t84*t38 - t95))))
+    t100 = t19*t2 - (s12*t4 + (s9*t48 + (t79*t47 + (t84*t45 + t96))))
+    t101 = t28*t28 + (t22*t22 + (t24*t24 + (t16*t16 + (t20*t20 + t98))))
+    t102 = t75*t26 + (t69*t28 + (t71*t22 + (t66*t24 + (t19*t16 + t99))))
+    t103 = t73*t61 - (t75*t10 - (t69*t12 - (t71*t6 - (t66*t8 - t100))))
+    t104 = t61*t61 + (t10*t10 + (t12*t12 + (t6*t6 + (t2*t2 + t8*t8))))
+    t105 = t76*t64 + (t77*t30 + (t73*t62 + t102))
+    t106 = t76*t63 - (t77*t14 - t103)
+    t107 = t64*t64 + (t30*t30 + (t62*t62 + (t26*t26 + t101)))
+    t108 = t50*t50 + (t52*t52 + (t45*t45 + (t63*t63 + (t14*t14 + t104))))
+    t109 = s11*s11 + (s9*s9 + (t55*t55 + (t56*t56 + (t54*t54 + t108))))
+    t110 = t107*t94 - t105*t105
+    t111 = t65*(t65*t94 - t105*(2.0*t106)) - (t110 - t107*(t106*t106))
+    t112 = sqrt(absolute(t110*(t4*t4 + (t47*t47 + t109)) - t111))
+    return (
+        t112,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3 = k
+    s12 = sin(q12)
+    c11 = cos(q11)
+    t1 = s12*c11
+    s13 = sin(q13)
+    t2 = s13*t1
+    s11 = sin(q11)
+    c13 = cos(q13)
+    t3 = t2 + s11*c13
+    s15 = sin(q15)
+    t4 = t3*s15
+    t5 = s13*s11
+    t6 = t5 - c13*t1
+    c14 = cos(q14)
+    c12 = cos(q12)
+    t7 = c11*c12
+    s14 = sin(q14)
+    t8 = c14*t6 - t7*s14
+    c15 = cos(q15)
+    t9 = t4 + c15*t8
+    s16 = sin(q16)
+    t10 = t7*c14 + s14*t6
+    c16 = cos(q16)
+    t11 = t10*c16 + s16*t9
+    s17 = sin(q17)
+    t12 = s17*t11
+    t13 = s15*t8
+    t14 = t13 - t3*c15
+    c17 = cos(q17)
+    t15 = t12 + t14*c17
+    s18 = sin(q18)
+    t16 = c16*t9 - t10*s16
+    c18 = cos(q18)
+    t17 = t16*c18
+    t18 = t17 - s18*t15
+    t19 = s12*s11
+    t20 = s13*t19
+    t21 = t20 - c11*c13
+    t22 = s15*t21
+    t23 = c11*s13
+    t24 = t23 + c13*t19
+    t25 = c12*s11
+    t26 = c14*t24 + s14*t25
+    t27 = t22 - c15*t26
+    t28 = c14*t25 - s14*t24
+    t29 = c16*t28 + s16*t27
+    t30 = s17*t29
+    t31 = s15*t26
+    t32 = t31 + c15*t21
+    t33 = t30 - c17*t32
+    t34 = c16*t27 - s16*t28
+    t35 = c18*t34
+    t36 = t35 - s18*t33
+    t37 = p_L4*c11
+    t38 = t37 - p_L5*t19
+    t39 = t38 - p_L6*t26
+    t40 = t39 + p_L7*t34
+    t41 = t40 + p_L8*t36
+    t42 = p_L4*s11
+    t43 = t42 + p_L5*t1
+    t44 = t43 - p_L6*t8
+    t45 = t44 - p_L7*t16
+    t46 = t45 - p_L8*t18
+    t47 = t18*t41 + t36*t46
+    c9 = cos(q9)
+    s8 = sin(q8)
+    t48 = c9*s8
+    s7 = sin(q7)
+    c7 = cos(q7)
+    s9 = sin(q9)
+    t49 = s7*t48 + c7*s9
+    s6 = sin(q6)
+    c8 = cos(q8)
+    t50 = c8*c9
+    c6 = cos(q6)
+    t51 = s6*t49 - t50*c6
+    s5 = sin(q5)
+    t52 = s7*s9 - t48*c7
+    c5 = cos(q5)
+    t53 = s5*t51 + c5*t52
+    s4 = sin(q4)
+    t54 = s6*t50 + c6*t49
+    c4 = cos(q4)
+    t55 = s4*t53 - t54*c4
+    s3 = sin(q3)
+    t56 = s3*t55
+    t57 = s5*t52 - t51*c5
+    c3 = cos(q3)
+    t58 = t56 + c3*t57
+    c2 = cos(q2)
+    t59 = s4*t54 + c4*t53
+    s2 = sin(q2)
+    t60 = t59*s2 + c2*t58
+    s10 = sin(q10)
+    t61 = s9*s10
+    t62 = c8*t61
+    c10 = cos(q10)
+    t63 = t62 + s8*c10
+    t64 = c8*c10
+    t65 = t64 - s8*t61
+    t66 = c9*s10
+    t67 = s7*t65 + c7*t66
+    t68 = s6*t63 - c6*t67
+    t69 = s6*t67 + c6*t63
+    t70 = s7*t66 - c7*t65
+    t71 = s5*t69 + c5*t70
+    t72 = s4*t68 - c4*t71
+    t73 = p_L3*c10
+    t74 = t73 - p_L2*t70
+    t75 = t74 + p_L1*t72
+    t76 = s4*t71 + c4*t68
+    t77 = s3*t76
+    t78 = s5*t70 - c5*t69
+    t79 = t77 + c3*t78
+    t80 = s2*t72 - c2*t79
+    t81 = p_L2*t52
+    t82 = t81 + p_L1*t59
+    t83 = t60*t75 - t82*t80
+    t84 = s3*t57
+    t85 = t84 - c3*t55
+    t86 = s3*t78
+    t87 = t86 - c3*t76
+    t88 = t85*t75 + t82*t87
+    t89 = t59*t75 - t82*t72
+    t90 = t57*t74 + t81*t78
+    t91 = t54*t74 - t81*t68
+    t92 = t91*t91 + (t90*t90 + (t89*t89 + (t83*t83 + t88*t88)))
+    t93 = t52*t74 + t81*t70
+    t94 = t50*t73
+    t95 = s9*t73
+    t96 = t7*t38 + t25*t43
+    t97 = t3*t38 + t21*t43
+    t98 = t97*t97 + (t96*t96 + (t95*t95 + (t94*t94 + (t93*t93 + t92))))
+    t99 = t10*t39 + t28*t44
+    t100 = t14*t39 - t32*t44
+    t101 = t16*t40 + t34*t45
+    t102 = t14*s17
+    t103 = t102 - c17*t11
+    t104 = s17*t32
+    t105 = t104 + c17*t29
+    t106 = t103*t40 - t105*t45
+    t107 = t106*t106 + (t101*t101 + (t100*t100 + (t99*t99 + t98)))
+    c19 = cos(q19)
+    t108 = c18*t15
+    t109 = t108 + t16*s18
+    s19 = sin(q19)
+    t110 = t103*c19 + s19*t109
+    t111 = c18*t33
+    t112 = t111 + s18*t34
+    t113 = c19*t105 - s19*t112
+    t114 = t110*t41 - t113*t46
+    t115 = c19*t109 - t103*s19
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t116 = t18*s20 + c20*t115
+    t117 = c19*t112 + s19*t105
+    t118 = s20*t36 + c20*t117
+    t119 = t116*t41 + t118*t46
+    t120 = t119*t119 + (t114*t114 + (t47*t47 + t107))
+    t121 = c12*c13
+    t122 = s12*s14 - c14*t121
+    t123 = c12*s13
+    t124 = t123*s15
+    t125 = t124 + c15*t122
+    t126 = s12*c14 + s14*t121
+    t127 = c16*t125 + t126*s16
+    t128 = t127*c18
+    t129 = t126*c16 - t125*s16
+    t130 = t129*s17
+    t131 = s15*t122
+    t132 = t131 - t123*c15
+    t133 = t130 - t132*c17
+    t134 = t128 + s18*t133
+    t135 = p_L5*c12
+    t136 = t135 - p_L6*t122
+    t137 = t136 - p_L7*t127
+    t138 = t137 - p_L8*t134
+    t139 = t134*t46 - t18*t138
+    t140 = s9*c10
+    t141 = c8*t140
+    t142 = t141 - s8*s10
+    t143 = c8*s10
+    t144 = t143 + s8*t140
+    t145 = c9*c10
+    t146 = s7*t144 - c7*t145
+    t147 = s6*t142 + c6*t146
+    t148 = s6*t146 - c6*t142
+    t149 = s7*t145 + c7*t144
+    t150 = s5*t148 - c5*t149
+    t151 = s4*t147 + c4*t150
+    t152 = s4*t150 - c4*t147
+    t153 = s3*t152
+    t154 = s5*t149 + c5*t148
+    t155 = t153 - c3*t154
+    t156 = s2*t151 + c2*t155
+    t157 = p_L3*s10
+    t158 = t157 + p_L2*t149
+    t159 = t158 - p_L1*t151
+    t160 = t82*t156 + t159*t60
+    t161 = t154*s3
+    t162 = t161 + c3*t152
+    t163 = t82*t162 - t159*t85
+    t164 = t82*t151 + t59*t159
+    t165 = t81*t154 - t158*t57
+    t166 = t81*t147 + t54*t158
+    t167 = t166*t166 + (t165*t165 + (t164*t164 + (t160*t160 + t163*t163)))
+    t168 = t81*t149 - t52*t158
+    t169 = t50*t157
+    t170 = s9*t157
+    t171 = s12*t43 + t7*t135
+    t172 = t171*t171 + (t170*t170 + (t169*t169 + (t168*t168 + t167)))
+    t173 = t123*t43 - t3*t135
+    t174 = t126*t44 + t10*t136
+    t175 = t132*t44 - t14*t136
+    t176 = t127*t45 - t16*t137
+    t177 = t176*t176 + (t175*t175 + (t174*t174 + (t173*t173 + t172)))
+    t178 = t132*s17
+    t179 = t178 + c17*t129
+    t180 = t179*t45 - t103*t137
+    t181 = t133*c18
+    t182 = t181 - t127*s18
+    t183 = t179*c19 - s19*t182
+    t184 = t183*t46 - t110*t138
+    t185 = c19*t182 + t179*s19
+    t186 = t134*s20 - c20*t185
+    t187 = t186*t46 - t116*t138
+    t188 = t187*t187 + (t184*t184 + (t139*t139 + (t180*t180 + t177)))
+    t189 = t91*t166 - (t90*t165 - (t89*t164 + (t160*t83 - t88*t163)))
+    t190 = t96*t171 - (t95*t170 + (t94*t169 - (t93*t168 - t189)))
+    t191 = t101*t176 + (t100*t175 - (t99*t174 - (t97*t173 - t190)))
+    t192 = t119*t187 + (t114*t184 + (t47*t139 + (t106*t180 + t191)))
+    t193 = t120*t188 - t192*t192
+    t194 = t159*t80 + t156*t75
+    t195 = t159*t87 + t162*t75
+    t196 = t159*t72 + t151*t75
+    t197 = t158*t78 + t154*t74
+    t198 = t158*t68 + t147*t74
+    t199 = t198*t198 + (t197*t197 + (t196*t196 + (t194*t194 + t195*t195)))
+    t200 = t158*t70 + t149*t74
+    t201 = t157*t63 + t142*t73
+    t202 = t157*t66 + t145*t73
+    t203 = t25*t135 - s12*t38
+    t204 = t203*t203 + (t202*t202 + (t201*t201 + (t200*t200 + t199)))
+    t205 = t21*t135 + t123*t38
+    t206 = t28*t136 - t126*t39
+    t207 = t32*t136 - t132*t39
+    t208 = t34*t137 + t127*t40
+    t209 = t208*t208 + (t207*t207 + (t206*t206 + (t205*t205 + t204)))
+    t210 = t105*t137 - t179*t40
+    t211 = t36*t138 + t134*t41
+    t212 = t113*t138 - t183*t41
+    t213 = t118*t138 + t186*t41
+    t214 = t213*t213 + (t212*t212 + (t211*t211 + (t210*t210 + t209)))
+    t215 = t198*t91 - (t197*t90 - (t196*t89 + (t194*t83 - t195*t88)))
+    t216 = t203*t96 - (t202*t95 - (t201*t94 - (t200*t93 - t215)))
+    t217 = t208*t101 - (t207*t100 - (t206*t99 + (t205*t97 + t216)))
+    t218 = t213*t119 - (t212*t114 - (t211*t47 - (t210*t106 - t217)))
+    t219 = t198*t166 + (t197*t165 + (t196*t164 + (t160*t194 + t195*t163)))
+    t220 = t203*t171 + (t202*t170 - (t201*t169 + (t200*t168 + t219)))
+    t221 = t208*t176 - (t207*t175 + (t206*t174 - (t205*t173 - t220)))
+    t222 = t213*t187 - (t212*t184 - (t211*t139 - (t210*t180 - t221)))
+    t223 = t218*t188 - t192*t222
+    t224 = t218*t192 - t222*t120
+    t225 = t222*t224 + (t214*t193 - t218*t223)
+    t226 = t68*t68 + (t78*t78 + (t72*t72 + (t80*t80 + t87*t87)))
+    t227 = c11*c11 + (c10*c10 + (t66*t66 + (t63*t63 + (t70*t70 + t226))))
+    t228 = t34*t34 + (t32*t32 + (t28*t28 + (t21*t21 + (t25*t25 + t227))))
+    t229 = t118*t118 + (t113*t113 + (t36*t36 + (t105*t105 + t228)))
+    t230 = t68*t198 + (t78*t197 + (t72*t196 + (t80*t194 + t87*t195)))
+    t231 = t25*t203 + (t66*t202 + (t63*t201 + (t70*t200 + t230)))
+    t232 = t34*t208 + (t32*t207 + (t28*t206 + (t21*t205 + t231)))
+    t233 = t118*t213 + (t113*t212 + (t36*t211 + (t105*t210 + t232)))
+    t234 = t68*t91 - (t78*t90 - (t72*t89 + (t80*t83 - t87*t88)))
+    t235 = t21*t97 + (t25*t96 - (t66*t95 - (t63*t94 - (t70*t93 - t234))))
+    t236 = t105*t106 - (t34*t101 - (t32*t100 - (t28*t99 + t235)))
+    t237 = t118*t119 - (t113*t114 - (t36*t47 - t236))
+    t238 = t68*t166 + (t78*t165 + (t72*t164 + (t160*t80 + t87*t163)))
+    t239 = t25*t171 + (t66*t170 - (t63*t169 + (t70*t168 + t238)))
+    t240 = t34*t176 - (t32*t175 + (t28*t174 - (t21*t173 - t239)))
+    t241 = t118*t187 - (t113*t184 - (t36*t139 - (t105*t180 - t240)))
+    t242 = t237*t188 - t192*t241
+    t243 = t192*t237 - t120*t241
+    t244 = t222*t243 + (t233*t193 - t218*t242)
+    t245 = t222*t237 - t218*t241
+    t246 = t222*t245 + (t233*t223 - t214*t242)
+    t247 = t218*t245 + (t233*t224 - t214*t243)
+    t248 = t241*t247 - (t237*t246 + (t229*t225 - t233*t244))
+    t249 = t154*t154 + (t151*t151 + (t162*t162 + (1.0 + t156*t156)))
+    t250 = t145*t145 + (t142*t142 + (t149*t149 + (t147*t147 + t249)))
+    t251 = t126*t126 + (t123*t123 + (s12*s12 + (s10*s10 + t250)))
+    t252 = t134*t134 + (t179*t179 + (t127*t127 + (t132*t132 + t251)))
+    t253 = t186*t186 + (t183*t183 + t252)
+    t254 = t147*t68 + (t154*t78 + (t151*t72 + (t156*t80 + t162*t87)))
+    t255 = s10*c10 - (t145*t66 + (t142*t63 + (t149*t70 + t254)))
+    t256 = t132*t32 + (t126*t28 - (t123*t21 - (s12*t25 - t255)))
+    t257 = t183*t113 - (t134*t36 - (t179*t105 - (t127*t34 - t256)))
+    t258 = t186*t118 - t257
+    t259 = t147*t198 + (t154*t197 + (t151*t196 + (t156*t194 + t162*t195)))
+    t260 = s12*t203 + (t145*t202 + (t142*t201 + (t149*t200 + t259)))
+    t261 = t127*t208 - (t132*t207 + (t126*t206 - (t123*t205 - t260)))
+    t262 = t186*t213 - (t183*t212 - (t134*t211 - (t179*t210 - t261)))
+    t263 = t147*t91 - (t154*t90 - (t151*t89 + (t156*t83 - t162*t88)))
+    t264 = s12*t96 - (t145*t95 - (t142*t94 - (t149*t93 - t263)))
+    t265 = t127*t101 + (t132*t100 - (t126*t99 - (t123*t97 - t264)))
+    t266 = t186*t119 + (t183*t114 + (t134*t47 + (t179*t106 + t265)))
+    t267 = t147*t166 + (t154*t165 + (t151*t164 + (t156*t160 + t162*t163)))
+    t268 = s12*t171 + (t145*t170 - (t142*t169 + (t149*t168 + t267)))
+    t269 = t127*t176 + (t132*t175 + (t126*t174 + (t123*t173 + t268)))
+    t270 = t186*t187 + (t183*t184 + (t134*t139 + (t179*t180 + t269)))
+    t271 = t266*t188 - t192*t270
+    t272 = t192*t266 - t120*t270
+    t273 = t222*t272 + (t262*t193 - t218*t271)
+    t274 = t222*t266 - t218*t270
+    t275 = t222*t274 + (t262*t223 - t214*t271)
+    t276 = t218*t274 + (t224*t262 - t214*t272)
+    t277 = t241*t276 - (t237*t275 + (t258*t225 - t233*t273))
+    t278 = t241*t266 - t237*t270
+    t279 = t222*t278 + (t262*t242 - t233*t271)
+    t280 = t218*t278 + (t243*t262 - t233*t272)
+    t281 = t241*t280 - (t237*t279 + (t258*t244 - t229*t273))
+    t282 = t214*t278 + (t245*t262 - t233*t274)
+    t283 = t241*t282 - (t233*t279 + (t258*t246 - t229*t275))
+    t284 = t237*t282 - (t233*t280 + (t258*t247 - t229*t276))
+    t285 = t270*t284 - (t266*t283 - (t262*t281 + (t253*t248 - t258*t277)))
+    t286 = t54*t54 + (t57*t57 + (t59*t59 + (t85*t85 + (1.0 + t60*t60))))
+    t287 = t7*t7 + (s11*s11 + (s9*s9 + (t50*t50 + (t52*t52 + t286))))
+    t288 = t103*t103 + (t16*t16 + (t14*t14 + (t10*t10 + (t3*t3 + t287))))
+    t289 = t116*t116 + (t110*t110 + (t18*t18 + t288))
+    t290 = t54*t147 - (t154*t57 - (t59*t151 + (t156*t60 - t162*t85)))
+    t291 = t123*t3 - (s12*t7 + (s9*t145 - (t50*t142 - (t52*t149 - t290))))
+    t292 = t179*t103 + (t127*t16 + (t132*t14 - (t126*t10 - t291)))
+    t293 = t186*t116 + (t183*t110 + (t134*t18 + t292))
+    t294 = t54*t68 - (t57*t78 - (t59*t72 + (t60*t80 - t85*t87)))
+    t295 = t7*t25 - (c11*s11 - (s9*t66 - (t50*t63 - (t52*t70 - t294))))
+    t296 = t103*t105 - (t16*t34 - (t14*t32 - (t10*t28 + (t3*t21 + t295))))
+    t297 = t116*t118 - (t110*t113 - (t18*t36 - t296))
+    t298 = t54*t198 - (t57*t197 - (t59*t196 + (t60*t194 - t85*t195)))
+    t299 = t3*t205 + (t7*t203 + (s9*t202 - (t50*t201 - (t52*t200 - t298))))
+    t300 = t103*t210 - (t16*t208 - (t14*t207 - (t10*t206 + t299)))
+    t301 = t116*t213 - (t110*t212 - (t18*t211 - t300))
+    t302 = t54*t91 + (t57*t90 + (t59*t89 + (t60*t83 + t85*t88)))
+    t303 = t3*t97 + (t7*t96 - (s9*t95 + (t50*t94 + (t52*t93 + t302))))
+    t304 = t103*t106 + (t16*t101 + (t14*t100 + (t10*t99 + t303)))
+    t305 = t116*t119 + (t110*t114 + (t18*t47 + t304))
+    t306 = t54*t166 - (t57*t165 - (t59*t164 + (t60*t160 - t85*t163)))
+    t307 = t3*t173 - (t7*t171 + (s9*t170 + (t50*t169 - (t52*t168 - t306))))
+    t308 = t103*t180 + (t16*t176 + (t14*t175 - (t10*t174 - t307)))
+    t309 = t116*t187 + (t110*t184 + (t18*t139 + t308))
+    t310 = t305*t188 - t192*t309
+    t311 = t192*t305 - t120*t309
+    t312 = t222*t311 + (t301*t193 - t218*t310)
+    t313 = t222*t305 - t218*t309
+    t314 = t222*t313 + (t301*t223 - t214*t310)
+    t315 = t218*t313 + (t224*t301 - t214*t311)
+    t316 = t241*t315 - (t237*t314 + (t297*t225 - t233*t312))
+    t317 = t241*t305 - t237*t309
+    t318 = t222*t317 + (t301*t242 - t233*t310)
+    t319 = t218*t317 + (t243*t301 - t233*t311)
+    t320 = t241*t319 - (t237*t318 + (t297*t244 - t229*t312))
+    t321 = t214*t317 + (t245*t301 - t233*t313)
+    t322 = t241*t321 - (t233*t318 + (t297*t246 - t229*t314))
+    t323 = t237*t321 - (t233*t319 + (t247*t297 - t229*t315))
+    t324 = t270*t323 - (t266*t322 - (t262*t320 + (t293*t248 - t258*t316)))
+    t325 = t270*t305 - t266*t309
+    t326 = t222*t325 + (t301*t271 - t262*t310)
+    t327 = t218*t325 + (t272*t301 - t262*t311)
+    t328 = t241*t327 - (t237*t326 + (t297*t273 - t258*t312))
+    t329 = t214*t325 + (t274*t301 - t262*t313)
+    t330 = t241*t329 - (t233*t326 + (t297*t275 - t258*t314))
+    t331 = t237*t329 - (t233*t327 + (t276*t297 - t258*t315))
+    t332 = t270*t331 - (t266*t330 - (t262*t328 + (t293*t277 - t253*t316)))
+    t333 = t233*t325 + (t278*t301 - t262*t317)
+    t334 = t241*t333 - (t229*t326 + (t297*t279 - t258*t318))
+    t335 = t237*t333 - (t229*t327 + (t280*t297 - t258*t319))
+    t336 = t270*t335 - (t266*t334 - (t258*t328 + (t293*t281 - t253*t320)))
+    t337 = t233*t333 - (t229*t329 + (t282*t297 - t258*t321))
+    t338 = t270*t337 - (t262*t334 - (t258*t330 + (t293*t283 - t253*t322)))
+    t339 = t305*t338 - (t301*t336 - (t297*t332 + (t289*t285 - t293*t324)))
+    t340 = t266*t337 - (t262*t335 - (t258*t331 + (t293*t284 - t253*t323)))
+    t341 = t309*t340 - t339
+    t342 = 1.0/(2.0*sqrt(absolute(t341)))*sign(t341)
+    t343 = t289*t342
+    t344 = t342*(2.0*t285)
+    t345 = t309*t342
+    t346 = t301*t342
+    t347 = t262*t345 - t270*t346
+    t348 = t297*t342
+    t349 = t258*t345 - t270*t348
+    t350 = t258*t346 - t262*t348
+    t351 = t241*t350 + (t229*t347 - t233*t349)
+    t352 = t293*t342
+    t353 = t305*t342
+    t354 = t253*t345 - t270*t352
+    t355 = t253*t346 - t262*t352
+    t356 = t241*t355 + (t258*t347 - t233*t354)
+    t357 = t253*t348 - t258*t352
+    t358 = t241*t357 + (t258*t349 - t229*t354)
+    t359 = t233*t357 + (t258*t350 - t229*t355)
+    t360 = t222*t359 - (t214*t358 + (t262*t351 - t233*t356))
+    t361 = t262*t353 - t266*t346
+    t362 = t258*t353 - t266*t348
+    t363 = t237*t350 + (t229*t361 - t233*t362)
+    t364 = t253*t353 - t266*t352
+    t365 = t237*t355 + (t258*t361 - t233*t364)
+    t366 = t237*t357 + (t258*t362 - t229*t364)
+    t367 = t218*t359 - (t214*t366 + (t262*t363 - t233*t365))
+    t368 = t293*t345 - t270*t343
+    t369 = t293*t346 - t262*t343
+    t370 = t241*t369 + (t297*t347 - t233*t368)
+    t371 = t293*t348 - t258*t343
+    t372 = t241*t371 + (t297*t349 - t229*t368)
+    t373 = t233*t371 + (t297*t350 - t229*t369)
+    t374 = t222*t373 - (t214*t372 + (t301*t351 - t233*t370))
+    t375 = t293*t352 - t253*t343
+    t376 = t293*t353 - t266*t343
+    t377 = t237*t369 + (t297*t361 - t233*t376)
+    t378 = t237*t371 + (t297*t362 - t229*t376)
+    t379 = t218*t373 - (t214*t378 + (t301*t363 - t233*t377))
+    t380 = t241*t375 + (t297*t354 - t258*t368)
+    t381 = t233*t375 + (t297*t355 - t258*t369)
+    t382 = t222*t381 - (t214*t380 + (t301*t356 - t262*t370))
+    t383 = t237*t382 - (t270*t379 + (t266*t374 - (t305*t360 + t309*t367)))
+    t384 = t237*t375 + (t297*t364 - t258*t376)
+    t385 = t218*t381 - (t214*t384 + (t301*t365 - t262*t377))
+    t386 = t229*t375 + (t297*t357 - t258*t371)
+    t387 = t222*t386 - (t233*t380 + (t301*t358 - t262*t372))
+    t388 = t218*t386 - (t233*t384 + (t301*t366 - t262*t378))
+    t389 = t214*t386 - (t233*t381 + (t301*t359 - t262*t373))
+    t390 = 2.0*t389
+    t391 = t192*t390 - (t222*t388 + (t218*t387 - (t241*t385 + t383)))
+    t392 = t266*t345 - t270*t353
+    t393 = t241*t362 + (t229*t392 - t237*t349)
+    t394 = t241*t364 + (t258*t392 - t237*t354)
+    t395 = t222*t366 - (t218*t358 + (t262*t393 - t233*t394))
+    t396 = t310*t359 - (t309*t395 + (t313*t358 + (t325*t351 - t317*t356)))
+    t397 = t241*t376 + (t297*t392 - t237*t368)
+    t398 = t222*t378 - (t218*t372 + (t301*t393 - t233*t397))
+    t399 = t271*t373 - (t270*t398 + (t274*t372 - (t278*t370 - t396)))
+    t400 = t222*t384 - (t218*t380 + (t301*t394 - t262*t397))
+    t401 = t192*t387 + (t242*t381 - (t241*t400 + (t245*t380 + t399)))
+    t402 = t188*t388 + (t223*t386 - t401)
+    t403 = t241*t361 + (t233*t392 - t237*t347)
+    t404 = t222*t377 - (t218*t370 + (t301*t403 - t214*t397))
+    t405 = t222*t365 - (t218*t356 + (t262*t403 - t214*t394))
+    t406 = t318*t355 - (t321*t354 + (t326*t350 + (t333*t347 - t329*t349)))
+    t407 = t279*t369 - (t282*t368 - (t314*t357 + (t309*t405 - t406)))
+    t408 = t222*t400 + (t246*t375 - (t275*t371 + (t270*t404 - t407)))
+    t409 = t188*t385 - (t192*t382 - t408)
+    t410 = t222*t363 - (t218*t351 + (t233*t403 - t214*t393))
+    t411 = t322*t352 - (t309*t410 + (t330*t348 + (t337*t345 - t334*t346)))
+    t412 = t192*t374 - (t222*t398 - (t241*t404 - (t283*t343 - t411)))
+    t413 = t188*t379 - t412
+    t414 = 2.0*(t222*t387 - (t241*t382 + (t309*t360 - t270*t374)))
+    t415 = t188*t390 - t414
+    t416 = t192*t360 - (t222*t395 - (t241*t405 - (t338*t342 + t270*t410)))
+    t417 = t188*t367 - t416
+    t418 = t116*t417 - (t186*t413 - (t118*t409 - (t187*t391 + t213*t402)))
+    t419 = t119*t415 + t418
+    t420 = t120*t360 - (t218*t395 - (t237*t405 - (t340*t342 + t266*t410)))
+    t421 = t192*t367 - t420
+    t422 = t271*t363 - (t272*t351 - (t274*t393 - (t336*t342 + t278*t403)))
+    t423 = t224*t358 + (t242*t365 - (t243*t356 - (t245*t394 - t422)))
+    t424 = t193*t359 - (t223*t366 - t423)
+    t425 = t276*t349 + (t332*t342 + (t279*t361 + (t282*t392 - t280*t347)))
+    t426 = t246*t364 - (t247*t354 - (t273*t350 - (t275*t362 - t425)))
+    t427 = t225*t357 - (t244*t355 - t426)
+    t428 = t324*t342 - (t277*t348 - (t281*t346 + (t284*t345 - t283*t353)))
+    t429 = t248*t352 + t428
+    t430 = t186*t429 - (t118*t427 - (t213*t424 + (t187*t421 - t119*t417)))
+    t431 = t311*t359 - (t305*t395 + (t313*t366 + (t325*t363 - t317*t365)))
+    t432 = t272*t373 - (t266*t398 + (t274*t378 - (t278*t377 - t431)))
+    t433 = t224*t386 - (t243*t381 - (t237*t400 + (t245*t384 + t432)))
+    t434 = t192*t388 - (t120*t387 - t433)
+    t435 = t120*t389 - (t218*t388 - (t237*t385 + (t305*t367 - t266*t379)))
+    t436 = 2.0*t435
+    t437 = t319*t355 - (t321*t364 + (t327*t350 + (t333*t361 - t329*t362)))
+    t438 = t280*t369 - (t282*t376 - (t315*t357 + (t305*t405 - t437)))
+    t439 = t218*t400 + (t247*t375 - (t276*t371 + (t266*t404 - t438)))
+    t440 = t192*t385 - (t120*t382 - t439)
+    t441 = t323*t352 - (t305*t410 + (t331*t348 + (t337*t353 - t335*t346)))
+    t442 = t120*t374 - (t218*t398 - (t237*t404 - (t284*t343 - t441)))
+    t443 = t192*t379 - t442
+    t444 = t116*t421 - (t186*t443 - (t118*t440 + (t119*t391 - t213*t434)))
+    t445 = t187*t436 - t444
+    t446 = t116*t344 - (t138*t445 - (t41*t419 - t430))
+    t447 = t278*t397 - (t310*t366 - (t311*t358 + (t325*t393 - t317*t394)))
+    t448 = t319*t354 + (t326*t362 - (t327*t349 - (t333*t392 + t325*t403)))
+    t449 = t310*t365 - (t311*t356 - (t318*t364 + (t313*t394 - t448)))
+    t450 = t279*t376 + (t274*t397 - (t280*t368 - (t312*t357 - t449)))
+    t451 = t318*t361 - (t319*t347 + (t330*t353 - (t331*t345 + t321*t392)))
+    t452 = t314*t364 - (t315*t354 + (t326*t361 + (t329*t392 - t327*t347)))
+    t453 = t242*t384 - (t243*t380 + (t271*t378 - (t272*t372 - t447)))
+    t454 = 2.0*(t193*t386 - t453)
+    t455 = t224*t380 - (t273*t371 - (t271*t377 - (t272*t370 - t450)))
+    t456 = t193*t381 + (t244*t375 - (t223*t384 - t455))
+    t457 = t273*t369 - (t275*t376 - (t276*t368 - (t312*t355 - t452)))
+    t458 = 2.0*(t225*t375 - t457)
+    t459 = t328*t348 - (t313*t393 - (t317*t403 + (t335*t345 - t334*t353)))
+    t460 = t312*t350 - (t314*t362 - (t315*t349 + (t328*t346 + t451)))
+    t461 = t245*t397 - (t320*t352 + (t310*t363 - (t311*t351 + t459)))
+    t462 = t224*t372 + (t242*t377 - (t243*t370 - (t281*t343 + t461)))
+    t463 = t193*t373 - (t223*t378 - t462)
+    t464 = t244*t369 - (t246*t376 - (t247*t368 + (t316*t352 - t460)))
+    t465 = t225*t371 + (t277*t343 - t464)
+    t466 = t248*t343 - (t316*t348 - (t320*t346 + (t323*t345 - t322*t353)))
+    t467 = 2.0*t466
+    t468 = t116*t424 - (t186*t463 - (t118*t456 - (t187*t434 - t119*t402)))
+    t469 = t213*t454 - t468
+    t470 = t116*t429 + (t118*t465 - (t213*t463 + (t187*t443 - t119*t413)))
+    t471 = t186*t467 + (t46*t445 + (t41*t469 - t470))
+    t472 = t116*t427 - (t186*t465 + (t213*t456 + (t187*t440 - t119*t409)))
+    t473 = t118*t458 + (t46*t419 + (t138*t469 + t472))
+    t474 = s20*(t117*t473 + (t115*t446 - t185*t471)) - c20*(t36*t473 + (t18*t446 + t134*t471))
+    t475 = t110*t417 - (t183*t413 + (t113*t409 + (t184*t391 - t212*t402)))
+    t476 = t114*t415 + t475
+    t477 = t183*t429 + (t113*t427 - (t212*t424 - (t184*t421 - t114*t417)))
+    t478 = t110*t421 - (t183*t443 + (t113*t440 - (t114*t391 + t212*t434)))
+    t479 = t184*t436 - t478
+    t480 = t110*t344 - (t138*t479 - (t41*t476 - t477))
+    t481 = c20*t446
+    t482 = t110*t424 - (t183*t463 + (t113*t456 + (t184*t434 - t114*t402)))
+    t483 = t212*t454 + t482
+    t484 = t110*t429 - (t113*t465 - (t212*t463 - (t184*t443 - t114*t413)))
+    t485 = t183*t467 + (t46*t479 - (t41*t483 + t484))
+    t486 = c20*t471
+    t487 = c20*t473
+    t488 = t110*t427 - (t183*t465 - (t212*t456 - (t184*t440 - t114*t409)))
+    t489 = t113*t458 - (t46*t476 - (t138*t483 - t488))
+    t490 = t112*t489 + (t179*t486 + (t182*t485 - (t109*t480 - t103*t481)))
+    t491 = t105*t489 - (t182*t486 - (t179*t485 + (t103*t480 + t109*t481)))
+    t492 = t18*t417 - (t134*t413 - (t36*t409 - (t139*t391 + t211*t402)))
+    t493 = t47*t415 + t492
+    t494 = t134*t429 - (t36*t427 - (t211*t424 + (t139*t421 - t47*t417)))
+    t495 = t18*t421 - (t134*t443 - (t36*t440 + (t47*t391 - t211*t434)))
+    t496 = t139*t436 - t495
+    t497 = t36*t493 + (t183*t479 - (t113*t476 - (t118*t419 + t186*t445)))
+    t498 = t134*t496 + t497
+    t499 = p_L8*t498 - (s20*t446 - (t138*t496 - (t41*t493 - t494)))
+    t500 = t18*t344 - t499
+    t501 = s19*t480 + c19*t481
+    t502 = t18*t424 - (t134*t463 - (t36*t456 - (t139*t434 - t47*t402)))
+    t503 = t211*t454 - t502
+    t504 = t18*t429 + (t36*t465 - (t211*t463 + (t139*t443 - t47*t413)))
+    t505 = t36*t503 - (t110*t479 - (t113*t483 + (t118*t469 - t116*t445)))
+    t506 = t18*t496 - t505
+    t507 = t134*t503 + (t110*t476 - (t183*t483 - (t186*t469 + t116*t419)))
+    t508 = t18*t493 + t507
+    t509 = p_L8*t506 + (s20*t471 + (t46*t496 + (t41*t503 - t504)))
+    t510 = t134*t467 + t509
+    t511 = t18*t427 - (t134*t465 + (t211*t456 + (t139*t440 - t47*t409)))
+    t512 = s19*t485 + c19*t486
+    t513 = p_L8*t508 + (s20*t473 + (t46*t493 + (t138*t503 + t511)))
+    t514 = t36*t458 + t513
+    t515 = t34*t514 - (t133*t512 - (t127*t510 + (t16*t500 + t15*t501)))
+    t516 = s19*t489 - c19*t487
+    t517 = t181*t510 + (t17*t501 + (s18*(t33*t516 - t515) - t108*t500))
+    t518 = s18*t510 - c18*t512
+    t519 = s18*t500 - c18*t501
+    t520 = t103*t417 - (t179*t413 + (t105*t409 + (t180*t391 - t210*t402)))
+    t521 = t106*t415 + t520
+    t522 = t179*t429 + (t105*t427 - (t210*t424 - (t180*t421 - t106*t417)))
+    t523 = t103*t421 - (t179*t443 + (t105*t440 - (t106*t391 + t210*t434)))
+    t524 = t180*t436 - t523
+    t525 = s19*t481 - (c19*t480 - (t137*t524 - (t40*t521 - t522)))
+    t526 = t103*t344 - t525
+    t527 = t103*t424 - (t179*t463 + (t105*t456 + (t180*t434 - t106*t402)))
+    t528 = t210*t454 + t527
+    t529 = t103*t429 - (t105*t465 - (t210*t463 - (t180*t443 - t106*t413)))
+    t530 = s19*t486 - (c19*t485 + (t45*t524 - (t40*t528 + t529)))
+    t531 = t179*t467 - t530
+    t532 = t103*t427 - (t179*t465 - (t210*t456 - (t180*t440 - t106*t409)))
+    t533 = s19*t487 + (c19*t489 - (t45*t521 - (t137*t528 - t532)))
+    t534 = t105*t458 + t533
+    t535 = t32*t534 + (t129*t518 + (t132*t531 + (t14*t526 - t11*t519)))
+    t536 = s18*t514 + c18*t516
+    t537 = t130*t531 - (t102*t519 - (c17*(t29*t536 - t535) - t12*t526))
+    t538 = t16*t424 - (t127*t463 - (t34*t456 - (t176*t434 - t101*t402)))
+    t539 = t208*t454 - t538
+    t540 = t16*t427 - (t127*t465 + (t208*t456 + (t176*t440 - t101*t409)))
+    t541 = t16*t417 - (t127*t413 - (t34*t409 - (t176*t391 + t208*t402)))
+    t542 = t101*t415 + t541
+    t543 = s18*t516 - (c18*t514 + (t45*t542 + (t137*t539 + t540)))
+    t544 = t16*t542 + (t127*t539 + (t103*t521 + (t508 - t179*t528)))
+    t545 = t34*t458 + (p_L7*t544 - t543)
+    t546 = t16*t429 + (t34*t465 - (t208*t463 + (t176*t443 - t101*t413)))
+    t547 = t16*t421 - (t127*t443 - (t34*t440 + (t101*t391 - t208*t434)))
+    t548 = t176*t436 - t547
+    t549 = s18*t512 + (c18*t510 + (t45*t548 + (t40*t539 - t546)))
+    t550 = t16*t548 - (t34*t539 - (t103*t524 + (t506 - t105*t528)))
+    t551 = t127*t548 + (t34*t542 + (t179*t524 + (t498 - t105*t521)))
+    t552 = t127*t467 + (p_L7*t550 + t549)
+    t553 = t127*t429 - (t34*t427 - (t208*t424 + (t176*t421 - t101*t417)))
+    t554 = s18*t501 + (c18*t500 - (t137*t548 - (t40*t542 - t553)))
+    t555 = t16*t344 - (p_L7*t551 - t554)
+    t556 = c17*t534 - s17*t536
+    t557 = c17*t531 + s17*t518
+    t558 = t127*t557 - (t34*t556 - (t11*t555 + (t29*t545 - t129*t552)))
+    t559 = c17*t526 + s17*t519
+    t560 = c16*t552 - s16*t557
+    t561 = c16*t555 - s16*t559
+    t562 = t14*t417 - (t132*t413 + (t32*t409 + (t175*t391 - t207*t402)))
+    t563 = t100*t415 + t562
+    t564 = t132*t429 + (t32*t427 - (t207*t424 - (t175*t421 - t100*t417)))
+    t565 = t14*t421 - (t132*t443 + (t32*t440 - (t100*t391 + t207*t434)))
+    t566 = t175*t436 - t565
+    t567 = c17*t519 - (s17*t526 - (t136*t566 - (t39*t563 - t564)))
+    t568 = t14*t344 - t567
+    t569 = t14*t424 - (t132*t463 + (t32*t456 + (t175*t434 - t100*t402)))
+    t570 = t207*t454 + t569
+    t571 = t14*t429 - (t32*t465 - (t207*t463 - (t175*t443 - t100*t413)))
+    t572 = c17*t518 - (s17*t531 + (t44*t566 - (t39*t570 + t571)))
+    t573 = t132*t467 - t572
+    t574 = t14*t427 - (t132*t465 - (t207*t456 - (t175*t440 - t100*t409)))
+    t575 = c17*t536 + (s17*t534 - (t44*t563 - (t136*t570 - t574)))
+    t576 = t32*t458 + t575
+    t577 = t26*t576 + (t123*t560 + (t122*t573 + (t8*t568 + t3*t561)))
+    t578 = c16*t545 + s16*t556
+    t579 = t124*t573 - (t13*t561 - (c15*(t21*t578 + t577) + t4*t568))
+    t580 = t10*t417 + (t126*t413 + (t28*t409 + (t174*t391 - t206*t402)))
+    t581 = t99*t415 + t580
+    t582 = t126*t429 + (t28*t427 - (t206*t424 - (t174*t421 + t99*t417)))
+    t583 = t10*t421 + (t126*t443 + (t28*t440 + (t99*t391 - t206*t434)))
+    t584 = t174*t436 + t583
+    t585 = c16*t559 + (s16*t555 - (t136*t584 + (t39*t581 + t582)))
+    t586 = t10*t344 - t585
+    t587 = t126*t584 + (t28*t581 + (t132*t566 + (t551 - t32*t563)))
+    t588 = p_L6*t587 - (s15*t568 + c15*t561)
+    t589 = t10*t424 + (t126*t463 + (t28*t456 + (t174*t434 + t99*t402)))
+    t590 = t206*t454 - t589
+    t591 = t10*t429 + (t28*t465 - (t206*t463 - (t174*t443 + t99*t413)))
+    t592 = c16*t557 + (s16*t552 + (t44*t584 - (t39*t590 - t591)))
+    t593 = t126*t467 + t592
+    t594 = t10*t427 + (t126*t465 - (t206*t456 - (t174*t440 + t99*t409)))
+    t595 = c16*t556 - (s16*t545 - (t44*t581 + (t136*t590 + t594)))
+    t596 = t10*t581 - (t126*t590 - (t14*t563 + (t544 - t132*t570)))
+    t597 = t28*t458 + t595
+    t598 = t10*t584 + (t28*t590 - (t14*t566 + (t550 - t32*t570)))
+    t599 = p_L6*t596 - (s15*t576 - c15*t578)
+    t600 = t25*t599 + (t24*t597 - (t121*t593 + (t6*t586 + t7*t588)))
+    t601 = p_L6*t598 - (s15*t573 + c15*t560)
+    t602 = t25*t597 + (t121*t601 + (s12*t593 + (t7*t586 - t6*t588)))
+    t603 = s14*t597 + c14*t599
+    t604 = s14*t586 - c14*t588
+    t605 = t3*t417 - (t123*t413 - (t21*t409 - (t173*t391 + t205*t402)))
+    t606 = t97*t415 + t605
+    t607 = t123*t429 - (t21*t427 - (t205*t424 + (t173*t421 - t97*t417)))
+    t608 = t3*t421 - (t123*t443 - (t21*t440 + (t97*t391 - t205*t434)))
+    t609 = t173*t436 - t608
+    t610 = s15*t561 - (c15*t568 + (t135*t609 - (t38*t606 - t607)))
+    t611 = t3*t344 + t610
+    t612 = t3*t424 - (t123*t463 - (t21*t456 - (t173*t434 - t97*t402)))
+    t613 = t205*t454 - t612
+    t614 = t3*t427 - (t123*t465 + (t205*t456 + (t173*t440 - t97*t409)))
+    t615 = s15*t578 + (c15*t576 + (t43*t606 + (t135*t613 + t614)))
+    t616 = t21*t458 + t615
+    t617 = t3*t429 + (t21*t465 - (t205*t463 + (t173*t443 - t97*t413)))
+    t618 = s15*t560 - (c15*t573 - (t43*t609 + (t38*t613 - t617)))
+    t619 = t123*t467 + t618
+    t620 = c12*t619 - (c11*t603 - (t19*t616 + (t1*t611 + s11*t604)))
+    t621 = t20*t603 + (t23*t616 + (t2*t604 + (c13*t620 - t5*t611)))
+    t622 = s14*t593 + c14*t601
+    t623 = t7*t417 + (s12*t413 + (t25*t409 + (t171*t391 - t203*t402)))
+    t624 = t96*t415 + t623
+    t625 = t7*t421 + (s12*t443 + (t25*t440 + (t96*t391 - t203*t434)))
+    t626 = t171*t436 + t625
+    t627 = s12*t626 + (t25*t624 + (t123*t609 + (t587 + t21*t606)))
+    t628 = p_L5*t627 + (s13*t611 - c13*t604)
+    t629 = t7*t424 + (s12*t463 + (t25*t456 + (t171*t434 + t96*t402)))
+    t630 = t203*t454 - t629
+    t631 = t7*t624 - (s12*t630 - (t3*t606 + (t596 + t123*t613)))
+    t632 = p_L5*t631 - (s13*t616 - c13*t603)
+    t633 = t96*t413 + (t171*t443 + (t43*t626 + (t7*t429 - t38*t630)))
+    t634 = s14*t601 - (c14*t593 + (s12*t467 - (t203*t463 - t633)))
+    t635 = s12*t429 + (t25*t427 - (t203*t424 - (t171*t421 + t96*t417)))
+    t636 = s14*t588 + (c14*t586 + (t135*t626 + (t38*t624 + t635)))
+    t637 = p_L5*(t7*t626 + (t25*t630 - (t3*t609 - (t598 + t21*t613))))
+    t638 = t7*t344 + t636
+    t639 = t1*t638 - (c12*(t25*t465 - t634) + (t7*t628 - t25*t632))
+    t640 = t7*t427 + (s12*t465 - (t203*t456 - (t171*t440 + t96*t409)))
+    t641 = s14*t599 - (c14*t597 + (t43*t624 + (t135*t630 + t640)))
+    t642 = t25*t458 - t641
+    t643 = s12*(s13*t619 + (t637 + c13*t622)) + (t19*t642 + t639)
+    t644 = c11*t409 - s11*t417
+    t645 = c12*t642 + (s13*t604 + (c13*t611 - (c11*t427 + t37*t644)))
+    t646 = s11*t344 + (p_L4*(t627 + c11*t644) - (s12*t632 - t645))
+    t647 = c12*t638 - (s13*t603 + (c13*t616 + (s11*t427 - t42*t644)))
+    t648 = c11*t458 + (p_L4*(t631 - s11*t644) + (s12*t628 + t647))
+    t649 = t60*t424 - (t156*t463 + (t80*t456 - (t160*t434 - t83*t402)))
+    t650 = t194*t454 + t649
+    t651 = t60*t427 - (t156*t465 - (t194*t456 + (t160*t440 - t83*t409)))
+    t652 = t60*t417 - (t156*t413 + (t80*t409 - (t160*t391 + t194*t402)))
+    t653 = t83*t415 - t652
+    t654 = t80*t458 - (t82*t653 - (t159*t650 - t651))
+    t655 = t59*t424 - (t151*t463 + (t72*t456 - (t164*t434 - t89*t402)))
+    t656 = t196*t454 + t655
+    t657 = t59*t427 - (t151*t465 - (t196*t456 + (t164*t440 - t89*t409)))
+    t658 = t59*t417 - (t151*t413 + (t72*t409 - (t164*t391 + t196*t402)))
+    t659 = t89*t415 - t658
+    t660 = t85*t424 + (t162*t463 + (t87*t456 - (t163*t434 + t88*t402)))
+    t661 = t195*t454 - t660
+    t662 = t85*t417 + (t162*t413 + (t87*t409 - (t163*t391 + t195*t402)))
+    t663 = t88*t415 - t662
+    t664 = t156*t650 + (t85*t663 + (t162*t661 + (t151*t656 + t59*t659)))
+    t665 = t60*t653 + t664
+    t666 = p_L1*t665 + (s2*t654 - (t82*t659 - (t159*t656 - t657)))
+    t667 = t72*t458 + t666
+    t668 = t85*t427 + (t162*t465 - (t195*t456 + (t163*t440 + t88*t409)))
+    t669 = t87*t458 + (t82*t663 + (t159*t661 + t668))
+    t670 = c2*t654
+    t671 = c3*t669 + s3*t670
+    t672 = c4*t667 + s4*t671
+    t673 = t57*t424 + (t154*t463 + (t78*t456 - (t165*t434 + t90*t402)))
+    t674 = t197*t454 - t673
+    t675 = t57*t427 + (t154*t465 - (t197*t456 + (t165*t440 + t90*t409)))
+    t676 = t57*t417 + (t154*t413 + (t78*t409 - (t165*t391 + t197*t402)))
+    t677 = t90*t415 - t676
+    t678 = c3*t670 - (s3*t669 + (t81*t677 + (t158*t674 + t675)))
+    t679 = t78*t458 - t678
+    t680 = c5*t679 + s5*t672
+    t681 = t54*t424 - (t147*t463 + (t68*t456 - (t166*t434 - t91*t402)))
+    t682 = t198*t454 + t681
+    t683 = t54*t427 - (t147*t465 - (t198*t456 + (t166*t440 - t91*t409)))
+    t684 = t54*t417 - (t147*t413 + (t68*t409 - (t166*t391 + t198*t402)))
+    t685 = t91*t415 - t684
+    t686 = c4*t671 - (s4*t667 - (t81*t685 - (t158*t682 - t683)))
+    t687 = t68*t458 - t686
+    t688 = t50*t424 - (t142*t463 + (t63*t456 - (t169*t434 - t94*t402)))
+    t689 = t201*t454 + t688
+    t690 = t50*t427 - (t142*t465 - (t201*t456 + (t169*t440 - t94*t409)))
+    t691 = t63*t458 - (c6*t680 - (s6*t687 + (t157*t689 - t690)))
+    t692 = c6*t687 + s6*t680
+    t693 = t52*t424 + (t149*t463 + (t70*t456 - (t168*t434 + t93*t402)))
+    t694 = t200*t454 - t693
+    t695 = t52*t427 + (t149*t465 - (t200*t456 + (t168*t440 + t93*t409)))
+    t696 = t52*t417 + (t149*t413 + (t70*t409 - (t168*t391 + t200*t402)))
+    t697 = t93*t415 - t696
+    t698 = c5*t672 - (s5*t679 + (t81*t697 + (t158*t694 + t695)))
+    t699 = t54*t685 + (t147*t682 + (t52*t697 + (t665 + t149*t694)))
+    t700 = t57*t677 + (t154*t674 + t699)
+    t701 = t70*t458 - (p_L2*t700 + t698)
+    t702 = c7*t701 + s7*t692
+    t703 = c8*t691 + s8*t702
+    t704 = t85*t429 + (t87*t465 - (t195*t463 + (t163*t443 + t88*t413)))
+    t705 = t85*t421 + (t162*t443 + (t87*t440 - (t88*t391 + t195*t434)))
+    t706 = t163*t436 - t705
+    t707 = t162*t467 + (t82*t706 + (t75*t661 + t704))
+    t708 = t60*t429 - (t80*t465 - (t194*t463 + (t160*t443 - t83*t413)))
+    t709 = t60*t421 - (t156*t443 + (t80*t440 + (t83*t391 - t194*t434)))
+    t710 = t160*t436 + t709
+    t711 = t156*t467 + (t82*t710 + (t75*t650 - t708))
+    t712 = c2*t711
+    t713 = c3*t707 + s3*t712
+    t714 = t59*t429 - (t72*t465 - (t196*t463 + (t164*t443 - t89*t413)))
+    t715 = t59*t421 - (t151*t443 + (t72*t440 + (t89*t391 - t196*t434)))
+    t716 = t164*t436 + t715
+    t717 = t80*t650 - (t85*t706 - (t87*t661 + (t72*t656 + t59*t716)))
+    t718 = t60*t710 + t717
+    t719 = p_L1*t718 - (s2*t711 + (t82*t716 + (t75*t656 - t714)))
+    t720 = t151*t467 - t719
+    t721 = t54*t429 - (t68*t465 - (t198*t463 + (t166*t443 - t91*t413)))
+    t722 = t54*t421 - (t147*t443 + (t68*t440 + (t91*t391 - t198*t434)))
+    t723 = t166*t436 + t722
+    t724 = t147*t467 - (c4*t713 - (s4*t720 + (t81*t723 + (t74*t682 - t721))))
+    t725 = c4*t720 + s4*t713
+    t726 = t57*t429 + (t78*t465 - (t197*t463 + (t165*t443 + t90*t413)))
+    t727 = t57*t421 + (t154*t443 + (t78*t440 - (t90*t391 + t197*t434)))
+    t728 = t165*t436 - t727
+    t729 = t154*t467 - (c3*t712 - (s3*t707 + (t81*t728 + (t74*t674 + t726))))
+    t730 = c5*t729 + s5*t725
+    t731 = c6*t724 + s6*t730
+    t732 = t52*t429 + (t70*t465 - (t200*t463 + (t168*t443 + t93*t413)))
+    t733 = t52*t421 + (t149*t443 + (t70*t440 - (t93*t391 + t200*t434)))
+    t734 = t168*t436 - t733
+    t735 = t54*t723 + (t68*t682 - (t52*t734 - (t718 + t70*t694)))
+    t736 = t57*t728 - (t78*t674 + t735)
+    t737 = p_L2*t736 + (c5*t725 - (s5*t729 + (t81*t734 + (t74*t694 + t732))))
+    t738 = t149*t467 - t737
+    t739 = c7*t738 + s7*t731
+    t740 = t50*t429 - (t63*t465 - (t201*t463 + (t169*t443 - t94*t413)))
+    t741 = t142*t467 - (c6*t730 - (s6*t724 + (t73*t689 - t740)))
+    t742 = c10*t456 - s10*t463
+    t743 = s9*t703 + (c8*t739 - (s8*t741 + (c10*t465 - t73*t742)))
+    t744 = s9*t424 + (t145*t463 + (t66*t456 + (t170*t434 - t95*t402)))
+    t745 = t202*t454 - t744
+    t746 = s9*t427 + (t145*t465 - (t202*t456 - (t170*t440 - t95*t409)))
+    t747 = t66*t458 - (c7*t692 - (s7*t701 + (t157*t745 + t746)))
+    t748 = s9*t421 + (t145*t443 + (t66*t440 - (t95*t391 + t202*t434)))
+    t749 = t170*t436 + t748
+    t750 = t63*t689 + (s9*t749 + (t66*t745 - (t736 + c10*t742)))
+    t751 = t50*t421 - (t142*t443 + (t63*t440 + (t94*t391 - t201*t434)))
+    t752 = t169*t436 + t751
+    t753 = s10*t467 + (p_L3*(t50*t752 + t750) + (c9*t747 + t743))
+    t754 = c8*t741 + s8*t739
+    t755 = s9*t417 + (t145*t413 + (t66*t409 + (t170*t391 - t202*t402)))
+    t756 = t95*t415 - t755
+    t757 = t142*t689 + (s9*t756 + (t145*t745 + (t700 + s10*t742)))
+    t758 = t50*t417 - (t142*t413 + (t63*t409 - (t169*t391 + t201*t402)))
+    t759 = t94*t415 - t758
+    t760 = p_L3*(t50*t759 + t757) - (c8*t702 - (s8*t691 - (s10*t465 + t157*t742)))
+    t761 = s9*t429 + (t66*t465 - (t202*t463 - (t170*t443 - t95*t413)))
+    t762 = t145*t467 - (c7*t731 - (s7*t738 + (t73*t745 + t761)))
+    t763 = s10*(c10*t458 + (s9*t754 + (c9*t762 + t760))) - c10*t753
+    t764 = t162*t429 + (t87*t427 - (t195*t424 + (t163*t421 + t88*t417)))
+    t765 = t85*t344 - (t159*t706 - (t75*t663 + t764))
+    t766 = t156*t429 + (t80*t427 - (t194*t424 + (t160*t421 - t83*t417)))
+    t767 = t60*t344 + (t159*t710 + (t75*t653 - t766))
+    t768 = t151*t429 + (t72*t427 - (t196*t424 + (t164*t421 - t89*t417)))
+    t769 = t80*t653 - (t162*t706 + (t87*t663 - (t72*t659 - t151*t716)))
+    t770 = t156*t710 - t769
+    t771 = c2*t767
+    t772 = c2*(t72*t654 + (t59*t767 + t151*t711)) + s2*(t79*t654 - (t58*t767 + t155*t711))
+    t773 = c3*t765 - s3*t771
+    t774 = p_L1*t770 + (s2*t767 + (t159*t716 + (t75*t659 - t768)))
+    t775 = t59*t344 + t774
+    t776 = c4*t775 - s4*t773
+    t777 = t152*t720 - (t76*t667 - (t59*t773 - (t72*t671 + t151*t713)))
+    t778 = t78*t669 + (t152*t712 + (t154*t707 + (t57*t765 + t55*t771)))
+    t779 = t153*t707 + (t84*t771 + (c3*(t76*t670 - t778) - t56*t765))
+    t780 = t147*t429 + (t68*t427 - (t198*t424 + (t166*t421 - t91*t417)))
+    t781 = c4*t773 + (s4*t775 + (t158*t723 + (t74*t685 - t780)))
+    t782 = t54*t344 + t781
+    t783 = t154*t429 + (t78*t427 - (t197*t424 + (t165*t421 + t90*t417)))
+    t784 = c3*t771 + (s3*t765 - (t158*t728 - (t74*t677 + t783)))
+    t785 = t57*t344 + t784
+    t786 = t147*t723 - (t68*t685 - (t149*t734 + (t770 + t70*t697)))
+    t787 = c5*t785 - s5*t776
+    t788 = c6*t782 - s6*t787
+    t789 = t149*t429 + (t70*t427 - (t200*t424 + (t168*t421 + t93*t417)))
+    t790 = c5*t776 + (s5*t785 - (t158*t734 - (t74*t697 + t789)))
+    t791 = t52*t344 + (p_L2*(t154*t728 + (t78*t677 + t786)) + t790)
+    t792 = t145*t429 + (t66*t427 - (t202*t424 - (t170*t421 - t95*t417)))
+    t793 = c7*t788 + (s7*t791 + (t157*t749 + (t73*t756 + t792)))
+    t794 = t142*t429 + (t63*t427 - (t201*t424 + (t169*t421 - t94*t417)))
+    t795 = c6*t787 + (s6*t782 + (t157*t752 + (t73*t759 - t794)))
+    t796 = t50*t344 + t795
+    t797 = c9*t796 - (c10*t702 - (t61*t691 + (t140*t741 + s10*t739)))
+    t798 = t62*t702 + (t64*t691 + (t141*t739 - (s8*t797 + t143*t741)))
+    t799 = c7*t791 - s7*t788
+    t800 = c9*(s9*t344 + (c10*t754 + (s10*t703 + t793))) + s9*(s8*t799 - (c8*t796 + (s10*t747 + c10*t762)))
+    t801 = t66*t701 + (t144*t731 + (t145*t738 + (s9*t791 + t48*t788)))
+    t802 = t65*t701 + (t145*t731 - (t144*t738 - (t48*t791 - s9*t788)))
+    t803 = t63*t687 + (t146*t730 + (t142*t724 + (t50*t782 - t49*t787)))
+    t804 = t67*t687 + (t142*t730 - (t146*t724 + (t49*t782 + t50*t787)))
+    t805 = t70*t679 + (t148*t725 + (t149*t729 + (t52*t785 + t51*t776)))
+    t806 = t69*t679 + (t149*t725 - (t148*t729 - (t51*t785 - t52*t776)))
+    return (
+        0.0, -t772, -(t86*t670 + (t77*t669 + (t161*t712 - t779))), t55*t775 + t777,
+        c5*(t69*t672 - t805) - s5*(t70*t672 + t806), c6*(t67*t680 - t803) - s6*(t63*t680 + t804),
+        c7*(t65*t692 - t801) - s7*(t66*t692 + t802), t50*t799 - t798, -t800, t763, s11*t648 - c11*t646, t643,
+        t123*t622 - t621, c14*(s12*t601 + t600) - s14*(t24*t599 - t602),
+        t22*t576 + (t131*t560 - t579) - t31*t578, t16*t559 + t558, t104*t536 + (t30*t534 - (t178*t518 - t537)),
+        t35*t516 + (t111*t514 - (t128*t512 + t517)), s19*(t112*t487 + t491) - c19*(t105*t487 - t490), t474,
+        0.0,
+    )
+
+
 # What functions take, and what they refuse.
 
 _SHAPE = f"({DOF},) or (..., {DOF})"
@@ -2111,6 +3790,7 @@ class _Elsewhere:
         self.device = getattr(arrays[0], "device", None)
         self.dtype = self._dtype(arrays)
         self.functions = (library.sin, library.cos, library.sqrt, library.sign)
+        self.functions += (self._atan2, self._less, self._select, self._maximum, self._minimum, abs)
 
     def _dtype(self, arrays):
         xp = self.namespace
@@ -2131,6 +3811,24 @@ class _Elsewhere:
         arrays = [result if hasattr(result, "shape") else self.array(result) for result in results]
         columns = [self.namespace.broadcast_to(array, batch) for array in arrays]
         return self.namespace.reshape(self.namespace.stack(columns, axis=-1), (*batch, *shape))
+
+    def _arrays(self, *values):
+        return [value if hasattr(value, "shape") else self.array(value) for value in values]
+
+    def _atan2(self, y, x):
+        return self.namespace.atan2(*self._arrays(y, x))
+
+    def _less(self, a, b):
+        return self.array(a < b) if hasattr(a, "shape") or hasattr(b, "shape") else float(a < b)
+
+    def _select(self, case, a, b):
+        return self.namespace.where(case != 0, *self._arrays(a, b)) if hasattr(case, "shape") else a if case else b
+
+    def _maximum(self, a, b):
+        return self._select(self._less(a, b), b, a)
+
+    def _minimum(self, a, b):
+        return self._select(self._less(a, b), a, b)
 
 
 # Batches: columns of NumPy's, in blocks.
@@ -2313,7 +4011,44 @@ def _column_sign(x):
     return x.steps.add(np.sign, x)
 
 
-_RECORDED = (_column_sine, _column_cosine, _column_root, _column_sign)
+def _column_of(ufunc):
+    """The step of a function; with all operands the same for all configurations, it is done once for a call."""
+
+    def step(*operands):
+        columns = [operand for operand in operands if isinstance(operand, _Column)]
+        return columns[0].steps.add(ufunc, *operands) if columns else float(ufunc(*operands))
+
+    return step
+
+
+def _select(case, a, b, out=None):
+    """a where the case holds, else b; as a ufunc, with the result in `out`, which may be one of the operands."""
+    if out is None:
+        return np.where(case, a, b)
+    out[...] = np.where(case, a, b)
+    return out
+
+
+def _maximum(a, b, out=None):
+    return np.maximum(a, b, out=out)
+
+
+def _minimum(a, b, out=None):
+    return np.minimum(a, b, out=out)
+
+
+_RECORDED = (
+    _column_sine,
+    _column_cosine,
+    _column_root,
+    _column_sign,
+    _column_of(np.arctan2),
+    _column_of(np.less),
+    _column_of(_select),
+    _column_of(_maximum),
+    _column_of(_minimum),
+    _column_of(np.absolute),
+)
 
 
 # How kernels are run.
@@ -2487,8 +4222,24 @@ def _sign(x):
     return float((x > 0.0) - (x < 0.0)) if x == x else x
 
 
-_FLOATS = (math.sin, math.cos, math.sqrt, _sign)
-_ANY = (np.sin, np.cos, np.sqrt, np.sign)
+def _less(a, b):
+    return 1.0 if a < b else 0.0
+
+
+def _chosen(case, a, b):
+    return a if case else b
+
+
+def _larger(a, b):
+    return a if a > b else b
+
+
+def _smaller(a, b):
+    return a if a < b else b
+
+
+_FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
+_ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -2560,6 +4311,42 @@ _FUNCTIONS = {
         shape=(6, 21),
         kernel=_analytic_jacobian_zyz,
         hoisted=_analytic_jacobian_zyz_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(21,),
+        kernel=_manipulability_dq,
+        hoisted=_manipulability_dq_constants,
         needs=(
             0, 1, 2, 3, 4, 5, 6, 7,
         ),

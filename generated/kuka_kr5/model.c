@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -1431,6 +1436,313 @@ void kuka_kr5_analytic_jacobian_zyz_batch(size_t count, const double *restrict q
         load(6, q + 6 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double t1 = c3*c2 - s3*s2;
+    const double t2 = s3*c2 + c3*s2;
+    const double t3 = t1*(0.075*t1 + (0.295 - 0.27*s3)) + t2*(0.075*t2 + (0.09 + 0.27*c3));
+    result[0] = fabs(t3*(s5*(0.07965*c3 + 0.0243*s3)));
+}
+
+void kuka_kr5_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_lanes], sines[3 * manipulability_lanes], cosines[3 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(3 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, result + i, manipulability_lanes);
+}
+
+void kuka_kr5_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c2*c3 - s3*s2;
+    const double t2 = c2*s3 + s2*c3;
+    const double t3 = 0.08*c5;
+    const double t4 = 0.295 + t3;
+    const double t5 = t4 - 0.27*s3;
+    const double t6 = c4*(0.08*s5);
+    const double t7 = s5*(0.08*s4);
+    const double t8 = t7*t1;
+    const double t9 = c4*t6 + s4*t7;
+    const double t10 = s4*t3;
+    const double t11 = t3*c4;
+    const double t12 = 0.09 - c4*t9;
+    const double t13 = t12 + 0.27*c3;
+    const double t14 = t1*(t5 + 0.075*t1) + t2*(t13 + 0.075*t2);
+    const double t15 = t2*t7;
+    const double t16 = t10*t10 + (t14*t14 + t6*t6);
+    const double t17 = t9*t9 + (t12*t12 + (t8*t8 + t13*t13));
+    const double t18 = t14*t8 + t9*t10;
+    const double t19 = t4*t12 + (t5*t13 - (t15*t8 + t9*t11));
+    const double t20 = t11*t10 + (t15*t14 - t7*t6);
+    const double t21 = (t5*t5 + (t4*t4 + (t11*t11 + (t7*t7 + t15*t15))))*(t17*t16 - t18*t18);
+    const double t22 = t21 - (t17*(t20*t20) + t19*(t19*t16 + t18*(2.0*t20)));
+    result[0] = sqrt(fabs(t22));
+}
+
+void kuka_kr5_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_position_lanes], sines[4 * manipulability_position_lanes], cosines[4 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(4 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, result + i, manipulability_position_lanes);
+}
+
+void kuka_kr5_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c5*s5;
+    const double t2 = c5*c5;
+    const double t3 = s4*t1;
+    const double t4 = s2*c3 + c2*s3;
+    const double t5 = c3*c2 - s2*s3;
+    const double t6 = t4*t5 + c4*t1;
+    const double t7 = t2*(c4*s4);
+    const double t8 = c4*c4;
+    const double t9 = s4*s4;
+    const double t10 = 1.0 - t2;
+    const double t11 = t4*t4 + (1.0 + t2);
+    const double t12 = t8*t10 + (t9 + t5*t5);
+    const double t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6);
+    result[0] = sqrt(fabs(t3*(t6*(2.0*t7) + t12*t3) + t13));
+}
+
+void kuka_kr5_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_orientation_lanes], sines[4 * manipulability_orientation_lanes], cosines[4 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(4 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void kuka_kr5_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c2*s3 + s2*c3;
+    const double t2 = c2*c3 - s3*s2;
+    const double t3 = 0.27*s3;
+    const double t4 = 0.27*c3;
+    const double t5 = t2*(0.335*t1 + (t3 - 0.075*t2)) - t1*(0.075*t1 + (t4 + 0.335*t2));
+    const double t6 = 0.295*s4;
+    const double t7 = s5*t6;
+    const double t8 = s5*(0.09*s4);
+    const double t9 = t4*t7 + t3*t8;
+    const double t10 = c4*s5;
+    const double t11 = 0.295*c4;
+    const double t12 = 0.09*c4;
+    const double t13 = t4*t11 + t12*t3;
+    const double t14 = s4*t9 + t13*t10;
+    const double t15 = t13*t2;
+    const double t16 = 0.295*t10;
+    const double t17 = t6*t2;
+    const double t18 = sign(t9*t17 - (t14*(t5 - 0.09*t1) - t15*t16));
+    const double t19 = t16*t18;
+    const double t20 = t14*t18;
+    const double t21 = 0.09*t18;
+    const double t22 = t20*(t4*t2);
+    const double t23 = t1*t20;
+    const double t24 = t1*t21 - t5*t18;
+    const double t25 = t10*t24 + t2*t19;
+    const double t26 = t3*t23 + (t21*(t14*t2) + (t22 - t1*(t13*t19 + t18*(t6*t9))));
+    const double t27 = s4*t24 + t17*t18;
+    const double t28 = t4*(t12*t25 + t8*t27) - (t3*(t7*t27 + (t23 + t11*t25)) + (t22 - t26));
+    const double t29 = (0.07965*c3 + 0.0243*s3)*(s4*t27) + (t18*(t11*t15) + t24*(c4*t13));
+    result[0] = 0.0;
+    result[lanes] = t26;
+    result[2 * lanes] = t28;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*t29;
+    result[5 * lanes] = 0.0;
+}
+
+void kuka_kr5_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void kuka_kr5_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
     }
 }
 

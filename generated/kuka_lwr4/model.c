@@ -1700,6 +1700,429 @@ void kuka_lwr4_analytic_jacobian_zyz_batch(size_t count, const double *restrict 
     }
 }
 
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = 0.4*c3;
+    const double t2 = 0.39*s4;
+    const double t3 = s6*(t2*s5);
+    const double t4 = t1*t3;
+    const double t5 = s4*s5;
+    const double t6 = s5*c4;
+    const double t7 = 0.39*c4;
+    const double t8 = t2*t5 + t7*t6;
+    const double t9 = c5*s6;
+    const double t10 = c5*t2;
+    const double t11 = t1*t10;
+    const double t12 = s4*c6 - c4*t9;
+    const double t13 = c4*c6 + s4*t9;
+    const double t14 = t7*t12 - t2*t13;
+    const double t15 = t4*t8 - t11*t14;
+    const double t16 = s4*t15;
+    const double t17 = s2*c3;
+    const double t18 = 0.4*t17;
+    const double t19 = 0.4*s3;
+    const double t20 = s2*t19;
+    const double t21 = t20*t3;
+    const double t22 = t10*t20;
+    const double t23 = t21*t8 - t22*t14;
+    const double t24 = t18*t11 + t19*t22;
+    const double t25 = t18*t4 + t19*t21;
+    const double t26 = s4*t24;
+    const double t27 = s4*t25;
+    const double t28 = s4*t23;
+    const double t29 = t24*t12 - (t25*t6 + (t17*t15 + s3*t23));
+    const double t30 = t26*t13 + (t27*t5 - (c2*t16 + c4*t29));
+    const double t31 = t28*t28 + (t30*t30 + (t29*t29 + (t26*t26 + t27*t27)));
+    result[0] = sqrt(t16*t16 + t31);
+}
+
+void kuka_lwr4_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_lanes], sines[5 * manipulability_lanes], cosines[5 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(5 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, result + i, manipulability_lanes);
+}
+
+void kuka_lwr4_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[7 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c5*s6;
+    const double t2 = 0.078*(c4*c6 + s4*t1);
+    const double t3 = 0.39*s4;
+    const double t4 = t3 + 0.078*(c6*s4 - c4*t1);
+    const double t5 = t3 - t4;
+    const double t6 = c4*t5 + s4*t2;
+    const double t7 = s2*c3;
+    const double t8 = t4 + 0.3105*t7;
+    const double t9 = t2 + 0.39*c4;
+    const double t10 = 0.4 + t9;
+    const double t11 = t10 + 0.3105*c2;
+    const double t12 = c2*t8 - t11*t7;
+    const double t13 = t4*t4;
+    const double t14 = s2*s3;
+    const double t15 = s3*t10;
+    const double t16 = t10*c3;
+    const double t17 = s5*(0.078*s6);
+    const double t18 = t17 + 0.3105*t14;
+    const double t19 = t18*t7 - t14*t8;
+    const double t20 = s3*t17 + c3*t4;
+    const double t21 = t14*t11 - c2*t18;
+    const double t22 = s4*s5;
+    const double t23 = c4*s5;
+    const double t24 = s4*t17;
+    const double t25 = c4*t17;
+    const double t26 = t22*t5 - t2*t23;
+    const double t27 = c5*t5 + t17*t23;
+    const double t28 = c5*t2 + t17*t22;
+    const double t29 = t26*t26 + (t6*t6 + (t15*t15 + (t13 + t12*t12)));
+    const double t30 = t27*t27 + (t24*t24 + (t20*t20 + (t13 + t19*t19)));
+    const double t31 = t27*t26 - (t24*t6 - (t19*t12 - t20*t15));
+    const double t32 = t28*t26 + (t25*t6 - (t17*t4 - (t21*t12 + t16*t15)));
+    const double t33 = t16*t16 + (t21*t21 + (t9*t9 + (t17*t17 + (t25*t25 + t28*t28))));
+    const double t34 = t9*t4 - (t28*t27 - (t25*t24 - (t21*t19 - t16*t20)));
+    const double t35 = t33*(t29*t30 - t31*t31) - (t29*(t34*t34) + t32*(t32*t30 + t31*(2.0*t34)));
+    result[0] = sqrt(fabs(t35));
+}
+
+void kuka_lwr4_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_position_lanes], sines[5 * manipulability_position_lanes], cosines[5 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(5 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, result + i, manipulability_position_lanes);
+}
+
+void kuka_lwr4_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[7 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c2*s2;
+    const double t2 = c2*c2;
+    const double t3 = s4*s5;
+    const double t4 = c5*s6;
+    const double t5 = s5*s6;
+    const double t6 = c4*s5;
+    const double t7 = c4*c6 + s4*t4;
+    const double t8 = s4*c6 - c4*t4;
+    const double t9 = t1*s3 - (t3*c5 - t7*t5);
+    const double t10 = s3*t2;
+    const double t11 = s3*t10;
+    const double t12 = t8*t8 + (t6*t6 + (s4*s4 + (t11 + (1.0 - t2))));
+    const double t13 = c3*t10 - (t6*c5 + t8*t5);
+    const double t14 = c3*t1 + (t7*t8 + (c4*s4 - t6*t3));
+    const double t15 = t5*t5 + (c5*c5 + (2.0 - t11));
+    const double t16 = t15*t12 - t13*t13;
+    const double t17 = t16*(t7*t7 + (t3*t3 + (t2 + c4*c4))) + (t16 - t15*(t14*t14));
+    result[0] = sqrt(fabs(t9*(t12*t9 + t13*(2.0*t14)) - t17));
+}
+
+void kuka_lwr4_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_orientation_lanes], sines[5 * manipulability_orientation_lanes], cosines[5 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(5 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void kuka_lwr4_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[7 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c4*c5;
+    const double t2 = s4*c6 - s6*t1;
+    const double t3 = 0.39*s4;
+    const double t4 = t3 + 0.078*t2;
+    const double t5 = s4*c5;
+    const double t6 = c6*c4 + s6*t5;
+    const double t7 = 0.39*c4;
+    const double t8 = t7 + 0.078*t6;
+    const double t9 = t4*t6 - t2*t8;
+    const double t10 = c5*t3;
+    const double t11 = 0.4*c3;
+    const double t12 = t11*t10;
+    const double t13 = s5*s6;
+    const double t14 = 0.078*t13;
+    const double t15 = t2*t14 - t13*t4;
+    const double t16 = t11*t15;
+    const double t17 = 0.39*s5;
+    const double t18 = t17*t16 - t9*t12;
+    const double t19 = s2*c3;
+    const double t20 = s2*s3;
+    const double t21 = 0.4*t20;
+    const double t22 = t10*t21;
+    const double t23 = t15*t21;
+    const double t24 = t17*t23 - t9*t22;
+    const double t25 = 0.4*t19;
+    const double t26 = 0.4*s3;
+    const double t27 = t12*t25 + t22*t26;
+    const double t28 = t16*t25 + t23*t26;
+    const double t29 = s5*c4;
+    const double t30 = t29*t28 + (t2*t27 + (t18*t19 + s3*t24));
+    const double t31 = s4*t18;
+    const double t32 = s4*t28;
+    const double t33 = s4*s5;
+    const double t34 = s4*t27;
+    const double t35 = t6*t34 - (t33*t32 - (t31*c2 - c4*t30));
+    const double t36 = s4*t24;
+    const double t37 = t36*t36 + (t35*t35 + (t30*t30 + (t34*t34 + t32*t32)));
+    const double t38 = 2.0*(1.0/(2.0*sqrt(t31*t31 + t37)));
+    const double t39 = t35*t38;
+    const double t40 = t36*t38;
+    const double t41 = t33*t39 - t32*t38;
+    const double t42 = c4*t39 - t30*t38;
+    const double t43 = s4*t41 + t29*t42;
+    const double t44 = t6*t39 + t34*t38;
+    const double t45 = c2*t39 + t31*t38;
+    const double t46 = t2*t42 - s4*t44;
+    const double t47 = t18*t42 + 0.4*(t16*t43 + t12*t46);
+    const double t48 = s4*t40 - s3*t42;
+    const double t49 = s4*t45 - t19*t42;
+    const double t50 = t17*t48 - t26*t43;
+    const double t51 = t9*t48 + t26*t46;
+    const double t52 = 0.4*(t15*t50 - t10*t51);
+    const double t53 = t9*t49 + t25*t46;
+    const double t54 = t22*t48 + t12*t49;
+    const double t55 = t17*t49 - t25*t43;
+    const double t56 = t25*t48 - t26*t49;
+    const double t57 = t10*t56;
+    const double t58 = t19*t52 + (t26*(t10*t53 - t15*t55) - (t42*(c3*t24) - t20*t47));
+    const double t59 = t23*t48 + t16*t49;
+    const double t60 = t15*t56;
+    const double t61 = t2*t54 - t13*t57;
+    const double t62 = 0.078*t61 + (t14*t57 + (t34*t39 - t4*t54));
+    const double t63 = c6*t62;
+    const double t64 = s6*t62;
+    const double t65 = t56*(c5*t7) - (t21*t50 + t11*t55);
+    const double t66 = t13*t65 - t6*t54;
+    const double t67 = t11*t53 + (t56*(t13*t8 - t14*t6) + t21*t51);
+    const double t68 = t3*t65 - t7*t57;
+    const double t69 = 0.078*t66 + (t8*t54 - (t27*t42 + t14*t65));
+    const double t70 = s6*t69;
+    const double t71 = c6*t69;
+    const double t72 = c4*(t28*t41 - (t27*t44 + (t24*t40 + (t71 + t18*t45))));
+    const double t73 = t1*t71 + (s4*t70 + (c4*t64 - (t68*(s5*c6) + t5*t63)));
+    const double t74 = t28*t42 - t7*t59;
+    const double t75 = t3*(t29*t59 + (t61 - c5*t60)) + (s4*(t63 - t30*t39) - (t5*t70 + t33*t74));
+    const double t76 = t32*t39 - t3*t59;
+    const double t77 = t29*t76 - (t7*(t33*t59 + (t66 - c5*t67)) - (t72 + t75));
+    const double t78 = t5*t76 - (s5*(t3*t67 + t7*t60) + (t68*(s6*c5) - t33*t64));
+    result[0] = 0.0;
+    result[lanes] = -(t39*(s2*t31) + c2*(c3*t47 - s3*t52));
+    result[2 * lanes] = t58 - t11*(t22*t46 + t23*t43);
+    result[3 * lanes] = t1*t64 - t77;
+    result[4 * lanes] = t29*t70 - t78 - t1*t74;
+    result[5 * lanes] = -t73;
+    result[6 * lanes] = 0.0;
+}
+
+void kuka_lwr4_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_dq_lanes], sines[5 * manipulability_dq_lanes], cosines[5 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(5 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void kuka_lwr4_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[7 * manipulability_dq_lanes], result_block[7 * manipulability_dq_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(7, result_block, manipulability_dq_lanes, result + 7 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

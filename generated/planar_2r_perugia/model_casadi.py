@@ -32,6 +32,10 @@ Every function has a last input `params`, a column of the free parameters in the
     regressor(q, qd, qdd, params) -> Y
     base_regressor(q, qd, qdd, params) -> Y_b
     base_parameters(params) -> beta
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -79,6 +83,10 @@ OPERATIONS = {
     "regressor": {"mul": 25, "add": 17, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 18, "add": 11, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 34, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
@@ -117,6 +125,10 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -709,6 +721,67 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.4142135623730951,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2),
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_a1, p_a2 = p
     t1 = p_a1*p_a1 + p_a2*p_a2
@@ -1070,6 +1143,46 @@ base_parameters = _function(
     hoisted=_base_parameters_constants,
     needs=(
         0, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(2,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
     ),
 )
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -830,6 +835,220 @@ void planar_3r_analytic_jacobian_rpy_batch(size_t count, const double *restrict 
         load(3, q + 3 * start, rows, q_block, analytic_jacobian_rpy_lanes);
         analytic_jacobian_rpy_block(q_block, k, result_block);
         store(18, result_block, analytic_jacobian_rpy_lanes, result + 18 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void planar_3r_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a1*p_a2;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict k, double *restrict result)
+{
+    const double s2 = sines[0];
+    const double k1 = k[0];
+    result[0] = fabs(k1*s2);
+}
+
+void planar_3r_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_lane(sines, k, result);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * manipulability_lanes], sines[1 * manipulability_lanes], cosines[1 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(1 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, k, result + i);
+}
+
+void planar_3r_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[3 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void planar_3r_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    k[0] = p_a3;
+    k[1] = p_a2;
+    k[2] = p_a1;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k2 + k1*c3;
+    const double t2 = k1*s3;
+    const double t3 = t2 - k3*s2;
+    const double t4 = t2*(t1 + k3*c2) - t1*t3;
+    const double t5 = t4 + k2*t3;
+    const double t6 = k2*t2;
+    result[0] = sqrt(t6*t6 + (t4*t4 + t5*t5));
+}
+
+void planar_3r_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_position_lanes], sines[2 * manipulability_position_lanes], cosines[2 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(2 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void planar_3r_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[3 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 1.7320508075688772;
+}
+
+void planar_3r_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void planar_3r_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void planar_3r_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double t1 = p_a1*p_a2;
+    k[0] = t1;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    result[0] = 0.0;
+    result[lanes] = sign(k1*s2)*(k1*c2);
+    result[2 * lanes] = 0.0;
+}
+
+void planar_3r_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * manipulability_dq_lanes], sines[1 * manipulability_dq_lanes], cosines[1 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(1 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes);
+}
+
+void planar_3r_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[3 * manipulability_dq_lanes], result_block[3 * manipulability_dq_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(3, result_block, manipulability_dq_lanes, result + 3 * start, rows);
     }
 }
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -4382,6 +4387,291 @@ KERNEL void base_parameters_lane(double *restrict result, const size_t lanes)
 void puma560_corke_base_parameters(double *restrict result)
 {
     base_parameters_lane(result, 1);
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double t1 = 0.0203 + 0.4318*c3;
+    const double t2 = 1.0 - s3;
+    const double t3 = s5*((c2*c3 - s2*s3)*t1 - t2*(0.4318*(c2*s3 + c3*s2)));
+    result[0] = fabs((0.4318*t1 - 0.00876554*t2)*t3);
+}
+
+void puma560_corke_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_lanes], sines[3 * manipulability_lanes], cosines[3 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(3 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, result + i, manipulability_lanes);
+}
+
+void puma560_corke_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double t1 = c2*c3 - s2*s3;
+    const double t2 = c2*s3 + c3*s2;
+    const double t3 = 0.0203*t1 - 0.4318*t2;
+    const double t4 = t3 + 0.4318*c2;
+    const double t5 = 0.4318*t1 + 0.0203*t2;
+    const double t6 = t5 + 0.4318*s2;
+    const double t7 = t4*t6 + t3*t5;
+    const double t8 = t4*t4;
+    const double t9 = t8 + t3*t3;
+    const double t10 = 0.15005*t4;
+    const double t11 = t9*(t10*t10) + t8*(t7*t7 - t9*(t5*t5 + (0.0225150025 + t6*t6)));
+    result[0] = sqrt(fabs(t11));
+}
+
+void puma560_corke_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_position_lanes], sines[2 * manipulability_position_lanes], cosines[2 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(2 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, result + i, manipulability_position_lanes);
+}
+
+void puma560_corke_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c2*c3 - s2*s3;
+    const double t2 = c3*s2 + c2*s3;
+    const double t3 = c5*c5;
+    const double t4 = t1*t1 + (1.0 + t3);
+    const double t5 = t3*(c4*s4);
+    const double t6 = 1.0 - t3;
+    const double t7 = c5*s5;
+    const double t8 = t1*t2 - c4*t7;
+    const double t9 = c4*c4;
+    const double t10 = s4*t7;
+    const double t11 = s4*s4;
+    const double t12 = t11*t6 + (2.0 + t9);
+    const double t13 = (t9*t6 + (t11 + t2*t2))*(t4*t12 - t10*t10) - (t4*(t5*t5) + t8*(t8*t12 - t10*(2.0*t5)));
+    result[0] = sqrt(fabs(t13));
+}
+
+void puma560_corke_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_orientation_lanes], sines[4 * manipulability_orientation_lanes], cosines[4 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(4 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void puma560_corke_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = 0.4318*c4;
+    const double t2 = c3*t1 + (0.0203*c4 - 0.15005*s4);
+    const double t3 = s3*s2 - c3*c2;
+    const double t4 = s3*c2 + c3*s2;
+    const double t5 = 0.4318*s3;
+    const double t6 = 0.4318 - t5;
+    const double t7 = c4*t6;
+    const double t8 = s4*t6;
+    const double t9 = t2*t3 + t7*t4;
+    const double t10 = 0.4318*s4;
+    const double t11 = c3*t10 + (0.0203*s4 + 0.15005*c4);
+    const double t12 = t11*t3 + t4*t8;
+    const double t13 = t1*t9 + t10*t12;
+    const double t14 = s4*t11 + c4*t2;
+    const double t15 = t14*t13 - 0.0203*(t7*t9 + t8*t12);
+    const double t16 = sign(s5*t15);
+    const double t17 = s5*t16;
+    const double t18 = t14*t17;
+    const double t19 = 0.0203*t17;
+    const double t20 = t13*t17;
+    const double t21 = t7*t19 - t1*t18;
+    const double t22 = t10*t18 - t8*t19;
+    const double t23 = t3*t22;
+    const double t24 = t3*t21;
+    const double t25 = t8*t23 + (t4*(t2*t21 - t11*t22) - t7*t24);
+    const double t26 = c3*(t13*t19 + t4*(t1*t21 - t10*t22)) - (t25 + s3*(s4*(0.4318*t23 + t10*t20) - t1*t24));
+    result[0] = 0.0;
+    result[lanes] = -t25;
+    result[2 * lanes] = t26 - t20*(t5*(c4*c4));
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t15*t16);
+    result[5 * lanes] = 0.0;
+}
+
+void puma560_corke_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void puma560_corke_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
+    }
 }
 
 /* inverse_kinematics */

@@ -37,6 +37,10 @@ Every parameter has its number in this file.
     regressor(q, qd, qdd) -> Y
     base_regressor(q, qd, qdd) -> Y_b
     base_parameters() -> beta
+    manipulability(q) -> w
+    manipulability_position(q) -> w
+    manipulability_orientation(q) -> w
+    manipulability_dq(q) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -116,6 +120,10 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 12, "add": 6, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 22, "add": 12, "div": 0, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 58, "add": 25, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -155,6 +163,10 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -2215,6 +2227,116 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = 0.0203 + 0.4318*c3
+    t2 = 1.0 - s3
+    s5 = sin(q5)
+    t3 = s5*((c2*c3 - s2*s3)*t1 - t2*(0.4318*(c2*s3 + c3*s2)))
+    return (
+        absolute((0.4318*t1 - 0.00876554*t2)*t3),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c2*s3 + c3*s2
+    t3 = 0.0203*t1 - 0.4318*t2
+    t4 = t3 + 0.4318*c2
+    t5 = 0.4318*t1 + 0.0203*t2
+    t6 = t5 + 0.4318*s2
+    t7 = t4*t6 + t3*t5
+    t8 = t4*t4
+    t9 = t8 + t3*t3
+    t10 = 0.15005*t4
+    t11 = t9*(t10*t10) + t8*(t7*t7 - t9*(t5*t5 + (0.0225150025 + t6*t6)))
+    return (
+        sqrt(absolute(t11)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c3*s2 + c2*s3
+    c5 = cos(q5)
+    t3 = c5*c5
+    t4 = t1*t1 + (1.0 + t3)
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t5 = t3*(c4*s4)
+    t6 = 1.0 - t3
+    s5 = sin(q5)
+    t7 = c5*s5
+    t8 = t1*t2 - c4*t7
+    t9 = c4*c4
+    t10 = s4*t7
+    t11 = s4*s4
+    t12 = t11*t6 + (2.0 + t9)
+    t13 = (t9*t6 + (t11 + t2*t2))*(t4*t12 - t10*t10) - (t4*(t5*t5) + t8*(t8*t12 - t10*(2.0*t5)))
+    return (
+        sqrt(absolute(t13)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    c4 = cos(q4)
+    t1 = 0.4318*c4
+    s4 = sin(q4)
+    t2 = c3*t1 + (0.0203*c4 - 0.15005*s4)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t3 = s3*s2 - c3*c2
+    t4 = s3*c2 + c3*s2
+    t5 = 0.4318*s3
+    t6 = 0.4318 - t5
+    t7 = c4*t6
+    t8 = s4*t6
+    t9 = t2*t3 + t7*t4
+    t10 = 0.4318*s4
+    t11 = c3*t10 + (0.0203*s4 + 0.15005*c4)
+    t12 = t11*t3 + t4*t8
+    t13 = t1*t9 + t10*t12
+    t14 = s4*t11 + c4*t2
+    t15 = t14*t13 - 0.0203*(t7*t9 + t8*t12)
+    s5 = sin(q5)
+    t16 = sign(s5*t15)
+    t17 = s5*t16
+    t18 = t14*t17
+    c5 = cos(q5)
+    t19 = 0.0203*t17
+    t20 = t13*t17
+    t21 = t7*t19 - t1*t18
+    t22 = t10*t18 - t8*t19
+    t23 = t3*t22
+    t24 = t3*t21
+    t25 = t8*t23 + (t4*(t2*t21 - t11*t22) - t7*t24)
+    t26 = c3*(t13*t19 + t4*(t1*t21 - t10*t22)) - (t25 + s3*(s4*(0.4318*t23 + t10*t20) - t1*t24))
+    return (
+        0.0, -t25, t26 - t20*(t5*(c4*c4)), 0.0, c5*(t15*t16), 0.0,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -2901,6 +3023,34 @@ base_parameters = _function(
     output="beta",
     shape=(46,),
     kernel=_base_parameters,
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
 )
 
 

@@ -89,6 +89,10 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 12, "add": 6, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 22, "add": 12, "div": 0, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 58, "add": 25, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -128,6 +132,10 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -507,6 +515,74 @@ def base_parameters(params=None, out=None):
     Grouped from the tip inwards: no operations.
     """
     return _FUNCTIONS["base_parameters"]((), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 4: 12 mul, 6 add, 3 sin, 2 cos.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: 22 mul, 12 add, 2 sin, 2 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 26 mul, 14 add, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 6):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 4, differentiated backwards: 58 mul, 25 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -2615,6 +2691,116 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = 0.0203 + 0.4318*c3
+    t2 = 1.0 - s3
+    s5 = sin(q5)
+    t3 = s5*((c2*c3 - s2*s3)*t1 - t2*(0.4318*(c2*s3 + c3*s2)))
+    return (
+        absolute((0.4318*t1 - 0.00876554*t2)*t3),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c2*s3 + c3*s2
+    t3 = 0.0203*t1 - 0.4318*t2
+    t4 = t3 + 0.4318*c2
+    t5 = 0.4318*t1 + 0.0203*t2
+    t6 = t5 + 0.4318*s2
+    t7 = t4*t6 + t3*t5
+    t8 = t4*t4
+    t9 = t8 + t3*t3
+    t10 = 0.15005*t4
+    t11 = t9*(t10*t10) + t8*(t7*t7 - t9*(t5*t5 + (0.0225150025 + t6*t6)))
+    return (
+        sqrt(absolute(t11)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c3*s2 + c2*s3
+    c5 = cos(q5)
+    t3 = c5*c5
+    t4 = t1*t1 + (1.0 + t3)
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t5 = t3*(c4*s4)
+    t6 = 1.0 - t3
+    s5 = sin(q5)
+    t7 = c5*s5
+    t8 = t1*t2 - c4*t7
+    t9 = c4*c4
+    t10 = s4*t7
+    t11 = s4*s4
+    t12 = t11*t6 + (2.0 + t9)
+    t13 = (t9*t6 + (t11 + t2*t2))*(t4*t12 - t10*t10) - (t4*(t5*t5) + t8*(t8*t12 - t10*(2.0*t5)))
+    return (
+        sqrt(absolute(t13)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    c4 = cos(q4)
+    t1 = 0.4318*c4
+    s4 = sin(q4)
+    t2 = c3*t1 + (0.0203*c4 - 0.15005*s4)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t3 = s3*s2 - c3*c2
+    t4 = s3*c2 + c3*s2
+    t5 = 0.4318*s3
+    t6 = 0.4318 - t5
+    t7 = c4*t6
+    t8 = s4*t6
+    t9 = t2*t3 + t7*t4
+    t10 = 0.4318*s4
+    t11 = c3*t10 + (0.0203*s4 + 0.15005*c4)
+    t12 = t11*t3 + t4*t8
+    t13 = t1*t9 + t10*t12
+    t14 = s4*t11 + c4*t2
+    t15 = t14*t13 - 0.0203*(t7*t9 + t8*t12)
+    s5 = sin(q5)
+    t16 = sign(s5*t15)
+    t17 = s5*t16
+    t18 = t14*t17
+    c5 = cos(q5)
+    t19 = 0.0203*t17
+    t20 = t13*t17
+    t21 = t7*t19 - t1*t18
+    t22 = t10*t18 - t8*t19
+    t23 = t3*t22
+    t24 = t3*t21
+    t25 = t8*t23 + (t4*(t2*t21 - t11*t22) - t7*t24)
+    t26 = c3*(t13*t19 + t4*(t1*t21 - t10*t22)) - (t25 + s3*(s4*(0.4318*t23 + t10*t20) - t1*t24))
+    return (
+        0.0, -t25, t26 - t20*(t5*(c4*c4)), 0.0, c5*(t15*t16), 0.0,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -4428,6 +4614,30 @@ _FUNCTIONS = {
         arguments=(),
         shape=(46,),
         kernel=_base_parameters,
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(6,),
+        kernel=_manipulability_dq,
     ),
 }
 

@@ -45,6 +45,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 95, "add": 39, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 37, "add": 17, "div": 0, "sin": 4, "cos": 3, "sqrt": 0},
+    "manipulability_position": {"mul": 50, "add": 28, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 79, "add": 35, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 221, "add": 139, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 115},
 }
 GIVEN = ()
@@ -68,6 +72,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -213,6 +221,74 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 66 mul, 28 add, 2 div, 5 sin, 5 cos, 1 sqrt.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 4: 37 mul, 17 add, 4 sin, 3 cos.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 50 mul, 28 add, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 26 mul, 14 add, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 6):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 4, differentiated backwards: 79 mul, 35 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -798,6 +874,158 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
         0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c3 = cos(q3)
+    t1 = s4*c3
+    c4 = cos(q4)
+    t2 = 0.4318*t1 - (0.02032*s4 + 0.14909*c4)
+    t3 = c4*c3
+    s2 = sin(q2)
+    s3 = sin(q3)
+    c2 = cos(q2)
+    t4 = s3*c2
+    t5 = c3*c2 - s3*s2
+    t6 = s2*t3 + c4*t4
+    t7 = t1*s2 + s4*t4
+    t8 = 0.02032*c4
+    t9 = 0.4318*t3 - (t8 - 0.14909*s4)
+    t10 = t2*t6 - t9*t7
+    t11 = 0.43307 + 0.4318*s3
+    t12 = t2*t5 + t11*t7
+    t13 = s4*t2 + c4*t9
+    t14 = 0.43307*c4
+    t15 = t11*(t14*t10 - 0.02032*t12) - 0.43307*(t10*(t11*c4) + t12*t13)
+    s5 = sin(q5)
+    t16 = absolute(s5*(s4*t15 - (t9*t5 + t11*t6)*(t11*t8 + t14*t13)))
+    return (
+        t16,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t1 = c3*s2 + c2*s3
+    t2 = c2*c3 - s2*s3
+    s5 = sin(q5)
+    s4 = sin(q4)
+    t3 = s5*(0.05625*s4)
+    t4 = 0.14909 + t3
+    t5 = t4*t1
+    t6 = t2*t4
+    c4 = cos(q4)
+    t7 = c4*(0.05625*s5)
+    t8 = c4*t7 + s4*t3
+    t9 = 0.02032 - c4*t8
+    t10 = t9 - 0.4318*c3
+    t11 = t8*t8 + (t9*t9 + (t5*t5 + t10*t10))
+    c5 = cos(q5)
+    t12 = 0.05625*c5
+    t13 = t12*c4
+    t14 = s4*t12
+    t15 = 0.43307 + t12
+    t16 = t15 + 0.4318*s3
+    t17 = t1*t16 - t2*t10
+    t18 = t13*t14 - (t6*t17 + t3*t7)
+    t19 = t14*t14 + (t17*t17 + t7*t7)
+    t20 = t15*t9 - (t8*t13 - (t6*t5 + t16*t10))
+    t21 = t17*t5 + t8*t14
+    t22 = (t16*t16 + (t15*t15 + (t13*t13 + (t3*t3 + t6*t6))))*(t11*t19 - t21*t21)
+    t23 = t22 - (t11*(t18*t18) + t20*(t20*t19 + t21*(2.0*t18)))
+    return (
+        sqrt(absolute(t23)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = c5*s5
+    t2 = c5*c5
+    t3 = s4*t1
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t4 = c2*c3 - s2*s3
+    t5 = c3*s2 + c2*s3
+    c4 = cos(q4)
+    t6 = t4*t5 - c4*t1
+    t7 = t2*(c4*s4)
+    t8 = c4*c4
+    t9 = s4*s4
+    t10 = 1.0 - t2
+    t11 = t4*t4 + (1.0 + t2)
+    t12 = t8*t10 + (t9 + t5*t5)
+    t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6)
+    return (
+        sqrt(absolute(t3*(t6*(2.0*t7) - t12*t3) - t13)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    c4 = cos(q4)
+    t1 = 0.4318*c4
+    t2 = 0.02032*c4
+    s4 = sin(q4)
+    t3 = c3*t1 - (t2 - 0.14909*s4)
+    s3 = sin(q3)
+    t4 = s4*s3
+    c2 = cos(q2)
+    t5 = c3*s4
+    s2 = sin(q2)
+    t6 = c2*t4 + t5*s2
+    t7 = c2*s3 + c3*s2
+    t8 = c4*t7
+    t9 = 0.02032*s4
+    t10 = 0.14909*c4 + (t9 - 0.4318*t5)
+    t11 = t10*t8 + t3*t6
+    t12 = 0.4318*s3
+    t13 = s3*s2
+    t14 = 0.43307 + t12
+    t15 = t14*c4
+    t16 = c2*c3
+    t17 = t16 - t13
+    t18 = t10*t17 - t14*t6
+    t19 = s4*t10 - c4*t3
+    t20 = 0.43307*s4
+    t21 = 0.43307*c4
+    t22 = s4*(t21*t11 - 0.02032*t18)
+    t23 = t3*t17 + t14*t8
+    t24 = t19*t21 - 0.02032*t15
+    t25 = t20*(t15*t11 - t19*t18) + (t23*t24 - t14*t22)
+    s5 = sin(q5)
+    t26 = sign(s5*t25)
+    t27 = s5*t26
+    t28 = t20*t27
+    t29 = t19*t28 - t27*(t14*t9)
+    t30 = t14*t29
+    t31 = t24*t27
+    t32 = t15*t31
+    t33 = t13*t32 + (t30*(s2*t4) + t7*(t3*t31 - t10*t29))
+    t34 = t23*t27
+    t35 = t21*t34 - t18*t28
+    t36 = 0.4318*(t2*t34 + (t22*t27 - (t8*t31 + t6*t29))) - t28*(t1*t11)
+    t37 = t16*(t32 + s4*t30) - (c3*t36 + (t33 + (t17*t29 - s4*t35)*(0.4318*t4)))
+    c5 = cos(q5)
+    return (
+        0.0, c2*(t5*t30 + c3*t32) - t33, t37 - (t17*t31 - c4*t35)*(t12*c4), 0.0, c5*(t25*t26), 0.0,
     )
 
 
@@ -2549,6 +2777,30 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6, 6),
         kernel=_analytic_jacobian_zyz,
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(6,),
+        kernel=_manipulability_dq,
     ),
 }
 

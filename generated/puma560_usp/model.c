@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -1586,6 +1591,389 @@ void puma560_usp_analytic_jacobian_zyz_batch(size_t count, const double *restric
         load(6, q + 6 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void puma560_usp_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_d2;
+    k[3] = p_d4;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double t1 = s4*c3;
+    const double t2 = k1*t1 + (k2*s4 - k3*c4);
+    const double t3 = c4*c3;
+    const double t4 = s3*c2;
+    const double t5 = c3*c2 - s3*s2;
+    const double t6 = s2*t3 + c4*t4;
+    const double t7 = t1*s2 + s4*t4;
+    const double t8 = k2*c4;
+    const double t9 = k1*t3 + (t8 + k3*s4);
+    const double t10 = t2*t6 - t9*t7;
+    const double t11 = k4 + k1*s3;
+    const double t12 = t2*t5 + t11*t7;
+    const double t13 = s4*t2 + c4*t9;
+    const double t14 = k4*c4;
+    const double t15 = s4*(t11*(t14*t10 + k2*t12) - k4*(t10*(t11*c4) + t12*t13));
+    result[0] = fabs(s5*(t15 + (t9*t5 + t11*t6)*(t11*t8 - t14*t13)));
+}
+
+void puma560_usp_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_lanes], sines[4 * manipulability_lanes], cosines[4 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(4 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void puma560_usp_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void puma560_usp_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    const double p_d6 = params[4];
+    k[0] = p_d6;
+    k[1] = p_d2;
+    k[2] = p_a3;
+    k[3] = p_a2;
+    k[4] = p_d4;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double t1 = c3*s2 + c2*s3;
+    const double t2 = c2*c3 - s2*s3;
+    const double t3 = s5*(k1*s4);
+    const double t4 = k2 + t3;
+    const double t5 = t4*t1;
+    const double t6 = t2*t4;
+    const double t7 = c4*(k1*s5);
+    const double t8 = c4*t7 + s4*t3;
+    const double t9 = k3 + c4*t8;
+    const double t10 = t9 + k4*c3;
+    const double t11 = t8*t8 + (t9*t9 + (t5*t5 + t10*t10));
+    const double t12 = k1*c5;
+    const double t13 = t12*c4;
+    const double t14 = s4*t12;
+    const double t15 = k5 + t12;
+    const double t16 = t15 + k4*s3;
+    const double t17 = t1*t16 + t2*t10;
+    const double t18 = t13*t14 - (t6*t17 + t3*t7);
+    const double t19 = t14*t14 + (t17*t17 + t7*t7);
+    const double t20 = t15*t9 + (t8*t13 - (t6*t5 - t16*t10));
+    const double t21 = t17*t5 + t8*t14;
+    const double t22 = (t16*t16 + (t15*t15 + (t13*t13 + (t3*t3 + t6*t6))))*(t11*t19 - t21*t21);
+    const double t23 = t22 - (t11*(t18*t18) + t20*(t20*t19 - t21*(2.0*t18)));
+    result[0] = sqrt(fabs(t23));
+}
+
+void puma560_usp_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_position_lanes], sines[4 * manipulability_position_lanes], cosines[4 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(4 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void puma560_usp_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c5*s5;
+    const double t2 = c5*c5;
+    const double t3 = s4*t1;
+    const double t4 = c2*c3 - s2*s3;
+    const double t5 = c3*s2 + c2*s3;
+    const double t6 = t4*t5 - c4*t1;
+    const double t7 = t2*(c4*s4);
+    const double t8 = c4*c4;
+    const double t9 = s4*s4;
+    const double t10 = 1.0 - t2;
+    const double t11 = t4*t4 + (1.0 + t2);
+    const double t12 = t8*t10 + (t9 + t5*t5);
+    const double t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6);
+    result[0] = sqrt(fabs(t3*(t6*(2.0*t7) - t12*t3) - t13));
+}
+
+void puma560_usp_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_orientation_lanes], sines[4 * manipulability_orientation_lanes], cosines[4 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(4 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void puma560_usp_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void puma560_usp_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_d2;
+    k[3] = p_d4;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double t1 = k1*c4;
+    const double t2 = k2*c4;
+    const double t3 = c3*t1 + (t2 + k3*s4);
+    const double t4 = s4*s3;
+    const double t5 = c3*s4;
+    const double t6 = c2*t4 + t5*s2;
+    const double t7 = c2*s3 + c3*s2;
+    const double t8 = c4*t7;
+    const double t9 = k2*s4;
+    const double t10 = k3*c4 - (t9 + k1*t5);
+    const double t11 = t10*t8 + t3*t6;
+    const double t12 = k1*s3;
+    const double t13 = s3*s2;
+    const double t14 = k4 + t12;
+    const double t15 = t14*c4;
+    const double t16 = c2*c3;
+    const double t17 = t16 - t13;
+    const double t18 = t10*t17 - t14*t6;
+    const double t19 = s4*t10 - c4*t3;
+    const double t20 = k4*s4;
+    const double t21 = k4*c4;
+    const double t22 = s4*(t21*t11 + k2*t18);
+    const double t23 = t3*t17 + t14*t8;
+    const double t24 = t19*t21 + k2*t15;
+    const double t25 = t20*(t15*t11 - t19*t18) + (t23*t24 - t14*t22);
+    const double t26 = sign(s5*t25);
+    const double t27 = s5*t26;
+    const double t28 = t20*t27;
+    const double t29 = t19*t28 + t27*(t14*t9);
+    const double t30 = t24*t27;
+    const double t31 = t14*t29;
+    const double t32 = t15*t30;
+    const double t33 = t7*(t3*t30 - t10*t29) + (t13*t32 + t31*(s2*t4));
+    const double t34 = t23*t27;
+    const double t35 = t18*t28 - t21*t34;
+    const double t36 = k1*(t2*t34 - (t22*t27 - (t8*t30 + t6*t29))) + t28*(t1*t11);
+    const double t37 = t16*(t32 + s4*t31) + (c3*t36 - (t33 + (t17*t29 + s4*t35)*(k1*t4)));
+    result[0] = 0.0;
+    result[lanes] = c2*(t5*t31 + c3*t32) - t33;
+    result[2 * lanes] = t37 - (t17*t30 + c4*t35)*(t12*c4);
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t25*t26);
+    result[5 * lanes] = 0.0;
+}
+
+void puma560_usp_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void puma560_usp_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
     }
 }
 

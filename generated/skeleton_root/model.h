@@ -178,6 +178,58 @@ void skeleton_root_analytic_jacobian_rpy_batch(size_t count, const double *q, co
 void skeleton_root_analytic_jacobian_rpy_constants(const double *params, double *k);
 
 /**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 4: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: no operations.
+ */
+void skeleton_root_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
  * Joint variables of a pose of the end effector, every branch.
  *
  * A reachable pose has one solution, all of them listed, except where joints are free.

@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -44,6 +48,10 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
 GIVEN = ("q4",)
@@ -66,6 +74,10 @@ __all__ = [
     "jacobian_dot",
     "jacobian_hessian",
     "analytic_jacobian_rpy",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -309,6 +321,30 @@ def _analytic_jacobian_rpy(functions, k, q):
     )
 
 
+def _manipulability(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_l0, p_l1 = p
     t1 = p_l0*p_l0 + p_l1*p_l1
@@ -516,6 +552,34 @@ analytic_jacobian_rpy = _function(
     needs=(
         0, 1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(4,),
+    kernel=_manipulability_dq,
 )
 
 

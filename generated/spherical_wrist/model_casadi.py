@@ -21,6 +21,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -48,6 +52,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 9, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
 }
 GIVEN = ()
@@ -71,6 +79,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -355,6 +367,40 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(s2),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(s2),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        0.0, c2*sign(s2), 0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     (p_d6,) = p
     t1 = p_d6*p_d6
@@ -635,6 +681,34 @@ analytic_jacobian_zyz = _function(
     needs=(
         0,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(3,),
+    kernel=_manipulability_dq,
 )
 
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -1435,6 +1440,278 @@ void stanford_deluca_analytic_jacobian_zyz_batch(size_t count, const double *res
         load(6, q + 6 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict q, const double *restrict sines, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s5 = sines[lanes];
+    result[0] = fabs(s5*(q3*(s2*q3)));
+}
+
+void stanford_deluca_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_lane(q, sines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_lanes], sines[2 * manipulability_lanes], cosines[2 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(2 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(q + i, sines + i, result + i, manipulability_lanes);
+}
+
+void stanford_deluca_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void stanford_deluca_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d2;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = s5*(k1*c4);
+    const double t2 = k2 - t1;
+    const double t3 = s2*t2;
+    const double t4 = t2*c2;
+    const double t5 = s4*(k1*s5);
+    const double t6 = s4*t5 + c4*t1;
+    const double t7 = k1*c5;
+    const double t8 = s4*t7;
+    const double t9 = c4*t7;
+    const double t10 = q3 + t7;
+    const double t11 = c2*t5 + s2*t10;
+    const double t12 = t5*t10 - (t3*t4 - t6*t8);
+    const double t13 = t5*t5;
+    const double t14 = t9*t9 + (t13 + t11*t11);
+    const double t15 = t9*t8 + (t11*t4 - t1*t5);
+    const double t16 = t3*t11 - t6*t9;
+    const double t17 = t8*t8 + (t1*t1 + (t4*t4 + t10*t10));
+    const double t18 = t17*t14 - t15*t15;
+    const double t19 = t12*(t12*t14 + t15*(2.0*t16)) - (t18 - t17*(t16*t16));
+    result[0] = sqrt(fabs(t18*(t6*t6 + (t13 + t3*t3)) - t19));
+}
+
+void stanford_deluca_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(q, sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3 * manipulability_position_lanes], sines[3 * manipulability_position_lanes], cosines[3 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(3 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(q + i, sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void stanford_deluca_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c5 = cosines[2 * lanes];
+    const double t1 = c2*s2;
+    const double t2 = c2*c2;
+    const double t3 = s4*t1;
+    const double t4 = s4*s4;
+    const double t5 = t3 - s5*c5;
+    const double t6 = s5*s5;
+    const double t7 = t2*t4;
+    const double t8 = t6 + (1.0 - t7);
+    const double t9 = t6 - (2.0 + t2);
+    const double t10 = t2 - t7;
+    const double t11 = t1*(t8*t1);
+    const double t12 = t10*(t7*t9 - t5*(2.0*t3)) + (t4*t11 - (t11 + (2.0 - t10)*(t5*t5 + t8*t9)));
+    result[0] = sqrt(fabs(t12));
+}
+
+void stanford_deluca_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_orientation_lanes], sines[3 * manipulability_orientation_lanes], cosines[3 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(3 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void stanford_deluca_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c5 = cosines[2 * lanes];
+    const double t1 = s4*s5;
+    const double t2 = q3*s2;
+    const double t3 = q3*t2;
+    const double t4 = s4*t3;
+    const double t5 = 1.0 - s4*s4;
+    const double t6 = s5*t5;
+    const double t7 = sign(t1*t4 + t3*t6);
+    const double t8 = s4*t7;
+    const double t9 = t1*t8 + t6*t7;
+    result[0] = 0.0;
+    result[lanes] = t9*(q3*(c2*q3));
+    result[2 * lanes] = t9*(2.0*t2);
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t7*(t3*t5) + t4*t8);
+    result[5 * lanes] = 0.0;
+}
+
+void stanford_deluca_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(q, sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_dq_lanes], sines[3 * manipulability_dq_lanes], cosines[3 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(3 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(q + i, sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void stanford_deluca_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
     }
 }
 

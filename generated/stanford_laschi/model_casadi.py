@@ -24,6 +24,10 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -57,6 +61,10 @@ OPERATIONS = {
     "jacobian_hessian": {"mul": 87, "add": 33, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability": {"mul": 3, "add": 0, "div": 0, "sin": 2, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 39, "add": 21, "div": 0, "sin": 3, "cos": 3, "sqrt": 1},
+    "manipulability_orientation": {"mul": 16, "add": 11, "div": 0, "sin": 2, "cos": 3, "sqrt": 1},
+    "manipulability_dq": {"mul": 11, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 120, "add": 93, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
@@ -80,6 +88,10 @@ __all__ = [
     "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -603,10 +615,99 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s5 = sin(q5)
+    s2 = sin(q2)
+    return (
+        absolute(s5*(q3*(s2*q3))),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*(p_d6*s5)
+    s4 = sin(q4)
+    t2 = s5*(p_d6*s4)
+    t3 = c4*t1 + s4*t2
+    c5 = cos(q5)
+    t4 = p_d6*c5
+    t5 = t4*c4
+    t6 = s4*t4
+    t7 = p_d2 + t2
+    s2 = sin(q2)
+    t8 = s2*t7
+    c2 = cos(q2)
+    t9 = t7*c2
+    t10 = q3 + t4
+    t11 = s2*t10 + c2*t1
+    t12 = t3*t5 - (t8*t9 - t10*t1)
+    t13 = t1*t1
+    t14 = t6*t6 + (t13 + t11*t11)
+    t15 = t6*t5 - (t11*t9 + t2*t1)
+    t16 = t8*t11 + t6*t3
+    t17 = t5*t5 + (t2*t2 + (t9*t9 + t10*t10))
+    t18 = t17*t14 - t15*t15
+    t19 = t12*(t12*t14 - t15*(2.0*t16)) - (t18 - t17*(t16*t16))
+    return (
+        sqrt(absolute(t18*(t3*t3 + (t13 + t8*t8)) - t19)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    t1 = c2*c2
+    c4 = cos(q4)
+    t2 = c4*(t1*c4)
+    s2 = sin(q2)
+    t3 = s2*(c2*c4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t4 = t3 - s5*c5
+    t5 = s5*s5
+    t6 = t5 - (2.0 + t1)
+    t7 = t5 + (1.0 - t2)
+    t8 = t4*t4 + t6*t7
+    t9 = (t1 - t2)*(t4*(2.0*t3) + (t7*(s2*s2) - (t8 + t2*t6)))
+    return (
+        sqrt(absolute(t9 + 2.0*t8)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s5 = sin(q5)
+    t1 = q3*q3
+    t2 = s5*t1
+    s2 = sin(q2)
+    t3 = sign(t2*s2)
+    c2 = cos(q2)
+    t4 = s2*t3
+    c5 = cos(q5)
+    return (
+        0.0, t3*(c2*t2), t4*(q3*(2.0*s5)), 0.0, c5*(t1*t4), 0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_d2, p_d6 = p
     t1 = p_d2*p_d2
-    t2 = t1 + p_d6*p_d6
+    t2 = p_d6*p_d6 + t1
     return (
         p_d6, p_d2, t1, t2,
     )
@@ -1197,6 +1298,38 @@ analytic_jacobian_zyz = _function(
     needs=(
         0, 1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
 )
 
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -1367,6 +1372,385 @@ void thumb_analytic_jacobian_zyz_batch(size_t count, const double *restrict q, c
         load(5, q + 5 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(30, result_block, analytic_jacobian_zyz_lanes, result + 30 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void thumb_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*(c4*c5 - s4*s5);
+    const double t2 = k1*(c4*s5 + c5*s4);
+    const double t3 = t1 + k2*c4;
+    const double t4 = t2 + k2*s4;
+    const double t5 = t3 + k3*c3;
+    const double t6 = c3*s2;
+    const double t7 = c2*t5 - t6*t4;
+    const double t8 = t3*t3;
+    const double t9 = s2*s3;
+    const double t10 = t4*s3;
+    const double t11 = t7*t7 + (t8 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = k3*s3;
+    const double t14 = c2*t13 - t4*t9;
+    const double t15 = t5*t9 - t6*t13;
+    const double t16 = s3*t13 + c3*t5;
+    const double t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12));
+    const double t18 = t10*t12 - t7*t14;
+    const double t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12));
+    const double t20 = t7*t15 + t10*t16;
+    const double t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18);
+    const double t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)));
+    result[0] = sqrt(fabs(t22));
+}
+
+void thumb_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_lanes], sines[4 * manipulability_lanes], cosines[4 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(4 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void thumb_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[5 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void thumb_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*(c4*c5 - s4*s5);
+    const double t2 = k1*(c4*s5 + c5*s4);
+    const double t3 = t1 + k2*c4;
+    const double t4 = t2 + k2*s4;
+    const double t5 = t3 + k3*c3;
+    const double t6 = c3*s2;
+    const double t7 = c2*t5 - t6*t4;
+    const double t8 = t3*t3;
+    const double t9 = s2*s3;
+    const double t10 = t4*s3;
+    const double t11 = t7*t7 + (t8 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = k3*s3;
+    const double t14 = c2*t13 - t4*t9;
+    const double t15 = t5*t9 - t6*t13;
+    const double t16 = s3*t13 + c3*t5;
+    const double t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12));
+    const double t18 = t10*t12 - t7*t14;
+    const double t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12));
+    const double t20 = t7*t15 + t10*t16;
+    const double t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18);
+    const double t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)));
+    result[0] = sqrt(fabs(t22));
+}
+
+void thumb_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_position_lanes], sines[4 * manipulability_position_lanes], cosines[4 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(4 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void thumb_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[5 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double t1 = s2*s2;
+    const double t2 = s3*s3;
+    const double t3 = 2.0*t2;
+    const double t4 = 2.0 - t1;
+    const double t5 = t4*(4.0*t2);
+    const double t6 = (3.0 - t3)*(t4*(t1 + t3) - (t1 - t1*t1)) - (t5 - t2*t5);
+    result[0] = sqrt(fabs(t6));
+}
+
+void thumb_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_orientation_lane(sines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_orientation_lanes], sines[2 * manipulability_orientation_lanes], cosines[2 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(2 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, result + i, manipulability_orientation_lanes);
+}
+
+void thumb_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[5 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void thumb_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k2*c4;
+    const double t2 = t1 - k1*(s4*s5 - c4*c5);
+    const double t3 = k2*s4;
+    const double t4 = t3 + k1*(c4*s5 + s4*c5);
+    const double t5 = k3*c3;
+    const double t6 = t2 + t5;
+    const double t7 = s2*c3;
+    const double t8 = c2*t6 - t7*t4;
+    const double t9 = t2*t2;
+    const double t10 = s3*t4;
+    const double t11 = t8*t8 + (t9 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = s2*s3;
+    const double t14 = k3*s3;
+    const double t15 = t4*t13 - t14*c2;
+    const double t16 = t3 - t4;
+    const double t17 = t16*t16 + (t15*t15 + (t4*t4 + t12*t12));
+    const double t18 = t12*t10 + t8*t15;
+    const double t19 = t17*t11 - t18*t18;
+    const double t20 = t14*t7 - t6*t13;
+    const double t21 = s3*t14 + c3*t6;
+    const double t22 = t1 - t2;
+    const double t23 = t22*t22 + (t21*t21 + (t9 + t20*t20));
+    const double t24 = t16*t22 + (t2*t4 - (t15*t20 - t12*t21));
+    const double t25 = t8*t20 - t21*t10;
+    const double t26 = t24*t11 + t25*t18;
+    const double t27 = t24*t18 + t25*t17;
+    const double t28 = t25*t27 - (t23*t19 - t24*t26);
+    const double t29 = 1.0/(2.0*sqrt(fabs(t28)))*sign(t28);
+    const double t30 = t23*t29;
+    const double t31 = t19*t29;
+    const double t32 = t25*t29;
+    const double t33 = t24*t29;
+    const double t34 = 2.0*t30;
+    const double t35 = t24*t33 - t17*t30;
+    const double t36 = t18*t34 + (t24*t32 + t25*t33);
+    const double t37 = t18*t33 + (t27*t29 + t17*t32);
+    const double t38 = t32*(2.0*t25) - t11*t34;
+    const double t39 = t11*t33 + (t18*t32 + t26*t29);
+    const double t40 = 2.0*t35;
+    const double t41 = 2.0*t31;
+    const double t42 = t8*t40 + (t15*t36 + t20*t37);
+    const double t43 = t16*t38 + t22*t39;
+    const double t44 = t15*t38 + (t8*t36 - t20*t39);
+    const double t45 = t20*t41 - (t8*t37 - t15*t39);
+    const double t46 = t10*t40 - (t21*t37 - t12*t36);
+    const double t47 = t12*t38 + (t21*t39 + t10*t36);
+    const double t48 = t21*t41 + (t10*t37 - t12*t39);
+    const double t49 = c3*t47 + (s3*t46 + (t13*t44 - (t7*t42 + (t43 - t2*t39))));
+    const double t50 = t4*t38 + t49;
+    const double t51 = c3*t48;
+    const double t52 = s3*t48;
+    const double t53 = c2*t42 - (t51 - t13*t45);
+    const double t54 = (t35 - t31)*(2.0*t2) + (t53 + t4*t39);
+    const double t55 = t22*t50 - t16*(t22*t41 + (t54 - t16*t39));
+    const double t56 = t6*t45 + t4*t44;
+    const double t57 = t14*t45 + t4*t42;
+    const double t58 = t5*(t7*t45 + (t52 + c2*t44)) - (t7*t56 + (t12*t46 - (t10*t47 - t13*t57)));
+    result[0] = 0.0;
+    result[lanes] = s2*(t14*t44 - t6*t42) - c2*(c3*t57 - s3*t56);
+    result[2 * lanes] = t6*t52 - (t14*(t51 + t53) + t58);
+    result[3 * lanes] = t1*(t43 + t50) - (t55 + t3*t54);
+    result[4 * lanes] = -t55;
+}
+
+void thumb_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void thumb_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[5 * manipulability_dq_lanes], result_block[5 * manipulability_dq_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(5, result_block, manipulability_dq_lanes, result + 5 * start, rows);
     }
 }
 

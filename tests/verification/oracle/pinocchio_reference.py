@@ -6,6 +6,7 @@ before, with the coordinate ratio*q_i; the arm's own quantities then follow from
 B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from derive.robot.robot import Robot
+from derive.robot.task_rows import PARTS, task_rows
 from tests.random_robots import JointNumbers, LinkNumbers, RandomRobot
 
 Array = npt.NDArray[np.float64]
@@ -37,6 +40,7 @@ class Reference:
     map: Array  # (nv, n) the constant map G of velocities
     viscous: Array  # (n,) joint-side friction
     coulomb: Array
+    task_rows: Mapping[str, tuple[int, ...]]  # rows of J, by part
 
     @property
     def data(self) -> Any:
@@ -110,6 +114,32 @@ class Reference:
     def jacobian_hessian(self, q: Array) -> Array:
         return np.stack([self.jacobian_dot(q, e) for e in np.eye(len(q))], axis=-1)
 
+    def rows(self, q: Array, part: str, matrix: Array) -> Array:
+        """Those of a part in the axes of joint 1."""
+        data = self.data
+        pin.forwardKinematics(self.model, data, self.map @ q)
+        turned = np.einsum(
+            "ji,kj...->ki...", data.oMi[self.joints[0]].rotation, matrix.reshape(2, 3, *matrix.shape[1:])
+        )
+        return turned.reshape(matrix.shape)[list(self.task_rows[part])]
+
+    def manipulability(self, q: Array, part: str = "all") -> Array:
+        """The product of the singular values, 0 where no row moves."""
+        lengths = np.linalg.svd(self.rows(q, part, self.jacobian(q)), compute_uv=False)
+        return np.array(np.prod(lengths) if len(lengths) else 0.0)
+
+    def manipulability_position(self, q: Array) -> Array:
+        return self.manipulability(q, "position")
+
+    def manipulability_orientation(self, q: Array) -> Array:
+        return self.manipulability(q, "orientation")
+
+    def manipulability_dq(self, q: Array) -> Array:
+        """w tr(J^+ dJ / dq_j)."""
+        slopes = self.rows(q, "all", self.jacobian_hessian(q))
+        inverse = np.linalg.pinv(self.rows(q, "all", self.jacobian(q)))
+        return np.array(self.manipulability(q) * np.einsum("ir,rij->j", inverse, slopes))
+
     def analytic_jacobian_rpy(self, q: Array) -> Array:
         _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
         turned = pin.utils.rotate("z", yaw)
@@ -177,6 +207,7 @@ class _Builder:
             map=mapping,
             viscous=np.array([link.viscous for link in robot.links]),
             coulomb=np.array([link.coulomb for link in robot.links]),
+            task_rows={part: task_rows(Robot.from_text(robot.text), part) for part in ("all", *PARTS)},
         )
 
     def end(self, row: JointNumbers) -> Any:
