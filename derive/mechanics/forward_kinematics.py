@@ -115,14 +115,14 @@ def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
     return [[entries[row] for entries in columns] for row in range(6)]
 
 
-def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[list[S]]]:
-    """dJ/dq, 6 x n x n, from J, both in the same axes: entry r, i, j is the derivative of J_ri by q_j."""
+def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[S]]:
+    """dJ/dq from J, in the same axes: n rows for each row r of J, whose entry i, j is the derivative of J_ri by q_j."""
     columns = [((a, b, c), (d, e, f)) for a, b, c, d, e, f in zip(*jacobian, strict=True)]
     places = range(len(columns))
     linear = [[cross(columns[min(i, j)][1], columns[max(i, j)][0]) for j in places] for i in places]
     still = (zero, zero, zero)
     angular = [[cross(columns[j][1], columns[i][1]) if j < i else still for j in places] for i in places]
-    return [[[entry[r] for entry in row] for row in half] for half in (linear, angular) for r in range(3)]
+    return [[entry[r] for entry in row] for half in (linear, angular) for r in range(3) for row in half]
 
 
 class RootField(Field, Protocol):

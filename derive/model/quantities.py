@@ -2,22 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import combinations, product
 
-import sympy
-
-from derive.algebra.ring import determinant
 from derive.errors import QuantityError, listed
 from derive.lecture.matrices import columns_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.mechanics.exact_kinematics import Reference, jacobian_columns
 from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
-from derive.robot.description import Convention
-from derive.robot.options.inverse import POSE
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.task_rows import task_rows
 
 ANY = range(1, FILE_LIMITS.joints + 1)  # any number of joints
 
@@ -99,17 +91,6 @@ def _rank(model: DynamicModel) -> Expr:
     return found.determinant
 
 
-def _manipulability(model: DynamicModel) -> Expr:
-    """The root of the sum of the squares of the largest minors of the task's rows, |det J| where there is one."""
-    is_natural, first = model.robot.inverse.task == POSE, model.robot.convention is Convention.MODIFIED
-    rows, n, _ = task_rows(model.robot), model.n, model.jacobian_columns  # refuses long arms
-    columns = jacobian_columns(model.kinematics, Reference(int(first) if is_natural else None))
-    places = product(combinations(rows, min(len(rows), n)), combinations(columns, min(len(rows), n)))
-    blocks = (determinant([[column[row] for column in some] for row in chosen]) for chosen, some in places)
-    minors = [model.form.determinant(block) for block in blocks if block]
-    return sympy.Abs(sympy.Add(*minors)) if len(minors) < 2 else sympy.sqrt(sympy.Add(*(m**2 for m in minors)))
-
-
 _END = "end effector in the world; T[i] frame i there; T[i,j] frame j in frame i"
 _DETERMINANT = "determinant of J; of fewer than six joints, of the rows that move, or of the position"
 _DECIDES = "where J loses rank: its determinant for a task in factors, or the zeros of all minors"
@@ -162,7 +143,7 @@ _KINEMATIC = (
         "detJ_22", r"\det \mathbf{J}_{22}", "", "", _DET_22, (0,), lambda m: m.det_J((4, 5, 6), (4, 5, 6)), range(6, 7),
     ),
     Quantity("detJ_rows", r"\det \mathbf{J}_{i,\ldots}", "", "", _ROWS, _SIX, lambda m, *of: m.det_J(of), range(1, 7)),
-    Quantity("manipulability", "w", "", "", _VOLUME, (0,), _manipulability, range(1, 8)),
+    Quantity("manipulability", "w", "", "", _VOLUME, joints=range(1, 8)),
     Quantity("singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank, range(2, ANY.stop)),
     Quantity("inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE),
 )  # fmt: skip

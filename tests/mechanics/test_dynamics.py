@@ -163,7 +163,8 @@ def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:
     assert_close(forward_kinematics(chain).rows(0.0, 1.0), arm.expected("forward_kinematics"))
     assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], arm.expected("link_transforms"))
     assert_close(jacobian(chain), arm.expected("jacobian"))
-    assert_close(jacobian_hessian(jacobian(chain), 0.0), arm.expected("jacobian_hessian"))
+    slopes = np.reshape(jacobian_hessian(jacobian(chain), 0.0), (6, chain.n, chain.n))
+    assert_close(slopes, arm.expected("jacobian_hessian"))
     assert_close(jacobian_rate(chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
 
 

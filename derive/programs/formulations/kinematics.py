@@ -81,11 +81,8 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
 def hessians(trace: Trace) -> Iterator[Formulation]:
     """Formulations of dJ/dq."""
     for words, matrix, _ in _pairs(trace):
-
-        def _crossed(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
-            return [v for rows in jacobian_hessian(matrix(), trace.chain.zero) for v in flat(rows)]
-
-        yield Formulation(f"products of columns of the {words}", _crossed)
+        entries = lambda matrix=matrix: flat(jacobian_hessian(matrix(), trace.chain.zero))  # noqa: E731
+        yield Formulation(f"products of columns of the {words}", entries)
 
 
 def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:
