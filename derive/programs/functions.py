@@ -17,6 +17,7 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column, Interface
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
 
@@ -254,7 +255,19 @@ ROWS = (
         ("dw/dq = manipulability_dq(q)", ("n",)),
         ("Gradient of the manipulability of the task.", "d w / d q_j; where w = 0 of an oblong J no finite numbers"),
         kinematics.manipulability_gradients,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives,
         search=False,
+    ),
+    _row(
+        ("Lambda = task_inertia(q)", ("m", "m")),
+        (
+            "Inertia that a force on the end effector meets in the task.",
+            "(J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank",
+        ),
+        dynamics.task_inertias,
+        exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
+        search=False,
+        without_value=dynamics.no_task_inertia,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

@@ -73,7 +73,6 @@ enum {
     human_body_analytic_jacobian_zyz_constant_count = 8,
     human_body_manipulability_constant_count = 8,
     human_body_manipulability_position_constant_count = 8,
-    human_body_manipulability_dq_constant_count = 8,
 };
 
 /**
@@ -242,23 +241,6 @@ void human_body_manipulability_orientation(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void human_body_manipulability_orientation_batch(size_t count, const double *q, double *result);
-
-/**
- * Gradient of the manipulability of the task.
- *
- * @param[in]  q       joint variables [rad, m], one entry per joint.
- * @param[in]  k       8 constants from manipulability_dq_constants().
- * @param[out] result  dw/dq, 21: d w / d q_j; where w = 0 of an oblong J no finite numbers.
- *
- * Volume of rows in joint frame 10, differentiated backwards: 2431 mul, 1922 add, 1 div, 19 sin, 19 cos, 1 sqrt.
- */
-void human_body_manipulability_dq(const double *q, const double *k, double *result);
-
-/** The same for `count` configurations. */
-void human_body_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
-
-/** The constants of human_body_manipulability_dq, 8, from the parameters, 8. */
-void human_body_manipulability_dq_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

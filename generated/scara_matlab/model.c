@@ -2021,6 +2021,118 @@ void scara_matlab_manipulability_dq_batch(size_t count, const double *restrict q
     }
 }
 
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double t1 = 2.0*c1;
+    const double t2 = 2.0*s1;
+    const double t3 = 1.0 + c2;
+    const double t4 = s2*t1 + t2*t3;
+    const double t5 = t2 - t4;
+    const double t6 = t2*s2 - t1*t3;
+    const double t7 = t1 + t6;
+    const double t8 = 48.72723235906782 + 53.0*c2;
+    const double t9 = 0.019596129952462543*t8;
+    const double t10 = t4 + t5*t9;
+    const double t11 = t6 - t9*t7;
+    const double t12 = t8*t9 - (167.5298993277098 + 106.0*c2);
+    const double t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2;
+    const double t14 = t13/t12;
+    const double t15 = 0.04442480460298804 - 1.0222567059132721*c2;
+    const double t16 = t15/t12;
+    const double t17 = t10*t16 + 0.019287862375722113*t5;
+    const double t18 = 2.9275067519841257e-05 - t16*t13;
+    const double t19 = 5.2466321353505805 - t15*t16;
+    const double t20 = t18/t19;
+    const double t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20);
+    const double t22 = t16*t11 - 0.019287862375722113*t7;
+    const double t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22);
+    const double t24 = t18*t20 - (0.14130538623092265 - t13*t14);
+    const double t25 = t23/t24;
+    const double t26 = t11/t12;
+    const double t27 = t22/t19;
+    const double t28 = 0.019596129952462543*t7;
+    const double t29 = t5*t28 + (t21*t25 + (t10*t26 + t17*t27));
+    const double t30 = t7*t28 + (t23*t25 - (t11*t26 + t22*t27));
+    const double t31 = t29/t30;
+    const double t32 = t21/t24;
+    const double t33 = t17/t19;
+    const double t34 = t17*t33 - (t5*(0.019596129952462543*t5) - t10*(t10/t12));
+    const double t35 = t29*t31 - (t21*t32 - t34);
+    const double t36 = t31/t35;
+    const double t37 = t32 - t25*t31;
+    const double t38 = t37/t35;
+    const double t39 = t27 - t20*t25;
+    const double t40 = t31*t39 + (t33 + t20*t32);
+    const double t41 = t40/t35;
+    const double t42 = t25/t30;
+    const double t43 = t42 + t31*t38;
+    const double t44 = t39/t30;
+    const double t45 = t44 - t31*t41;
+    result[0] = -1.0/t35;
+    result[lanes] = -t36;
+    result[2 * lanes] = -t38;
+    result[3 * lanes] = t41;
+    result[4 * lanes] = -t36;
+    result[5 * lanes] = 1.0/t30 - t31*t36;
+    result[6 * lanes] = -t43;
+    result[7 * lanes] = -t45;
+    result[8 * lanes] = -t38;
+    result[9 * lanes] = -t43;
+    result[10 * lanes] = -(t37*t38 + (1.0/t24 - t25*t42));
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t41;
+    result[13 * lanes] = -t45;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = t39*t44 + (1.0/t19 - t20*(t20/t24)) - t40*t41;
+}
+
+void scara_matlab_task_inertia(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, result, 1);
+}
+
+static void task_inertia_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, result + i, task_inertia_lanes);
+}
+
+void scara_matlab_task_inertia_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[4 * task_inertia_lanes], result_block[16 * task_inertia_lanes];
+        load(4, q + 4 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, result_block);
+        store(16, result_block, task_inertia_lanes, result + 16 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

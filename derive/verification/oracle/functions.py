@@ -68,7 +68,8 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
             f"manipulability_{part}": Definition(("q",), False, partial(rates.manipulability, part=part), axes=0)
             for part in ("position", "orientation")
         },
-        "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1),
+        "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
+        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.mobility(arm, q)), most=16),
     }
 )
 
@@ -106,6 +107,7 @@ class Oracle:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= name != "task_inertia" or len(self.arm.rows["all"]) <= self.arm.n
             names += [name] * present
         return tuple(names)
 
