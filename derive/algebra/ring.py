@@ -12,11 +12,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from derive.errors import DeriveError
+
+E = TypeVar("E", bound=Any)  # entries of a matrix; those that are zero may be false
 
 UNBOUNDED = 10**9  # a budget of terms that no polynomial reaches
 
@@ -255,8 +257,8 @@ def fraction(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))
 
 
-def determinant(rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
-    """The determinant by Laplace expansion, every minor computed once.
+def determinant(rows: Sequence[Sequence[E]]) -> E:
+    """The determinant of polynomials or other scalars by Laplace expansion, every minor computed once.
 
     With the rows taken from the last one up, a minor is fixed by its columns; a matrix of size n has 2^n of them.
 
@@ -264,14 +266,13 @@ def determinant(rows: Sequence[Sequence[Polynomial]]) -> Polynomial:
         rows: A square matrix (n, n) over one ring, n at least 1.
     """
     size = len(rows)
-    ring = rows[0][0].ring
 
     @cache
-    def _minor(columns: tuple[int, ...]) -> Polynomial:
-        if not columns:
-            return ring.one
+    def _minor(columns: tuple[int, ...]) -> E:
         row = rows[size - len(columns)]
-        total = ring.zero
+        if len(columns) == 1:
+            return row[columns[0]]
+        total: E = row[columns[0]] - row[columns[0]]
         for place, column in enumerate(columns):
             if row[column]:
                 rest = row[column] * _minor(columns[:place] + columns[place + 1 :])

@@ -12,6 +12,14 @@ of the link before the joint, dz/dt = omega x z and d(z x r)/dt = zdot x r + z x
 end effector less that of the joint's origin. A prismatic joint's column is its axis (Siciliano et al., Robotics,
 section 3.1; Lynch and Park, Modern Robotics, ch. 5, for spatial velocities).
 
+*Its derivatives*: a joint turns and shifts, with its velocity (v_j, w_j), the columns of the joints from its own on,
+and of those before only the end effector: dJ_i/dq_j = (w_j x v_i, w_j x w_i) for j <= i, (w_i x v_j, 0) for j > i
+(Hourtash, The kinematic Hessian and higher derivatives, CIRA 2005).
+
+*Seen from another frame* and of another point of the last link, J has the same volume, its manipulability: sqrt(det(J
+J^T)), |det J| of a square J (Yoshikawa, Manipulability of robotic mechanisms, International Journal of Robotics
+Research 4(2), 1985). In the middle of the arm most entries are zero.
+
 *Analytic Jacobians*: velocity of the end effector and rates of its orientation angles. Both kinds of angles begin with
 a turn about the world's z axis, and the direction u = (x, y, z) that their second turn tilts, column 1 of R for roll,
 pitch, yaw and column 3 for Euler ZYZ, says it all: with omega the angular velocity,
@@ -24,6 +32,7 @@ Robotics, section 3.6).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate
 from typing import Any, Protocol, Self, TypeVar
 
@@ -51,7 +60,18 @@ def link_transforms(chain: Chain[S]) -> list[Frame[S]]:
 def jacobian(chain: Chain[S]) -> list[list[S]]:
     """J(q): (v, omega) = J qd for the origin of the end effector, tool included, in the world frame."""
     poses = joint_poses(chain)
-    end = (poses[-1] @ chain.tool).position
+    return _columns(chain, poses, (poses[-1] @ chain.tool).position)
+
+
+def jacobian_from(chain: Chain[S], k: int, *, at_end: bool) -> list[list[S]]:
+    """J seen from joint frame k: in its axes, of its origin as a point of the last link unless of the end effector."""
+    inner = replace(chain, base=chain.unit, joints=chain.joints[:k], tool=chain.unit).inverted
+    outer = joint_poses(replace(chain, base=chain.unit, joints=chain.joints[k:]))
+    end = ([chain.unit, *outer][-1] @ chain.tool).position if at_end else chain.null
+    return _columns(chain, [*reversed(joint_poses(inner)), *outer], end)
+
+
+def _columns(chain: Chain[S], poses: Sequence[Frame[S]], end: Vector[S]) -> list[list[S]]:
     columns: list[list[S]] = []
     for joint, pose in zip(chain.joints, poses, strict=True):
         z = column(pose.rotation, 2)
@@ -93,6 +113,16 @@ def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
             entries = [*turning, *chain.null]
         columns.append(entries if joint.sign > 0 else [-entry for entry in entries])
     return [[entries[row] for entries in columns] for row in range(6)]
+
+
+def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[S]]:
+    """dJ/dq from J, in the same axes: n rows for each row r of J, whose entry i, j is the derivative of J_ri by q_j."""
+    columns = [((a, b, c), (d, e, f)) for a, b, c, d, e, f in zip(*jacobian, strict=True)]
+    places = range(len(columns))
+    linear = [[cross(columns[min(i, j)][1], columns[max(i, j)][0]) for j in places] for i in places]
+    still = (zero, zero, zero)
+    angular = [[cross(columns[j][1], columns[i][1]) if j < i else still for j in places] for i in places]
+    return [[entry[r] for entry in row] for half in (linear, angular) for r in range(3) for row in half]
 
 
 class RootField(Field, Protocol):

@@ -6,6 +6,7 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, Self
 
 import sympy
@@ -16,12 +17,15 @@ from derive.errors import QuantityError
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
 from derive.lecture.matrices import columns_matrix, frame_matrix, symbol_roles
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.exact_kinematics import Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.long_chain import LongChain
+from derive.robot.description import Convention
 from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.options.inverse import POSE
 from derive.robot.options.style import Contraction, Style, choice_named
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 
 if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
     from derive.inverse.words.reach import Reach
@@ -285,13 +289,26 @@ class KinematicModel:
 
         The acceleration of the end effector is J qdd + dJ/dt qd (Siciliano et al., Robotics, section 3.7).
         """
+        rates = [self.hessian(k) * qd for k, qd in enumerate(self.qd, 1)]
+        return sympy.ImmutableMatrix(sum(rates, sympy.zeros(6, self.n)))
+
+    def hessian(self, k: int) -> Matrix:
+        """dJ/dq_k, 6xn: the derivative of the geometric Jacobian by a joint variable, world frame.
+
+        Args:
+            k: The joint, from 1.
+
+        Returns:
+            6xn.
+
+        Raises:
+            QuantityError: No such joint.
+        """
+        self._require_index(k, 1)
         if self._is_long:
-            rate = sum((self.J.diff(q) * qd for q, qd in zip(self.q, self.qd, strict=True)), sympy.zeros(6, self.n))
-            return sympy.ImmutableMatrix(rate)
-        write, slope = self.form.kinematic, self.domain.derivative
-        columns = [(*v, *w) for v, w in zip(*self.jacobian_columns, strict=True)]
-        rates = [[[write(slope(entry, k)) * qd for k, qd in enumerate(self.qd)] for entry in c] for c in columns]
-        return sympy.ImmutableMatrix([[sympy.Add(*terms) for terms in column] for column in rates]).T
+            return sympy.ImmutableMatrix(self.J.diff(self.q[k - 1]))
+        slope = self.domain.derivative
+        return columns_matrix(*self.jacobian_columns, write=lambda entry: self.form.kinematic(slope(entry, k - 1)))
 
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian: derivative of position and of orientation angles.
@@ -364,6 +381,21 @@ class KinematicModel:
             )
         block = [[entries[c - 1][r - 1] for c in columns] for r in rows]
         return self.form.determinant(determinant(block))
+
+    @cached_property
+    def manipulability(self) -> Expr:
+        """w = sqrt(det(J J^T)) of the rows of the task: the root of the sum of the squares of its largest minors.
+
+        |det J| if there are as many rows as joints, sqrt(det(J^T J)) if there are more (Yoshikawa, Manipulability of
+        robotic mechanisms, International Journal of Robotics Research 4(2), 1985).
+        """
+        is_natural, first = self.robot.inverse.task == POSE, int(self.robot.convention is Convention.MODIFIED)
+        rows, n, _ = task_rows(self.robot), self.n, self.jacobian_columns  # which refuses long arms
+        columns = jacobian_columns(self.kinematics, Reference(first if is_natural else None))
+        places = product(combinations(rows, min(len(rows), n)), combinations(columns, min(len(rows), n)))
+        blocks = (determinant([[column[row] for column in some] for row in chosen]) for chosen, some in places)
+        minors = [self.form.determinant(block) for block in blocks if block]
+        return sympy.Abs(sympy.Add(*minors)) if len(minors) < 2 else sympy.sqrt(sympy.Add(*(m**2 for m in minors)))
 
     @cached_property
     def singularities(self) -> Singularities:

@@ -97,6 +97,7 @@ _DECIDES = "where J loses rank: its determinant for a task in factors, or the ze
 _ROWS = "determinant of as many rows of J as joints, such as detJ_rows[1,2,6]"
 _J_11, _J_12 = "rows 1-3, columns 1-3 of J", "rows 1-3, the other columns of J"
 _J_21, _J_22 = "rows 4-6, columns 1-3 of J", "rows 4-6, the other columns of J"
+_VOLUME = "manipulability sqrt(det(J J^T)), J of the task; |det J| if that is square"
 _RPY, _ZYZ = "analytic Jacobian for roll, pitch, yaw", "analytic Jacobian for Euler ZYZ"
 _DET_V, _DET_XY = "determinant of Jv of three joints", "determinant of Jxy of two joints"
 _DET_11, _DET_22 = "determinant of J_11", "determinant of J_22 of six joints"
@@ -120,6 +121,7 @@ _KINEMATIC = (
     Quantity("J", r"\mathbf{J}", "6xn", "", "geometric Jacobian, world frame"),
     Quantity("J_end", r"\mathbf{J}^n", "6xn", "", "geometric Jacobian, end-effector frame"),
     Quantity("J_dot", r"\dot{\mathbf{J}}", "6xn", "", "rate of change of J, world frame"),
+    Quantity("hessian", r"\partial \mathbf{J}/\partial q_i", "6xn", "", "derivative of J by q_i, world frame", (1,)),
     Quantity("J_rpy", r"\mathbf{J}_A", "6xn", "", _RPY, (0,), lambda m: m.J_analytic("rpy")),
     Quantity("J_zyz", r"\mathbf{J}_A", "6xn", "", _ZYZ, (0,), lambda m: m.J_analytic("zyz")),
     Quantity("Jv", r"\mathbf{J}_v", "3xn", "", "rows 1-3 of J: velocity", (0,), lambda m: m.J[:3, :]),
@@ -141,6 +143,7 @@ _KINEMATIC = (
         "detJ_22", r"\det \mathbf{J}_{22}", "", "", _DET_22, (0,), lambda m: m.det_J((4, 5, 6), (4, 5, 6)), range(6, 7),
     ),
     Quantity("detJ_rows", r"\det \mathbf{J}_{i,\ldots}", "", "", _ROWS, _SIX, lambda m, *of: m.det_J(of), range(1, 7)),
+    Quantity("manipulability", "w", "", "", _VOLUME, joints=range(1, 8)),
     Quantity("singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank, range(2, ANY.stop)),
     Quantity("inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE),
 )  # fmt: skip
@@ -179,12 +182,14 @@ _WORDS: Mapping[str, tuple[str, ...]] = {
     "J": ("jacobian", "jacob0"),
     "J_end": ("jacobe", "jacobian end", "end jacobian"),
     "J_dot": ("dJ/dt", "dot J", "jacobian dot"),
+    "hessian": ("jacobian hessian", "dJ/dq", "hessian0"),
     "J_rpy": ("analytic jacobian", "J_analytic", "J_A"),
     "J_zyz": ("analytic jacobian", "J_analytic", "J_A"),
     "Jv": ("linear jacobian", "J_P"),
     "Jw": ("angular jacobian", "J_O", "Jomega"),
     "detJ": ("determinant", "determinant of J", "jacobian determinant"),
     "detJv": ("detJ_P",),
+    "manipulability": ("yoshikawa", "manipulability measure", "manipulability index"),
     "singularities": ("singularity", "singular configurations"),
     "inverse": ("inverse kinematics", "ik", "ikine", "inverse solution", "inverse position"),
     "kinetic": ("kinetic energy", "energy", "K"),
@@ -210,6 +215,8 @@ _OF_FUNCTIONS = {
     "jacobian": ("J", "Jv", "Jw", "Jxy", "J_rows", "J_11", "J_12", "J_21", "J_22"),
     "jacobian_end": ("J_end",),
     "jacobian_dot": ("J_dot",),
+    "jacobian_hessian": ("hessian",),
+    "manipulability": ("manipulability",),
     "analytic_jacobian_rpy": ("J_rpy",),
     "analytic_jacobian_zyz": ("J_zyz",),
     "kinetic_energy": ("kinetic",),

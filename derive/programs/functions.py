@@ -17,6 +17,7 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column, Interface
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
 
@@ -102,6 +103,17 @@ ROWS = (
             "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
         ),
         kinematics.jacobian_rates,
+    ),
+    _row(
+        ("H = jacobian_hessian(q)", (6, "n", "n")),
+        (
+            "Derivatives of the geometric Jacobian with respect to q, in the world frame.",
+            "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
+        ),
+        kinematics.hessians,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        margin=POLICY.kinematics_margin,
+        search=False,
     ),
     *(
         _row(
@@ -224,6 +236,38 @@ ROWS = (
         dynamics.base_parameters,
         exists=_has_regressor,
         columns=dynamics.base_columns,
+    ),
+    # Last, so that what is traced before does not depend on them.
+    *(
+        _row(
+            (f"w = manipulability{'_' * (part != 'all')}{part.removeprefix('all')}(q)", ()),
+            (
+                f"Manipulability of the {what}.",
+                "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
+            ),
+            partial(kinematics.manipulabilities, part),
+            margin=1.0,
+            search=False,
+        )
+        for part, what in (("all", "task"), ("position", "position"), ("orientation", "orientation"))
+    ),
+    _row(
+        ("dw/dq = manipulability_dq(q)", ("n",)),
+        ("Gradient of the manipulability of the task.", "d w / d q_j; where w = 0 of an oblong J no finite numbers"),
+        kinematics.manipulability_gradients,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        search=False,
+    ),
+    _row(
+        ("Lambda = task_inertia(q)", ("m", "m")),
+        (
+            "Inertia that a force on the end effector meets in the task.",
+            "(J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank",
+        ),
+        dynamics.task_inertias,
+        exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
+        search=False,
+        without_value=dynamics.no_task_inertia,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

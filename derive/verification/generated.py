@@ -104,7 +104,7 @@ class CasadiModel:
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function of columns, for arguments (n,) or (samples, n).
 
-        CasADi knows matrices only: vectors are columns and link transforms lie side by side, 4 x 4n.
+        CasADi knows matrices only: vectors are columns and square matrices of a stack lie side by side, 4 x 4n.
         """
         handle = self.function(function)
         columns = [np.atleast_2d(argument).T for argument in arguments]
@@ -118,7 +118,8 @@ class CasadiModel:
         blocks: Array = stacked.reshape(stacked.shape[0], count, handle.size2_out(0)).transpose(1, 0, 2)
         axes = FUNCTIONS[function].axes
         if axes == 3:
-            blocks = blocks.reshape(count, 4, -1, 4).transpose(0, 2, 1, 3)
+            size = blocks.shape[1]
+            blocks = blocks.reshape(count, size, -1, size).transpose(0, 2, 1, 3)
         elif axes < 2 and blocks.shape[2] == 1:
             blocks = blocks[:, :, 0] if axes else blocks[:, 0, 0]
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]

@@ -60,6 +60,7 @@ class Bounds:
         # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
+        self.rows = arm.rows  # rows of J by part
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
@@ -78,6 +79,13 @@ class Bounds:
                 return self.jacobian
             case "jacobian_dot":
                 return self.jacobian * self.turning(rates[0])
+            case "jacobian_hessian":
+                return self.jacobian[..., None] * self.steepness
+            case "manipulability" | "manipulability_position" | "manipulability_orientation" | "manipulability_dq":
+                # the product of the lengths of as many rows as there are
+                rows = self.rows.get(function.partition("_")[2], self.rows["all"])
+                lengths = np.linalg.norm(self.jacobian[list(rows)], axis=1)
+                return np.asarray(np.prod(lengths) * (self.steepness if function == "manipulability_dq" else 1.0))
             case "inertia_matrix":
                 return self.inertia_matrix
             case "coriolis_matrix":
@@ -92,9 +100,9 @@ class Bounds:
                 return self.potential
             case "inverse_dynamics":
                 return self.torque(*rates)
-            case "inverse_dynamics_dq":  # an angle changes no term by more than the term's size
+            case "inverse_dynamics_dq":
                 rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
-                return np.outer(rigid, np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY)))
+                return np.outer(rigid, self.steepness)
             case "inverse_dynamics_dqd":
                 return 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
             case _:  # it is verified in a way of its own
@@ -105,6 +113,11 @@ class Bounds:
         """Bound of J, (6, n)."""
         linear = np.where(self.revolute, self.extent, 1.0)
         return np.vstack([np.tile(linear, (3, 1)), np.ones((3, len(linear)))])
+
+    @property
+    def steepness(self) -> Array:
+        """Bound of derivatives by q, (n,), of what has size 1: an angle changes no term by more than its size."""
+        return np.where(self.revolute, 1.0, 1.0 / max(self.reach, TINY))
 
     @property
     def inertia_matrix(self) -> Array:
@@ -130,7 +143,8 @@ class Bounds:
         A base rounded in the file to 0.7071 is no rotation: R (z x r) and (R z) x (R r), both the Jacobian, then differ
         by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
         """
-        steps = {"jacobian": 4.0, "jacobian_end": 8.0, "jacobian_dot": 8.0, **dict.fromkeys(ANGLES, 8.0)}
+        of_eight = ("jacobian_end", "jacobian_dot", "jacobian_hessian", *ANGLES)
+        steps = {"jacobian": 4.0, **dict.fromkeys(of_eight, 8.0)}
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
 

@@ -128,7 +128,8 @@ def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: 
         called += expected.called
         compared += expected.compared
         worst = max(worst, _worst_error(f"{function} of {model.file}", function, trial, expected))
-    reason = "singular angles" if function in ANGLES else "singular inertia matrix"
+    singular = "angles" if function in ANGLES else "Jacobian" if "manip" in function else "inertia matrix"
+    reason = f"singular {singular}"
     note = f"{called - compared} of {called} left out: {reason}" if compared < called else ""
     return VerifiedFunction(model.target, function, compared, worst, note)
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -603,6 +608,138 @@ void anthropomorphic_arm_jacobian_dot_batch(size_t count, const double *restrict
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void anthropomorphic_arm_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a2;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k1*ca3;
+    const double t2 = k1*sa3;
+    const double t3 = t1 + k2*c2;
+    const double t4 = c1*t3;
+    const double t5 = c1*t1;
+    const double t6 = c1*t2;
+    const double t7 = t2 + k2*s2;
+    const double t8 = c1*t7;
+    const double t9 = s1*t7;
+    const double t10 = s1*t2;
+    const double t11 = t3*s1;
+    const double t12 = t1*s1;
+    result[0] = -t4;
+    result[lanes] = t9;
+    result[2 * lanes] = t10;
+    result[3 * lanes] = t9;
+    result[4 * lanes] = -t4;
+    result[5 * lanes] = -t5;
+    result[6 * lanes] = t10;
+    result[7 * lanes] = -t5;
+    result[8 * lanes] = -t5;
+    result[9 * lanes] = -t11;
+    result[10 * lanes] = -t8;
+    result[11 * lanes] = -t6;
+    result[12 * lanes] = -t8;
+    result[13 * lanes] = -t11;
+    result[14 * lanes] = -t12;
+    result[15 * lanes] = -t6;
+    result[16 * lanes] = -t12;
+    result[17 * lanes] = -t12;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = -t7;
+    result[23 * lanes] = -t2;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = -t2;
+    result[26 * lanes] = -t2;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = c1;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = c1;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.0;
+    result[37 * lanes] = 0.0;
+    result[38 * lanes] = 0.0;
+    result[39 * lanes] = s1;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = s1;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = 0.0;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+}
+
+void anthropomorphic_arm_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3 * jacobian_hessian_lanes], sines[3 * jacobian_hessian_lanes], cosines[3 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(3 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void anthropomorphic_arm_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[3 * jacobian_hessian_lanes], result_block[54 * jacobian_hessian_lanes];
+        load(3, q + 3 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(54, result_block, jacobian_hessian_lanes, result + 54 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -777,6 +914,238 @@ void anthropomorphic_arm_analytic_jacobian_zyz_batch(size_t count, const double 
         load(3, q + 3 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(18, result_block, analytic_jacobian_zyz_lanes, result + 18 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_a2*p_a3;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    result[0] = fabs((c2*(k1 + k2*c3) - s2*(k2*s3))*(k3*s3));
+}
+
+void anthropomorphic_arm_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_lanes], sines[2 * manipulability_lanes], cosines[2 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(2 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[3 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a2;
+    k[1] = p_a3;
+    k[2] = p_a2*p_a3;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    result[0] = fabs((c2*(k1 + k2*c3) - s2*(k2*s3))*(k3*s3));
+}
+
+void anthropomorphic_arm_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_position_lanes], sines[2 * manipulability_position_lanes], cosines[2 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(2 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[3 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void anthropomorphic_arm_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void anthropomorphic_arm_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void anthropomorphic_arm_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a2;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k1*s3;
+    const double t2 = k1*c3;
+    const double t3 = k2 + t2;
+    const double t4 = t1*s2 - c2*t3;
+    const double t5 = k2*t1;
+    const double t6 = sign(t4*t5);
+    const double t7 = t5*t6;
+    const double t8 = t7*(c2*t1);
+    const double t9 = s2*t7;
+    result[0] = 0.0;
+    result[lanes] = t8 + t3*t9;
+    result[2 * lanes] = t8 + t2*(t9 + t6*(k2*t4));
+}
+
+void anthropomorphic_arm_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * manipulability_dq_lanes], sines[2 * manipulability_dq_lanes], cosines[2 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(2 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void anthropomorphic_arm_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[3 * manipulability_dq_lanes], result_block[3 * manipulability_dq_lanes];
+        load(3, q + 3 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(3, result_block, manipulability_dq_lanes, result + 3 * start, rows);
     }
 }
 

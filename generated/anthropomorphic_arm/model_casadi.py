@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q3, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,8 +18,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -41,8 +46,13 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 12, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "manipulability": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 14, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
 }
 GIVEN = ()
@@ -63,8 +73,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -257,6 +272,58 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a3*t3
+    c2 = cos(q2)
+    t6 = t4 + p_a2*c2
+    c1 = cos(q1)
+    t7 = c1*t6
+    t8 = c1*t4
+    t9 = c1*t5
+    s2 = sin(q2)
+    t10 = t5 + p_a2*s2
+    t11 = c1*t10
+    s1 = sin(q1)
+    t12 = s1*t10
+    t13 = s1*t5
+    t14 = t6*s1
+    t15 = t4*s1
+    return (
+        -t7, t12, t13,
+        t12, -t7, -t8,
+        t13, -t8, -t8,
+        -t14, -t11, -t9,
+        -t11, -t14, -t15,
+        -t9, -t15, -t15,
+        0.0, 0.0, 0.0,
+        0.0, -t10, -t5,
+        0.0, -t5, -t5,
+        0.0, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_a2, p_a3 = p
     return (
@@ -319,6 +386,85 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 1.0, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    s3 = sin(q3)
+    t1 = p_a3*s3
+    s2 = sin(q2)
+    c2 = cos(q2)
+    c3 = cos(q3)
+    t2 = p_a3*c3
+    t3 = p_a2 + t2
+    t4 = t1*s2 - c2*t3
+    t5 = p_a2*t1
+    t6 = sign(t4*t5)
+    t7 = t5*t6
+    t8 = t7*(c2*t1)
+    t9 = s2*t7
+    return (
+        0.0, t8 + t3*t9, t8 + t2*(t9 + t6*(p_a2*t4)),
     )
 
 
@@ -573,6 +719,17 @@ jacobian_dot = _function(
         0, 1,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -591,6 +748,46 @@ analytic_jacobian_zyz = _function(
     shape=(6, 3),
     kernel=_analytic_jacobian_zyz,
     hoisted=_analytic_jacobian_zyz_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(3,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
     needs=(
         0, 1,
     ),

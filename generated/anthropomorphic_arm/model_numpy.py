@@ -37,8 +37,13 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 22, "add": 12, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "jacobian_hessian": {"mul": 12, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 3, "div": 1, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 10, "add": 3, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "manipulability": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 14, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
 }
 GIVEN = ()
@@ -59,8 +64,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -158,6 +168,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 12 mul, 3 add, 3 sin, 3 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -190,6 +217,76 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 10 mul, 3 add, 3 sin, 3 cos.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 6 mul, 2 add, 2 sin, 2 cos.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 6 mul, 2 add, 2 sin, 2 cos.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 3):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 2, differentiated backwards: 14 mul, 5 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -433,6 +530,58 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a3*t2
+    t5 = p_a3*t3
+    c2 = cos(q2)
+    t6 = t4 + p_a2*c2
+    c1 = cos(q1)
+    t7 = c1*t6
+    t8 = c1*t4
+    t9 = c1*t5
+    s2 = sin(q2)
+    t10 = t5 + p_a2*s2
+    t11 = c1*t10
+    s1 = sin(q1)
+    t12 = s1*t10
+    t13 = s1*t5
+    t14 = t6*s1
+    t15 = t4*s1
+    return (
+        -t7, t12, t13,
+        t12, -t7, -t8,
+        t13, -t8, -t8,
+        -t14, -t11, -t9,
+        -t11, -t14, -t15,
+        -t9, -t15, -t15,
+        0.0, 0.0, 0.0,
+        0.0, -t10, -t5,
+        0.0, -t5, -t5,
+        0.0, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_a2, p_a3 = p
     return (
@@ -495,6 +644,85 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, 1.0, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a2, p_a3 = p
+    t1 = p_a2*p_a3
+    return (
+        p_a2, p_a3, t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a2, p_a3, k3 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t2 = absolute((c2*(p_a2 + p_a3*c3) - s2*(p_a3*s3))*(k3*s3))
+    return (
+        t2,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_a3, p_a2 = k
+    s3 = sin(q3)
+    t1 = p_a3*s3
+    s2 = sin(q2)
+    c2 = cos(q2)
+    c3 = cos(q3)
+    t2 = p_a3*c3
+    t3 = p_a2 + t2
+    t4 = t1*s2 - c2*t3
+    t5 = p_a2*t1
+    t6 = sign(t4*t5)
+    t7 = t5*t6
+    t8 = t7*(c2*t1)
+    t9 = s2*t7
+    return (
+        0.0, t8 + t3*t9, t8 + t2*(t9 + t6*(p_a2*t4)),
     )
 
 
@@ -1890,6 +2118,16 @@ _FUNCTIONS = {
             0, 1,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -1906,6 +2144,42 @@ _FUNCTIONS = {
         shape=(6, 3),
         kernel=_analytic_jacobian_zyz,
         hoisted=_analytic_jacobian_zyz_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(3,),
+        kernel=_manipulability_dq,
+        hoisted=_manipulability_dq_constants,
         needs=(
             0, 1,
         ),

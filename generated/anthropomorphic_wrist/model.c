@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -875,6 +880,351 @@ void anthropomorphic_wrist_jacobian_dot_batch(size_t count, const double *restri
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 16 };
+
+void anthropomorphic_wrist_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d4;
+    k[2] = p_a2;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*s5;
+    const double t2 = ca5*t1;
+    const double t3 = k1*c5;
+    const double t4 = k2 + t3;
+    const double t5 = c4*t2 + sa5*t4;
+    const double t6 = t5 + k3*c2;
+    const double t7 = c1*t5;
+    const double t8 = c1*t6;
+    const double t9 = t6*s1;
+    const double t10 = t5*s1;
+    const double t11 = s1*s4;
+    const double t12 = c4*sa5;
+    const double t13 = ca5*t4 - t1*t12;
+    const double t14 = s1*t13;
+    const double t15 = c1*t13;
+    const double t16 = t13 - k3*s2;
+    const double t17 = s1*t16;
+    const double t18 = c1*t16;
+    const double t19 = ca5*s1;
+    const double t20 = c1*c4 + s4*t19;
+    const double t21 = t1*t20;
+    const double t22 = c1*s4;
+    const double t23 = t22 - c4*t19;
+    const double t24 = sa5*s1;
+    const double t25 = t3*t23 + t1*t24;
+    const double t26 = sa5*s4;
+    const double t27 = c1*sa5;
+    const double t28 = c1*t26;
+    const double t29 = s1*t26;
+    const double t30 = t1*t26;
+    const double t31 = c1*t30;
+    const double t32 = s1*t30;
+    const double t33 = t2 + t3*t12;
+    const double t34 = c1*t33;
+    const double t35 = s1*t33;
+    const double t36 = t24*t33 - ca5*t25;
+    const double t37 = c1*ca5;
+    const double t38 = c4*s1 - s4*t37;
+    const double t39 = t11 + c4*t37;
+    const double t40 = t1*t38;
+    const double t41 = t3*t39 - t1*t27;
+    const double t42 = ca5*t41 + t33*t27;
+    const double t43 = s1*t21 - c1*t40;
+    const double t44 = s1*t25 - c1*t41;
+    const double t45 = t25*t27 + t24*t41;
+    const double t46 = c5*t24 - s5*t23;
+    const double t47 = ca5*c5 - s5*t12;
+    const double t48 = c1*t47;
+    const double t49 = c5*t27 + s5*t39;
+    const double t50 = s1*t47;
+    const double t51 = s1*t20 - c1*t38;
+    const double t52 = s1*t46 + c1*t49;
+    result[0] = -(t8 + t1*t11);
+    result[lanes] = -t17;
+    result[2 * lanes] = -t14;
+    result[3 * lanes] = t21;
+    result[4 * lanes] = t25;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = -t17;
+    result[7 * lanes] = -t8;
+    result[8 * lanes] = -t7;
+    result[9 * lanes] = t31;
+    result[10 * lanes] = -t34;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = -t14;
+    result[13 * lanes] = -t7;
+    result[14 * lanes] = -t7;
+    result[15 * lanes] = t31;
+    result[16 * lanes] = -t34;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = t21;
+    result[19 * lanes] = t31;
+    result[20 * lanes] = t31;
+    result[21 * lanes] = -(t24*t30 + ca5*t21);
+    result[22 * lanes] = t36;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = t25;
+    result[25 * lanes] = -t34;
+    result[26 * lanes] = -t34;
+    result[27 * lanes] = t36;
+    result[28 * lanes] = -(t20*t33 + t25*t26);
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = t1*t22 - t9;
+    result[37 * lanes] = t18;
+    result[38 * lanes] = t15;
+    result[39 * lanes] = t40;
+    result[40 * lanes] = t41;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = t18;
+    result[43 * lanes] = -t9;
+    result[44 * lanes] = -t10;
+    result[45 * lanes] = t32;
+    result[46 * lanes] = -t35;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = t15;
+    result[49 * lanes] = -t10;
+    result[50 * lanes] = -t10;
+    result[51 * lanes] = t32;
+    result[52 * lanes] = -t35;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = t40;
+    result[55 * lanes] = t32;
+    result[56 * lanes] = t32;
+    result[57 * lanes] = t30*t27 - ca5*t40;
+    result[58 * lanes] = -t42;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = t41;
+    result[61 * lanes] = -t35;
+    result[62 * lanes] = -t35;
+    result[63 * lanes] = -t42;
+    result[64 * lanes] = -(t26*t41 + t33*t38);
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = t16;
+    result[80 * lanes] = t13;
+    result[81 * lanes] = -t43;
+    result[82 * lanes] = -t44;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = t13;
+    result[86 * lanes] = t13;
+    result[87 * lanes] = -t43;
+    result[88 * lanes] = -t44;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = -t43;
+    result[92 * lanes] = -t43;
+    result[93 * lanes] = -(t21*t27 + t24*t40);
+    result[94 * lanes] = -t45;
+    result[95 * lanes] = 0.0;
+    result[96 * lanes] = 0.0;
+    result[97 * lanes] = -t44;
+    result[98 * lanes] = -t44;
+    result[99 * lanes] = -t45;
+    result[100 * lanes] = t20*t41 - t25*t38;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = 0.0;
+    result[106 * lanes] = 0.0;
+    result[107 * lanes] = 0.0;
+    result[108 * lanes] = 0.0;
+    result[109 * lanes] = 0.0;
+    result[110 * lanes] = 0.0;
+    result[111 * lanes] = 0.0;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = 0.0;
+    result[114 * lanes] = c1;
+    result[115 * lanes] = 0.0;
+    result[116 * lanes] = 0.0;
+    result[117 * lanes] = 0.0;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = c1;
+    result[121 * lanes] = 0.0;
+    result[122 * lanes] = 0.0;
+    result[123 * lanes] = 0.0;
+    result[124 * lanes] = 0.0;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = -t24;
+    result[127 * lanes] = t37;
+    result[128 * lanes] = t37;
+    result[129 * lanes] = 0.0;
+    result[130 * lanes] = 0.0;
+    result[131 * lanes] = 0.0;
+    result[132 * lanes] = t20;
+    result[133 * lanes] = t28;
+    result[134 * lanes] = t28;
+    result[135 * lanes] = -t39;
+    result[136 * lanes] = 0.0;
+    result[137 * lanes] = 0.0;
+    result[138 * lanes] = -t46;
+    result[139 * lanes] = t48;
+    result[140 * lanes] = t48;
+    result[141 * lanes] = ca5*t46 - t24*t47;
+    result[142 * lanes] = t20*t47 + t26*t46;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = 0.0;
+    result[147 * lanes] = 0.0;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+    result[150 * lanes] = s1;
+    result[151 * lanes] = 0.0;
+    result[152 * lanes] = 0.0;
+    result[153 * lanes] = 0.0;
+    result[154 * lanes] = 0.0;
+    result[155 * lanes] = 0.0;
+    result[156 * lanes] = s1;
+    result[157 * lanes] = 0.0;
+    result[158 * lanes] = 0.0;
+    result[159 * lanes] = 0.0;
+    result[160 * lanes] = 0.0;
+    result[161 * lanes] = 0.0;
+    result[162 * lanes] = t27;
+    result[163 * lanes] = t19;
+    result[164 * lanes] = t19;
+    result[165 * lanes] = 0.0;
+    result[166 * lanes] = 0.0;
+    result[167 * lanes] = 0.0;
+    result[168 * lanes] = t38;
+    result[169 * lanes] = t29;
+    result[170 * lanes] = t29;
+    result[171 * lanes] = t23;
+    result[172 * lanes] = 0.0;
+    result[173 * lanes] = 0.0;
+    result[174 * lanes] = t49;
+    result[175 * lanes] = t50;
+    result[176 * lanes] = t50;
+    result[177 * lanes] = t27*t47 - ca5*t49;
+    result[178 * lanes] = t38*t47 - t26*t49;
+    result[179 * lanes] = 0.0;
+    result[180 * lanes] = 0.0;
+    result[181 * lanes] = 0.0;
+    result[182 * lanes] = 0.0;
+    result[183 * lanes] = 0.0;
+    result[184 * lanes] = 0.0;
+    result[185 * lanes] = 0.0;
+    result[186 * lanes] = 0.0;
+    result[187 * lanes] = 0.0;
+    result[188 * lanes] = 0.0;
+    result[189 * lanes] = 0.0;
+    result[190 * lanes] = 0.0;
+    result[191 * lanes] = 0.0;
+    result[192 * lanes] = 0.0;
+    result[193 * lanes] = 0.0;
+    result[194 * lanes] = 0.0;
+    result[195 * lanes] = 0.0;
+    result[196 * lanes] = 0.0;
+    result[197 * lanes] = 0.0;
+    result[198 * lanes] = 0.0;
+    result[199 * lanes] = sa5;
+    result[200 * lanes] = sa5;
+    result[201 * lanes] = 0.0;
+    result[202 * lanes] = 0.0;
+    result[203 * lanes] = 0.0;
+    result[204 * lanes] = 0.0;
+    result[205 * lanes] = -t51;
+    result[206 * lanes] = -t51;
+    result[207 * lanes] = -t12;
+    result[208 * lanes] = 0.0;
+    result[209 * lanes] = 0.0;
+    result[210 * lanes] = 0.0;
+    result[211 * lanes] = t52;
+    result[212 * lanes] = t52;
+    result[213 * lanes] = t27*t46 - t24*t49;
+    result[214 * lanes] = t38*t46 + t20*t49;
+    result[215 * lanes] = 0.0;
+}
+
+void anthropomorphic_wrist_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5 * jacobian_hessian_lanes], sines[5 * jacobian_hessian_lanes], cosines[5 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(5 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void anthropomorphic_wrist_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[6 * jacobian_hessian_lanes], result_block[216 * jacobian_hessian_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(216, result_block, jacobian_hessian_lanes, result + 216 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -1182,6 +1532,340 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_batch(size_t count, const doubl
         load(6, q + 6 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(36, result_block, analytic_jacobian_zyz_lanes, result + 36 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void anthropomorphic_wrist_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double t1 = p_a2*p_d4;
+    k[0] = p_a2;
+    k[1] = p_d4;
+    k[2] = t1;
+    k[3] = p_d4*t1;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    result[0] = fabs(((k1 + k2*s3)*(k3*c2) + s2*(k4*c3))*(c3*s5));
+}
+
+void anthropomorphic_wrist_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3 * manipulability_lanes], sines[3 * manipulability_lanes], cosines[3 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(3 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void anthropomorphic_wrist_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void anthropomorphic_wrist_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_a2;
+    k[2] = p_d4;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = c4*(k1*s5);
+    const double t2 = s5*(k1*s4);
+    const double t3 = c4*t1 + s4*t2;
+    const double t4 = c3*s2 + c2*s3;
+    const double t5 = c2*c3 - s2*s3;
+    const double t6 = t2*t4;
+    const double t7 = t1*t1;
+    const double t8 = t1 + k2*c3;
+    const double t9 = t3*t3 + (t8*t8 + (t7 + t6*t6));
+    const double t10 = k1*c5;
+    const double t11 = t10*c4;
+    const double t12 = s4*t10;
+    const double t13 = k3 + t10;
+    const double t14 = t13 + k2*s3;
+    const double t15 = t4*t14 + t5*t8;
+    const double t16 = t5*t2;
+    const double t17 = t11*t12 - (t16*t15 + t2*t1);
+    const double t18 = t12*t12 + (t7 + t15*t15);
+    const double t19 = t13*t1 + (t11*t3 - (t16*t6 - t14*t8));
+    const double t20 = t15*t6 + t12*t3;
+    const double t21 = (t14*t14 + (t13*t13 + (t11*t11 + (t2*t2 + t16*t16))))*(t9*t18 - t20*t20);
+    const double t22 = fabs(t21 - (t9*(t17*t17) + t19*(t19*t18 - t20*(2.0*t17))));
+    result[0] = sqrt(t22);
+}
+
+void anthropomorphic_wrist_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_position_lanes], sines[4 * manipulability_position_lanes], cosines[4 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(4 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void anthropomorphic_wrist_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c5*s5;
+    const double t2 = c5*c5;
+    const double t3 = s4*t1;
+    const double t4 = c2*c3 - s2*s3;
+    const double t5 = c3*s2 + c2*s3;
+    const double t6 = t4*t5 - c4*t1;
+    const double t7 = t2*(c4*s4);
+    const double t8 = c4*c4;
+    const double t9 = s4*s4;
+    const double t10 = 1.0 - t2;
+    const double t11 = t4*t4 + (1.0 + t2);
+    const double t12 = t8*t10 + (t9 + t5*t5);
+    const double t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6);
+    result[0] = sqrt(fabs(t3*(t6*(2.0*t7) - t12*t3) - t13));
+}
+
+void anthropomorphic_wrist_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_orientation_lanes], sines[4 * manipulability_orientation_lanes], cosines[4 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(4 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void anthropomorphic_wrist_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void anthropomorphic_wrist_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_d4 = params[1];
+    k[0] = p_d4;
+    k[1] = p_a2;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = c2*s3 + s2*c3;
+    const double t2 = s3*s2 - c2*c3;
+    const double t3 = s5*c4;
+    const double t4 = k1*t3;
+    const double t5 = k2*c3;
+    const double t6 = k2*s3;
+    const double t7 = k1*c4;
+    const double t8 = t5*t7;
+    const double t9 = k1*s4;
+    const double t10 = s5*t9;
+    const double t11 = t5*t10;
+    const double t12 = t9*t11 + t4*t8;
+    const double t13 = t1*t6 - t5*t2;
+    const double t14 = s4*t13;
+    const double t15 = t8*t13;
+    const double t16 = sign(t3*t15 + (t1*t12 + t11*t14));
+    const double t17 = t3*t16;
+    const double t18 = t16*(t2*t12);
+    const double t19 = t1*t16;
+    const double t20 = t7*t19;
+    const double t21 = t9*t19 + t14*t16;
+    result[0] = 0.0;
+    result[lanes] = -(t18 + (t1*t5 + t2*t6)*(t16*(s4*t11) + t8*t17));
+    result[2 * lanes] = -(t18 + t6*(t17*(t7*t13) + (t10*t21 + t4*t20)));
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t16*(c4*t15) + (t21*(t5*t9) + t8*t20));
+    result[5 * lanes] = 0.0;
+}
+
+void anthropomorphic_wrist_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void anthropomorphic_wrist_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
     }
 }
 

@@ -49,8 +49,12 @@ enum {
     anthropomorphic_wrist_jacobian_constant_count = 3,
     anthropomorphic_wrist_jacobian_end_constant_count = 3,
     anthropomorphic_wrist_jacobian_dot_constant_count = 3,
+    anthropomorphic_wrist_jacobian_hessian_constant_count = 3,
     anthropomorphic_wrist_analytic_jacobian_rpy_constant_count = 3,
     anthropomorphic_wrist_analytic_jacobian_zyz_constant_count = 3,
+    anthropomorphic_wrist_manipulability_constant_count = 4,
+    anthropomorphic_wrist_manipulability_position_constant_count = 3,
+    anthropomorphic_wrist_manipulability_dq_constant_count = 2,
     anthropomorphic_wrist_inverse_kinematics_constant_count = 14,
     anthropomorphic_wrist_branches = 8, /**< Branches of inverse kinematics. */
     anthropomorphic_wrist_none = 0, /**< The branch does not exist. */
@@ -146,6 +150,23 @@ void anthropomorphic_wrist_jacobian_dot_batch(size_t count, const double *q, con
 void anthropomorphic_wrist_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 93 mul, 37 add, 5 sin, 5 cos.
+ */
+void anthropomorphic_wrist_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_jacobian_hessian, 3, from the parameters, 3. */
+void anthropomorphic_wrist_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -178,6 +199,71 @@ void anthropomorphic_wrist_analytic_jacobian_zyz_batch(size_t count, const doubl
 
 /** The constants of anthropomorphic_wrist_analytic_jacobian_zyz, 3, from the parameters, 3. */
 void anthropomorphic_wrist_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       4 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 7 mul, 2 add, 3 sin, 2 cos.
+ * Once per set of parameters: 2 mul.
+ */
+void anthropomorphic_wrist_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_manipulability, 4, from the parameters, 3. */
+void anthropomorphic_wrist_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 48 mul, 26 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void anthropomorphic_wrist_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_manipulability_position, 3, from the parameters, 3. */
+void anthropomorphic_wrist_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 26 mul, 14 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void anthropomorphic_wrist_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from manipulability_dq_constants().
+ * @param[out] result  dw/dq, 6: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 3, differentiated backwards: 46 mul, 15 add, 4 sin, 4 cos.
+ */
+void anthropomorphic_wrist_manipulability_dq(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_manipulability_dq, 2, from the parameters, 3. */
+void anthropomorphic_wrist_manipulability_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

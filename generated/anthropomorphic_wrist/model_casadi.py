@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -21,8 +21,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -53,8 +58,13 @@ OPERATIONS = {
     "jacobian": {"mul": 43, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 52, "add": 23, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 111, "add": 66, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 93, "add": 37, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 88, "add": 37, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 64, "add": 26, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 7, "add": 2, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 48, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 46, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 163, "add": 114, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 115},
 }
 GIVEN = ()
@@ -75,8 +85,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -410,6 +425,120 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d4, p_a2 = k
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    s5 = sin(q5)
+    t4 = p_d6*s5
+    t5 = t2*t4
+    c4 = cos(q4)
+    c5 = cos(q5)
+    t6 = p_d6*c5
+    t7 = p_d4 + t6
+    t8 = c4*t5 + t3*t7
+    c2 = cos(q2)
+    t9 = t8 + p_a2*c2
+    c1 = cos(q1)
+    t10 = c1*t8
+    t11 = c1*t9
+    s1 = sin(q1)
+    t12 = t9*s1
+    t13 = t8*s1
+    s4 = sin(q4)
+    t14 = s1*s4
+    t15 = c4*t3
+    t16 = t2*t7 - t4*t15
+    t17 = s1*t16
+    t18 = c1*t16
+    s2 = sin(q2)
+    t19 = t16 - p_a2*s2
+    t20 = s1*t19
+    t21 = c1*t19
+    t22 = t2*s1
+    t23 = c1*c4 + s4*t22
+    t24 = t4*t23
+    t25 = c1*s4
+    t26 = t25 - c4*t22
+    t27 = t3*s1
+    t28 = t6*t26 + t4*t27
+    t29 = t3*s4
+    t30 = c1*t3
+    t31 = c1*t29
+    t32 = s1*t29
+    t33 = t4*t29
+    t34 = c1*t33
+    t35 = s1*t33
+    t36 = t5 + t6*t15
+    t37 = c1*t36
+    t38 = s1*t36
+    t39 = t27*t36 - t2*t28
+    t40 = c1*t2
+    t41 = c4*s1 - s4*t40
+    t42 = t14 + c4*t40
+    t43 = t4*t41
+    t44 = t6*t42 - t4*t30
+    t45 = t2*t44 + t36*t30
+    t46 = s1*t24 - c1*t43
+    t47 = s1*t28 - c1*t44
+    t48 = t28*t30 + t27*t44
+    t49 = c5*t27 - s5*t26
+    t50 = t2*c5 - s5*t15
+    t51 = c1*t50
+    t52 = c5*t30 + s5*t42
+    t53 = s1*t50
+    t54 = s1*t23 - c1*t41
+    t55 = s1*t49 + c1*t52
+    return (
+        -(t11 + t4*t14), -t20, -t17, t24, t28, 0.0,
+        -t20, -t11, -t10, t34, -t37, 0.0,
+        -t17, -t10, -t10, t34, -t37, 0.0,
+        t24, t34, t34, -(t27*t33 + t2*t24), t39, 0.0,
+        t28, -t37, -t37, t39, -(t23*t36 + t28*t29), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t4*t25 - t12, t21, t18, t43, t44, 0.0,
+        t21, -t12, -t13, t35, -t38, 0.0,
+        t18, -t13, -t13, t35, -t38, 0.0,
+        t43, t35, t35, t33*t30 - t2*t43, -t45, 0.0,
+        t44, -t38, -t38, -t45, -(t29*t44 + t36*t41), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, t19, t16, -t46, -t47, 0.0,
+        0.0, t16, t16, -t46, -t47, 0.0,
+        0.0, -t46, -t46, -(t24*t30 + t27*t43), -t48, 0.0,
+        0.0, -t47, -t47, -t48, t23*t44 - t28*t41, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t27, t40, t40, 0.0, 0.0, 0.0,
+        t23, t31, t31, -t42, 0.0, 0.0,
+        -t49, t51, t51, t2*t49 - t27*t50, t23*t50 + t29*t49, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t30, t22, t22, 0.0, 0.0, 0.0,
+        t41, t32, t32, t26, 0.0, 0.0,
+        t52, t53, t53, t30*t50 - t2*t52, t41*t50 - t29*t52, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, t3, t3, 0.0, 0.0, 0.0,
+        0.0, -t54, -t54, -t15, 0.0, 0.0,
+        0.0, t55, t55, t30*t49 - t27*t52, t41*t49 + t23*t52, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_a2, p_d4, p_d6 = p
     return (
@@ -553,6 +682,151 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t35, t35, t26*t37 - t3, -t19*t28, 0.0,
         0.0, -t36, -t36, t22*t32 - t21*t33, -(t23*t32 + t16*t33), 0.0,
         0.0, t34, t34, t37, t16*t30 - t23*t31, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_a2, p_d4 = p
+    t1 = p_a2*p_d4
+    t2 = p_d4*t1
+    return (
+        p_a2, p_d4, t1, t2,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_a2, p_d4, k3, k4 = k
+    s3 = sin(q3)
+    c2 = cos(q2)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    s5 = sin(q5)
+    t3 = absolute(((p_a2 + p_d4*s3)*(k3*c2) + s2*(k4*c3))*(c3*s5))
+    return (
+        t3,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_a2, p_d4,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_a2, p_d4 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*(p_d6*s5)
+    s4 = sin(q4)
+    t2 = s5*(p_d6*s4)
+    t3 = c4*t1 + s4*t2
+    c3 = cos(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t4 = c3*s2 + c2*s3
+    t5 = c2*c3 - s2*s3
+    t6 = t2*t4
+    t7 = t1*t1
+    t8 = t1 + p_a2*c3
+    t9 = t3*t3 + (t8*t8 + (t7 + t6*t6))
+    c5 = cos(q5)
+    t10 = p_d6*c5
+    t11 = t10*c4
+    t12 = s4*t10
+    t13 = p_d4 + t10
+    t14 = t13 + p_a2*s3
+    t15 = t4*t14 + t5*t8
+    t16 = t5*t2
+    t17 = t11*t12 - (t16*t15 + t2*t1)
+    t18 = t12*t12 + (t7 + t15*t15)
+    t19 = t13*t1 + (t11*t3 - (t16*t6 - t14*t8))
+    t20 = t15*t6 + t12*t3
+    t21 = (t14*t14 + (t13*t13 + (t11*t11 + (t2*t2 + t16*t16))))*(t9*t18 - t20*t20)
+    t22 = absolute(t21 - (t9*(t17*t17) + t19*(t19*t18 - t20*(2.0*t17))))
+    return (
+        sqrt(t22),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = c5*s5
+    t2 = c5*c5
+    t3 = s4*t1
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t4 = c2*c3 - s2*s3
+    t5 = c3*s2 + c2*s3
+    c4 = cos(q4)
+    t6 = t4*t5 - c4*t1
+    t7 = t2*(c4*s4)
+    t8 = c4*c4
+    t9 = s4*s4
+    t10 = 1.0 - t2
+    t11 = t4*t4 + (1.0 + t2)
+    t12 = t8*t10 + (t9 + t5*t5)
+    t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6)
+    return (
+        sqrt(absolute(t3*(t6*(2.0*t7) - t12*t3) - t13)),
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a2, p_d4 = p
+    return (
+        p_d4, p_a2,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d4, p_a2 = k
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = s3*s2 - c2*c3
+    s5 = sin(q5)
+    c4 = cos(q4)
+    t3 = s5*c4
+    t4 = p_d4*t3
+    t5 = p_a2*c3
+    t6 = p_a2*s3
+    t7 = p_d4*c4
+    t8 = t5*t7
+    s4 = sin(q4)
+    t9 = p_d4*s4
+    t10 = s5*t9
+    t11 = t5*t10
+    t12 = t9*t11 + t4*t8
+    t13 = t1*t6 - t5*t2
+    t14 = s4*t13
+    t15 = t8*t13
+    t16 = sign(t3*t15 + (t1*t12 + t11*t14))
+    t17 = t3*t16
+    t18 = t16*(t2*t12)
+    t19 = t1*t16
+    t20 = t7*t19
+    t21 = t9*t19 + t14*t16
+    c5 = cos(q5)
+    return (
+        0.0, -(t18 + (t1*t5 + t2*t6)*(t16*(s4*t11) + t8*t17)), -(t18 + t6*(t17*(t7*t13) + (t10*t21 + t4*t20))),
+        0.0, c5*(t16*(c4*t15) + (t21*(t5*t9) + t8*t20)), 0.0,
     )
 
 
@@ -1169,6 +1443,17 @@ jacobian_dot = _function(
         0, 1, 2,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -1189,6 +1474,46 @@ analytic_jacobian_zyz = _function(
     hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
     ),
 )
 

@@ -35,8 +35,13 @@ OPERATIONS = {
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_hessian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
 GIVEN = ()
@@ -57,8 +62,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -159,6 +169,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 1, 1):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: 2 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -191,6 +218,76 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian, and the angles' rates: 2 mul, 1 sin, 1 cos.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    Once per set of parameters: 1 mul, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    Once per set of parameters: 1 mul, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 1):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 1, differentiated backwards: no operations.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -384,6 +481,29 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (q1,) = q
+    (p_a1,) = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -p_a1*c1,
+        -p_a1*s1,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     (p_a1,) = p
     return (
@@ -426,6 +546,50 @@ def _analytic_jacobian_zyz(functions, k, q):
         0.0,
         1.0,
         0.0,
+        0.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
         0.0,
     )
 
@@ -1733,6 +1897,16 @@ _FUNCTIONS = {
             1,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 1, 1),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            1,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -1752,6 +1926,38 @@ _FUNCTIONS = {
         needs=(
             1,
         ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            1,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            1,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(1,),
+        kernel=_manipulability_dq,
     ),
 }
 

@@ -463,6 +463,66 @@ void dh_general_laschi_jacobian_dot_batch(size_t count, const double *restrict q
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void dh_general_laschi_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    k[0] = p_a1;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles)
+{
+    const double q1 = q[0];
+    angles[0] = q1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double c1 = cosines[0];
+    const double k1 = k[0];
+    result[0] = -k1*c1;
+    result[lanes] = -k1*s1;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+}
+
+void dh_general_laschi_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    jacobian_hessian_angles(q, angles);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * jacobian_hessian_lanes], sines[1 * jacobian_hessian_lanes], cosines[1 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i);
+    sines_cosines(1 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes);
+}
+
+void dh_general_laschi_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[1 * jacobian_hessian_lanes], result_block[6 * jacobian_hessian_lanes];
+        load(1, q + 1 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(6, result_block, jacobian_hessian_lanes, result + 6 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -580,6 +640,144 @@ void dh_general_laschi_analytic_jacobian_zyz_batch(size_t count, const double *r
         load(1, q + 1 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(6, result_block, analytic_jacobian_zyz_lanes, result + 6 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void dh_general_laschi_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    k[0] = sqrt(p_a1*p_a1);
+}
+
+KERNEL void manipulability_lane(const double *restrict k, double *restrict result)
+{
+    const double k1 = k[0];
+    result[0] = k1;
+}
+
+void dh_general_laschi_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    manipulability_lane(k, result);
+}
+
+static void manipulability_block(const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(k, result + i);
+}
+
+void dh_general_laschi_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double result_block[1 * manipulability_lanes];
+        manipulability_block(k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void dh_general_laschi_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    k[0] = sqrt(p_a1*p_a1);
+}
+
+KERNEL void manipulability_position_lane(const double *restrict k, double *restrict result)
+{
+    const double k1 = k[0];
+    result[0] = k1;
+}
+
+void dh_general_laschi_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    manipulability_position_lane(k, result);
+}
+
+static void manipulability_position_block(const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(k, result + i);
+}
+
+void dh_general_laschi_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double result_block[1 * manipulability_position_lanes];
+        manipulability_position_block(k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 1.0;
+}
+
+void dh_general_laschi_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void dh_general_laschi_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void dh_general_laschi_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_dq_lane(result);
+}
+
+static void manipulability_dq_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(result + i);
+}
+
+void dh_general_laschi_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double result_block[1 * manipulability_dq_lanes];
+        manipulability_dq_block(result_block);
+        store(1, result_block, manipulability_dq_lanes, result + 1 * start, rows);
     }
 }
 

@@ -44,8 +44,11 @@ enum {
     dh_general_laschi_jacobian_constant_count = 1,
     dh_general_laschi_jacobian_end_constant_count = 4,
     dh_general_laschi_jacobian_dot_constant_count = 1,
+    dh_general_laschi_jacobian_hessian_constant_count = 1,
     dh_general_laschi_analytic_jacobian_rpy_constant_count = 1,
     dh_general_laschi_analytic_jacobian_zyz_constant_count = 1,
+    dh_general_laschi_manipulability_constant_count = 1,
+    dh_general_laschi_manipulability_position_constant_count = 1,
     dh_general_laschi_inverse_kinematics_constant_count = 11,
     dh_general_laschi_branches = 1, /**< Branches of inverse kinematics. */
     dh_general_laschi_none = 0, /**< The branch does not exist. */
@@ -144,6 +147,23 @@ void dh_general_laschi_jacobian_dot_batch(size_t count, const double *q, const d
 void dh_general_laschi_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 1 x 1, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: 2 mul, 1 sin, 1 cos.
+ */
+void dh_general_laschi_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of dh_general_laschi_jacobian_hessian, 1, from the parameters, 3. */
+void dh_general_laschi_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -176,6 +196,68 @@ void dh_general_laschi_analytic_jacobian_zyz_batch(size_t count, const double *q
 
 /** The constants of dh_general_laschi_analytic_jacobian_zyz, 1, from the parameters, 3. */
 void dh_general_laschi_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ * Once per set of parameters: 1 mul, 1 sqrt.
+ */
+void dh_general_laschi_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of dh_general_laschi_manipulability, 1, from the parameters, 3. */
+void dh_general_laschi_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ * Once per set of parameters: 1 mul, 1 sqrt.
+ */
+void dh_general_laschi_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of dh_general_laschi_manipulability_position, 1, from the parameters, 3. */
+void dh_general_laschi_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void dh_general_laschi_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 1: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: no operations.
+ */
+void dh_general_laschi_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_laschi_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -8,7 +8,7 @@ Order of the entries of q, qd, qdd and tau, columns of 1:
     1: q1, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 4: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 4, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -16,8 +16,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -39,8 +44,13 @@ OPERATIONS = {
     "jacobian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "jacobian_dot": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "jacobian_hessian": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "analytic_jacobian_zyz": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
 GIVEN = ()
@@ -61,8 +71,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -205,6 +220,29 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    (p_a1,) = p
+    return (
+        p_a1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (q1,) = q
+    (p_a1,) = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -p_a1*c1,
+        -p_a1*s1,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     (p_a1,) = p
     return (
@@ -247,6 +285,50 @@ def _analytic_jacobian_zyz(functions, k, q):
         0.0,
         1.0,
         0.0,
+        0.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_a1,) = p
+    t1 = sqrt(p_a1*p_a1)
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    (k1,) = k
+    return (
+        k1,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
         0.0,
     )
 
@@ -413,6 +495,17 @@ jacobian_dot = _function(
         1,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 1, 1),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        1,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -434,6 +527,42 @@ analytic_jacobian_zyz = _function(
     needs=(
         1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(1,),
+    kernel=_manipulability_dq,
 )
 
 

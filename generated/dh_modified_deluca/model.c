@@ -411,6 +411,42 @@ void dh_modified_deluca_jacobian_dot_batch(size_t count, const double *restrict 
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+KERNEL void jacobian_hessian_lane(double *restrict result, const size_t lanes)
+{
+    result[0] = 0.0;
+    result[lanes] = 0.0;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+}
+
+void dh_modified_deluca_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    jacobian_hessian_lane(result, 1);
+}
+
+static void jacobian_hessian_block(double *restrict result)
+{
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(result + i, jacobian_hessian_lanes);
+}
+
+void dh_modified_deluca_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double result_block[6 * jacobian_hessian_lanes];
+        jacobian_hessian_block(result_block);
+        store(6, result_block, jacobian_hessian_lanes, result + 6 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -517,6 +553,130 @@ void dh_modified_deluca_analytic_jacobian_zyz_batch(size_t count, const double *
         double result_block[6 * analytic_jacobian_zyz_lanes];
         analytic_jacobian_zyz_block(result_block);
         store(6, result_block, analytic_jacobian_zyz_lanes, result + 6 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void dh_modified_deluca_manipulability(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_lane(result);
+}
+
+static void manipulability_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(result + i);
+}
+
+void dh_modified_deluca_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double result_block[1 * manipulability_lanes];
+        manipulability_block(result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void dh_modified_deluca_manipulability_position(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_position_lane(result);
+}
+
+static void manipulability_position_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(result + i);
+}
+
+void dh_modified_deluca_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double result_block[1 * manipulability_position_lanes];
+        manipulability_position_block(result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 1.0;
+}
+
+void dh_modified_deluca_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void dh_modified_deluca_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void dh_modified_deluca_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_dq_lane(result);
+}
+
+static void manipulability_dq_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(result + i);
+}
+
+void dh_modified_deluca_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double result_block[1 * manipulability_dq_lanes];
+        manipulability_dq_block(result_block);
+        store(1, result_block, manipulability_dq_lanes, result + 1 * start, rows);
     }
 }
 

@@ -133,6 +133,19 @@ void dh_modified_deluca_jacobian_dot(const double *q, const double *qd, double *
 void dh_modified_deluca_jacobian_dot_batch(size_t count, const double *q, const double *qd, double *result);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  H, 6 x 1 x 1, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: no operations.
+ */
+void dh_modified_deluca_jacobian_hessian(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_jacobian_hessian_batch(size_t count, const double *q, double *result);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -162,6 +175,58 @@ void dh_modified_deluca_analytic_jacobian_zyz(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void dh_modified_deluca_analytic_jacobian_zyz_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void dh_modified_deluca_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void dh_modified_deluca_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void dh_modified_deluca_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 1: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: no operations.
+ */
+void dh_modified_deluca_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

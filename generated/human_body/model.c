@@ -43,6 +43,36 @@ KERNEL void store(size_t width, const double *restrict block, size_t lanes, doub
             rows[i * width + j] = block[j * lanes + i];
 }
 
+KERNEL double maximum(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+KERNEL double minimum(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/*
+ * The angle of the point (x, y), atan2, without branches: from the ratio of the smaller to the larger distance from the axes,
+ * for which a polynomial of least relative error stands up to tan(pi/8); beyond, the difference from pi/4 is computed.
+ * Less than 2 units in the last place off; of the origin it is 0.
+ */
+KERNEL double arctangent(double y, double x)
+{
+    const double a = fabs(x), b = fabs(y), large = a > b ? a : b, small = a > b ? b : a;
+    const double limit = 0.41421356237309503 * large;
+    const double top = small > limit ? small - large : small, bottom = small > limit ? small + large : large;
+    const double r = top / (bottom > 0.0 ? bottom : 1.0), z = r * r;
+    const double near = r + r * z * (-0.3333333333333333 + z * (0.1999999999999552 + z * (-0.14285714284666542
+        + z * (0.11111111015256361 + z * (-0.09090904578123903 + z * (0.07692183190826087 + z * (-0.06664511447381948
+        + z * (0.0585814891280221 + z * (-0.0508544973794026 + z * (0.03923165829558719
+        + z * -0.01917688711906226))))))))));
+    const double octant = small > limit ? 0.7853981633974483 + (near + 3.061616997868383e-17) : near;
+    const double quadrant = a < b ? (1.5707963267948966 - octant) + 6.123233995736766e-17 : octant;
+    return copysign(x < 0.0 ? (3.141592653589793 - quadrant) + 1.2246467991473532e-16 : quadrant, y);
+}
+
 /*
  * Sines and cosines of `count` angles, a multiple of GROUP, without branches: to the nearest multiple n of pi/2 by subtraction in
  * three parts (Cody and Waite), polynomials of least relative error on the rest, and back by the last bits of n.
@@ -3291,5 +3321,999 @@ void human_body_analytic_jacobian_zyz_batch(size_t count, const double *restrict
         load(21, q + 21 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(126, result_block, analytic_jacobian_zyz_lanes, result + 126 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void human_body_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_L1 = params[0];
+    const double p_L2 = params[1];
+    const double p_L3 = params[2];
+    const double p_L4 = params[3];
+    const double p_L5 = params[4];
+    const double p_L6 = params[5];
+    const double p_L7 = params[6];
+    const double p_L8 = params[7];
+    k[0] = p_L8;
+    k[1] = p_L7;
+    k[2] = p_L6;
+    k[3] = p_L5;
+    k[4] = p_L4;
+    k[5] = p_L1;
+    k[6] = p_L2;
+    k[7] = p_L3;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double q8 = q[7 * lanes];
+    const double q9 = q[8 * lanes];
+    const double q10 = q[9 * lanes];
+    const double q11 = q[10 * lanes];
+    const double q12 = q[11 * lanes];
+    const double q13 = q[12 * lanes];
+    const double q14 = q[13 * lanes];
+    const double q15 = q[14 * lanes];
+    const double q16 = q[15 * lanes];
+    const double q17 = q[16 * lanes];
+    const double q18 = q[17 * lanes];
+    const double q19 = q[18 * lanes];
+    const double q20 = q[19 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+    angles[6 * lanes] = q8;
+    angles[7 * lanes] = q9;
+    angles[8 * lanes] = q10;
+    angles[9 * lanes] = q11;
+    angles[10 * lanes] = q12;
+    angles[11 * lanes] = q13;
+    angles[12 * lanes] = q14;
+    angles[13 * lanes] = q15;
+    angles[14 * lanes] = q16;
+    angles[15 * lanes] = q17;
+    angles[16 * lanes] = q18;
+    angles[17 * lanes] = q19;
+    angles[18 * lanes] = q20;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double s8 = sines[6 * lanes];
+    const double s9 = sines[7 * lanes];
+    const double s10 = sines[8 * lanes];
+    const double s11 = sines[9 * lanes];
+    const double s12 = sines[10 * lanes];
+    const double s13 = sines[11 * lanes];
+    const double s14 = sines[12 * lanes];
+    const double s15 = sines[13 * lanes];
+    const double s16 = sines[14 * lanes];
+    const double s17 = sines[15 * lanes];
+    const double s18 = sines[16 * lanes];
+    const double s19 = sines[17 * lanes];
+    const double s20 = sines[18 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double c8 = cosines[6 * lanes];
+    const double c9 = cosines[7 * lanes];
+    const double c10 = cosines[8 * lanes];
+    const double c11 = cosines[9 * lanes];
+    const double c12 = cosines[10 * lanes];
+    const double c13 = cosines[11 * lanes];
+    const double c14 = cosines[12 * lanes];
+    const double c15 = cosines[13 * lanes];
+    const double c16 = cosines[14 * lanes];
+    const double c17 = cosines[15 * lanes];
+    const double c18 = cosines[16 * lanes];
+    const double c19 = cosines[17 * lanes];
+    const double c20 = cosines[18 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = c11*s12;
+    const double t2 = c13*t1 - s11*s13;
+    const double t3 = c11*c12;
+    const double t4 = c14*t2 + t3*s14;
+    const double t5 = s11*c13 + s13*t1;
+    const double t6 = c15*t4 - t5*s15;
+    const double t7 = t3*c14 - s14*t2;
+    const double t8 = s16*t6 - t7*c16;
+    const double t9 = t5*c15 + s15*t4;
+    const double t10 = s17*t8 + t9*c17;
+    const double t11 = t7*s16 + c16*t6;
+    const double t12 = t11*c18 - s18*t10;
+    const double t13 = s11*s12;
+    const double t14 = t13*c13 + c11*s13;
+    const double t15 = c12*s11;
+    const double t16 = c14*t14 + t15*s14;
+    const double t17 = c12*c13;
+    const double t18 = c11*c13 - t13*s13;
+    const double t19 = c12*s13;
+    const double t20 = t16*c15 + t18*s15;
+    const double t21 = t15*c14 - s14*t14;
+    const double t22 = s16*t20 - t21*c16;
+    const double t23 = t18*c15 - t16*s15;
+    const double t24 = s17*t22 - t23*c17;
+    const double t25 = t21*s16 + c16*t20;
+    const double t26 = t25*c18 - s18*t24;
+    const double t27 = k4*c12;
+    const double t28 = k5*c11 - k4*t13;
+    const double t29 = t28 - k3*t16;
+    const double t30 = t29 - k2*t25;
+    const double t31 = t30 - k1*t26;
+    const double t32 = k5*s11 + k4*t1;
+    const double t33 = t32 + k3*t4;
+    const double t34 = t33 + k2*t11;
+    const double t35 = t34 + k1*t12;
+    const double t36 = t12*t31 + t26*t35;
+    const double t37 = c9*s8;
+    const double t38 = s7*s9 - t37*c7;
+    const double t39 = s7*t37 + c7*s9;
+    const double t40 = c8*c9;
+    const double t41 = s6*t39 - t40*c6;
+    const double t42 = s5*t38 - t41*c5;
+    const double t43 = s5*t41 + c5*t38;
+    const double t44 = s6*t40 + c6*t39;
+    const double t45 = s4*t43 - t44*c4;
+    const double t46 = s4*t44 + c4*t43;
+    const double t47 = s2*t46 + c2*(c3*t42 + s3*t45);
+    const double t48 = s9*s10;
+    const double t49 = s8*c10 + c8*t48;
+    const double t50 = s8*t48 - c8*c10;
+    const double t51 = c9*s10;
+    const double t52 = c9*c10;
+    const double t53 = s7*t50 - c7*t51;
+    const double t54 = s6*t49 + c6*t53;
+    const double t55 = s6*t53 - c6*t49;
+    const double t56 = s7*t51 + c7*t50;
+    const double t57 = s5*t55 - c5*t56;
+    const double t58 = s4*t54 + c4*t57;
+    const double t59 = k8*c10;
+    const double t60 = t59 - k7*t56;
+    const double t61 = t60 + k6*t58;
+    const double t62 = s4*t57 - c4*t54;
+    const double t63 = s5*t56 + c5*t55;
+    const double t64 = s2*t58 - c2*(c3*t63 - s3*t62);
+    const double t65 = k7*t38;
+    const double t66 = t65 + k6*t46;
+    const double t67 = t47*t61 - t64*t66;
+    const double t68 = t42*s3 - c3*t45;
+    const double t69 = s3*t63 + c3*t62;
+    const double t70 = t61*t68 + t69*t66;
+    const double t71 = t46*t61 - t58*t66;
+    const double t72 = t42*t60 + t63*t65;
+    const double t73 = t44*t60 - t54*t65;
+    const double t74 = t73*t73 + (t72*t72 + (t71*t71 + (t67*t67 + t70*t70)));
+    const double t75 = t38*t60 + t56*t65;
+    const double t76 = t40*t59;
+    const double t77 = s9*t59;
+    const double t78 = t3*t28 + t15*t32;
+    const double t79 = t28*t5 - t18*t32;
+    const double t80 = t79*t79 + (t78*t78 + (t77*t77 + (t76*t76 + (t75*t75 + t74))));
+    const double t81 = t7*t29 + t21*t33;
+    const double t82 = t29*t9 - t23*t33;
+    const double t83 = t11*t30 + t25*t34;
+    const double t84 = t9*s17 - c17*t8;
+    const double t85 = t23*s17 + c17*t22;
+    const double t86 = t30*t84 - t85*t34;
+    const double t87 = t36*t36 + (t86*t86 + (t83*t83 + (t82*t82 + (t81*t81 + t80))));
+    const double t88 = c18*t10 + t11*s18;
+    const double t89 = t84*c19 + s19*t88;
+    const double t90 = c18*t24 + t25*s18;
+    const double t91 = t85*c19 - s19*t90;
+    const double t92 = t31*t89 - t91*t35;
+    const double t93 = t12*s20 + c20*(c19*t88 - t84*s19);
+    const double t94 = t26*s20 + c20*(c19*t90 + t85*s19);
+    const double t95 = t31*t93 + t94*t35;
+    const double t96 = t95*t95 + (t92*t92 + t87);
+    const double t97 = s12*c14 + s14*t17;
+    const double t98 = s12*s14 - c14*t17;
+    const double t99 = t98*c15 + t19*s15;
+    const double t100 = t97*s16 + c16*t99;
+    const double t101 = s16*t99 - t97*c16;
+    const double t102 = t19*c15 - t98*s15;
+    const double t103 = t27 - k3*t98;
+    const double t104 = s17*t101 - t102*c17;
+    const double t105 = t102*s17 + c17*t101;
+    const double t106 = t100*c18 - s18*t104;
+    const double t107 = c18*t104 + t100*s18;
+    const double t108 = t103 - k2*t100;
+    const double t109 = t108 - k1*t106;
+    const double t110 = t106*t35 + t12*t109;
+    const double t111 = s9*c10;
+    const double t112 = s8*s10 - c8*t111;
+    const double t113 = s8*t111 + c8*s10;
+    const double t114 = s7*t113 - c7*t52;
+    const double t115 = s6*t112 - c6*t114;
+    const double t116 = s6*t114 + c6*t112;
+    const double t117 = s7*t52 + c7*t113;
+    const double t118 = s5*t116 - c5*t117;
+    const double t119 = s4*t115 - c4*t118;
+    const double t120 = s4*t118 + c4*t115;
+    const double t121 = s5*t117 + c5*t116;
+    const double t122 = s2*t119 + c2*(c3*t121 - s3*t120);
+    const double t123 = s3*t121 + c3*t120;
+    const double t124 = k8*s10;
+    const double t125 = t124 + k7*t117;
+    const double t126 = t125 + k6*t119;
+    const double t127 = t122*t66 - t47*t126;
+    const double t128 = t123*t66 - t126*t68;
+    const double t129 = t119*t66 - t46*t126;
+    const double t130 = t121*t65 - t42*t125;
+    const double t131 = t115*t65 - t44*t125;
+    const double t132 = t131*t131 + (t130*t130 + (t129*t129 + (t127*t127 + t128*t128)));
+    const double t133 = t117*t65 - t38*t125;
+    const double t134 = t40*t124;
+    const double t135 = s9*t124;
+    const double t136 = s12*t32 + t3*t27;
+    const double t137 = t136*t136 + (t135*t135 + (t134*t134 + (t133*t133 + t132)));
+    const double t138 = t19*t32 - t27*t5;
+    const double t139 = t97*t33 + t7*t103;
+    const double t140 = t102*t33 - t103*t9;
+    const double t141 = t100*t34 + t11*t108;
+    const double t142 = t141*t141 + (t140*t140 + (t139*t139 + (t138*t138 + t137)));
+    const double t143 = t105*t34 - t108*t84;
+    const double t144 = t105*c19 - s19*t107;
+    const double t145 = t106*s20 + c20*(c19*t107 + t105*s19);
+    const double t146 = t144*t35 - t109*t89;
+    const double t147 = t145*t35 + t109*t93;
+    const double t148 = t147*t147 + (t146*t146 + (t110*t110 + (t143*t143 + t142)));
+    const double t149 = t73*t131 + (t72*t130 + (t71*t129 + (t67*t127 + t70*t128)));
+    const double t150 = t78*t136 - (t77*t135 + (t76*t134 - (t75*t133 + t149)));
+    const double t151 = t83*t141 - (t82*t140 - (t81*t139 - (t79*t138 - t150)));
+    const double t152 = t95*t147 - (t92*t146 - (t36*t110 - (t86*t143 - t151)));
+    const double t153 = t96*t148 - t152*t152;
+    const double t154 = t126*t64 - t61*t122;
+    const double t155 = t126*t69 + t61*t123;
+    const double t156 = t126*t58 - t119*t61;
+    const double t157 = t125*t63 + t60*t121;
+    const double t158 = t125*t54 - t115*t60;
+    const double t159 = t125*t56 + t117*t60;
+    const double t160 = t54*t158 + (t63*t157 + (t58*t156 + (t64*t154 + t69*t155)));
+    const double t161 = t124*t49 - t112*t59;
+    const double t162 = t124*t51 + t52*t59;
+    const double t163 = t27*t15 - s12*t28;
+    const double t164 = t27*t18 - t28*t19;
+    const double t165 = t15*t163 + (t51*t162 + (t49*t161 + (t56*t159 + t160)));
+    const double t166 = t21*t103 - t97*t29;
+    const double t167 = t103*t23 - t29*t102;
+    const double t168 = t25*t108 - t100*t30;
+    const double t169 = t108*t85 - t30*t105;
+    const double t170 = t25*t168 + (t23*t167 + (t21*t166 + (t18*t164 + t165)));
+    const double t171 = t26*t109 - t106*t31;
+    const double t172 = t109*t91 - t31*t144;
+    const double t173 = t109*t94 - t31*t145;
+    const double t174 = t94*t173 + (t91*t172 + (t26*t171 + (t85*t169 + t170)));
+    const double t175 = t54*t73 - (t63*t72 - (t58*t71 + (t64*t67 - t69*t70)));
+    const double t176 = t18*t79 - (t15*t78 - (t51*t77 - (t49*t76 - (t56*t75 - t175))));
+    const double t177 = t26*t36 - (t85*t86 - (t25*t83 - (t23*t82 - (t21*t81 - t176))));
+    const double t178 = t94*t95 - (t91*t92 - t177);
+    const double t179 = t54*t131 - (t63*t130 - (t58*t129 + (t64*t127 - t69*t128)));
+    const double t180 = t15*t136 + (t51*t135 - (t49*t134 + (t56*t133 - t179)));
+    const double t181 = t25*t141 + (t23*t140 + (t21*t139 + (t18*t138 + t180)));
+    const double t182 = t94*t147 + (t91*t146 + (t26*t110 + (t85*t143 + t181)));
+    const double t183 = t148*t178 - t152*t182;
+    const double t184 = t158*t73 - (t157*t72 - (t156*t71 + (t154*t67 - t155*t70)));
+    const double t185 = t163*t78 - (t162*t77 - (t161*t76 - (t159*t75 - t184)));
+    const double t186 = t168*t83 - (t167*t82 - (t166*t81 - (t164*t79 - t185)));
+    const double t187 = t173*t95 - (t172*t92 - (t171*t36 - (t169*t86 - t186)));
+    const double t188 = t152*t178 - t96*t182;
+    const double t189 = t158*t131 - (t157*t130 - (t156*t129 + (t154*t127 - t155*t128)));
+    const double t190 = t163*t136 + (t162*t135 - (t161*t134 + (t159*t133 - t189)));
+    const double t191 = t168*t141 + (t167*t140 + (t166*t139 + (t164*t138 + t190)));
+    const double t192 = t173*t147 + (t172*t146 + (t171*t110 + (t169*t143 + t191)));
+    const double t193 = t192*t188 + (t174*t153 - t187*t183);
+    const double t194 = t44*t54 - (t42*t63 - (t46*t58 + (t47*t64 - t68*t69)));
+    const double t195 = t3*t15 - (c11*s11 - (s9*t51 - (t40*t49 - (t38*t56 - t194))));
+    const double t196 = t84*t85 - (t11*t25 - (t9*t23 - (t7*t21 - (t5*t18 - t195))));
+    const double t197 = t93*t94 - (t89*t91 - (t12*t26 - t196));
+    const double t198 = t44*t158 - (t42*t157 - (t46*t156 + (t47*t154 - t68*t155)));
+    const double t199 = t5*t164 - (t3*t163 + (s9*t162 - (t40*t161 - (t38*t159 - t198))));
+    const double t200 = t12*t171 - (t84*t169 - (t11*t168 - (t9*t167 - (t7*t166 - t199))));
+    const double t201 = t93*t173 - (t89*t172 - t200);
+    const double t202 = t44*t73 + (t42*t72 + (t46*t71 + (t47*t67 + t68*t70)));
+    const double t203 = t115*t73 + (t121*t72 + (t119*t71 + (t122*t67 + t123*t70)));
+    const double t204 = t5*t79 + (t3*t78 - (s9*t77 + (t40*t76 + (t38*t75 + t202))));
+    const double t205 = t19*t79 - (s12*t78 - (t52*t77 + (t112*t76 + (t117*t75 + t203))));
+    const double t206 = t12*t36 + (t84*t86 + (t11*t83 + (t9*t82 + (t7*t81 + t204))));
+    const double t207 = t105*t86 - (t100*t83 - (t102*t82 - (t97*t81 - t205)));
+    const double t208 = t93*t95 + (t89*t92 + t206);
+    const double t209 = t145*t95 - (t144*t92 - (t106*t36 - t207));
+    const double t210 = t44*t131 + (t42*t130 + (t46*t129 + (t47*t127 + t68*t128)));
+    const double t211 = t115*t131 + (t121*t130 + (t119*t129 + (t122*t127 + t123*t128)));
+    const double t212 = s12*t136 + (t52*t135 + (t112*t134 - (t117*t133 + t211)));
+    const double t213 = t5*t138 - (t3*t136 + (s9*t135 + (t40*t134 - (t38*t133 + t210))));
+    const double t214 = t100*t141 + (t102*t140 + (t97*t139 + (t19*t138 + t212)));
+    const double t215 = t12*t110 - (t84*t143 - (t11*t141 - (t9*t140 - (t7*t139 - t213))));
+    const double t216 = t93*t147 - (t89*t146 - t215);
+    const double t217 = t145*t147 + (t144*t146 + (t106*t110 + (t105*t143 + t214)));
+    const double t218 = t148*t208 - t152*t216;
+    const double t219 = t152*t208 - t96*t216;
+    const double t220 = t192*t219 + (t201*t153 - t187*t218);
+    const double t221 = t54*t54 + (t63*t63 + (t58*t58 + (t64*t64 + t69*t69)));
+    const double t222 = t115*t54 - (t63*t121 - (t119*t58 + (t64*t122 - t69*t123)));
+    const double t223 = c11*c11 + (c10*c10 + (t51*t51 + (t49*t49 + (t56*t56 + t221))));
+    const double t224 = t15*s12 - (s10*c10 - (t52*t51 - (t112*t49 - (t117*t56 - t222))));
+    const double t225 = t25*t25 + (t23*t23 + (t21*t21 + (t18*t18 + (t15*t15 + t223))));
+    const double t226 = t85*t105 + (t25*t100 + (t23*t102 + (t21*t97 + (t18*t19 + t224))));
+    const double t227 = t94*t94 + (t91*t91 + (t26*t26 + (t85*t85 + t225)));
+    const double t228 = t94*t145 + (t91*t144 + (t26*t106 + t226));
+    const double t229 = t182*t208 - t178*t216;
+    const double t230 = t192*t229 + (t201*t183 - t174*t218);
+    const double t231 = t187*t229 + (t201*t188 - t174*t219);
+    const double t232 = t182*t231 - (t178*t230 + (t197*t193 - t227*t220));
+    const double t233 = t121*t121 + (t119*t119 + (t123*t123 + (1.0 + t122*t122)));
+    const double t234 = t52*t52 + (t112*t112 + (t117*t117 + (t115*t115 + t233)));
+    const double t235 = t102*t102 + (t97*t97 + (t19*t19 + (s12*s12 + (s10*s10 + t234))));
+    const double t236 = t144*t144 + (t106*t106 + (t105*t105 + (t100*t100 + t235)));
+    const double t237 = t145*t145 + t236;
+    const double t238 = t115*t158 - (t121*t157 - (t119*t156 + (t122*t154 - t123*t155)));
+    const double t239 = t158*t158 + (t157*t157 + (t156*t156 + (t154*t154 + t155*t155)));
+    const double t240 = t44*t44 + (t42*t42 + (t46*t46 + (t68*t68 + (1.0 + t47*t47))));
+    const double t241 = t44*t115 + (t42*t121 + (t46*t119 + (t47*t122 + t68*t123)));
+    const double t242 = s12*t163 + (t52*t162 - (t112*t161 - (t117*t159 - t238)));
+    const double t243 = t163*t163 + (t162*t162 + (t161*t161 + (t159*t159 + t239)));
+    const double t244 = t3*t3 + (s11*s11 + (s9*s9 + (t40*t40 + (t38*t38 + t240))));
+    const double t245 = t5*t19 - (t3*s12 + (s9*t52 + (t40*t112 + (t38*t117 + t241))));
+    const double t246 = t100*t168 + (t102*t167 + (t97*t166 + (t19*t164 + t242)));
+    const double t247 = t168*t168 + (t167*t167 + (t166*t166 + (t164*t164 + t243)));
+    const double t248 = t84*t84 + (t11*t11 + (t9*t9 + (t7*t7 + (t5*t5 + t244))));
+    const double t249 = t12*t106 - (t84*t105 - (t11*t100 - (t9*t102 - (t7*t97 - t245))));
+    const double t250 = t145*t173 + (t144*t172 + (t106*t171 + (t105*t169 + t246)));
+    const double t251 = t173*t173 + (t172*t172 + (t171*t171 + (t169*t169 + t247)));
+    const double t252 = t93*t145 - (t89*t144 - t249);
+    const double t253 = t148*t209 - t152*t217;
+    const double t254 = t152*t209 - t96*t217;
+    const double t255 = t192*t254 + (t153*t250 - t187*t253);
+    const double t256 = t216*t209 - t208*t217;
+    const double t257 = t192*t256 - (t201*t253 - t218*t250);
+    const double t258 = t187*t256 - (t201*t254 - t219*t250);
+    const double t259 = t182*t258 - (t178*t257 - (t197*t255 - t220*t228));
+    const double t260 = t182*t209 - t178*t217;
+    const double t261 = t192*t260 + (t183*t250 - t174*t253);
+    const double t262 = t174*t256 - (t201*t260 - t229*t250);
+    const double t263 = t182*t262 - (t227*t257 - (t197*t261 - t230*t228));
+    const double t264 = t187*t260 + (t188*t250 - t174*t254);
+    const double t265 = t178*t262 - (t227*t258 - (t197*t264 - t231*t228));
+    const double t266 = t201*(t217*t265 - (t209*t263 - (t237*t232 + t228*t259)));
+    const double t267 = t148*t187 - t152*t192;
+    const double t268 = t152*t187 - t96*t192;
+    const double t269 = t192*t268 + (t153*t251 - t187*t267);
+    const double t270 = t192*t208 - t187*t216;
+    const double t271 = t192*t270 + (t201*t267 - t218*t251);
+    const double t272 = t187*t270 + (t201*t268 - t219*t251);
+    const double t273 = t182*t272 - (t178*t271 + (t197*t269 - t174*t220));
+    const double t274 = t192*t209 - t187*t217;
+    const double t275 = t192*t274 + (t250*t267 - t253*t251);
+    const double t276 = t256*t251 - (t201*t274 - t250*t270);
+    const double t277 = t182*t276 - (t174*t257 - (t197*t275 - t228*t271));
+    const double t278 = t187*t274 + (t250*t268 - t254*t251);
+    const double t279 = t178*t276 - (t174*t258 - (t197*t278 - t228*t272));
+    const double t280 = t197*(t217*t279 - (t209*t277 - (t237*t273 + t250*t259)));
+    const double t281 = t178*t192 - t187*t182;
+    const double t282 = t192*t281 + (t174*t267 - t183*t251);
+    const double t283 = t187*t281 + (t174*t268 - t188*t251);
+    const double t284 = t229*t251 + (t201*t281 - t174*t270);
+    const double t285 = t260*t251 + (t250*t281 - t174*t274);
+    const double t286 = t182*t284 - (t174*t230 + (t197*t282 - t227*t271));
+    const double t287 = t208*(t228*t277 - (t250*t263 - t237*t286)) - (t266 - t280);
+    const double t288 = t182*t264 - (t178*t261 + (t193*t228 - t227*t255));
+    const double t289 = t182*t285 - (t174*t261 + (t228*t282 - t227*t275));
+    const double t290 = t182*t283 - (t178*t282 + (t227*t269 - t174*t193));
+    const double t291 = t182*t278 - (t178*t275 + (t228*t269 - t174*t255));
+    const double t292 = t178*t285 - (t174*t264 + (t228*t283 - t227*t278));
+    const double t293 = t256*(t174*t262 - (t227*t276 - (t197*t285 - t228*t284)));
+    const double t294 = t178*t284 - (t174*t231 + (t197*t283 - t227*t272));
+    const double t295 = t228*t291 - (t237*t290 + (t217*t292 + (t250*t288 - t209*t289)));
+    const double t296 = t293 - ((t93*t93 + (t89*t89 + (t12*t12 + t248)))*t295 + t287);
+    const double t297 = t290*t252 + (t201*t288 - (t197*t291 - (t216*t292 - t208*t289)));
+    const double t298 = t217*t294 - (t209*t286 - (t232*t250 - (t228*t273 - t297)));
+    const double t299 = t216*(t228*t279 - (t250*t265 - t237*t294)) - (t252*t298 - t296);
+    result[0] = sqrt(fabs(t299));
+}
+
+void human_body_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[19], sines[19], cosines[19];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 19; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 19; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[19 * manipulability_lanes], sines[19 * manipulability_lanes], cosines[19 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(19 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void human_body_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[21 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(21, q + 21 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void human_body_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_L1 = params[0];
+    const double p_L2 = params[1];
+    const double p_L3 = params[2];
+    const double p_L4 = params[3];
+    const double p_L5 = params[4];
+    const double p_L6 = params[5];
+    const double p_L7 = params[6];
+    const double p_L8 = params[7];
+    k[0] = p_L8;
+    k[1] = p_L7;
+    k[2] = p_L6;
+    k[3] = p_L5;
+    k[4] = p_L3;
+    k[5] = p_L2;
+    k[6] = p_L1;
+    k[7] = p_L4;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double q8 = q[7 * lanes];
+    const double q9 = q[8 * lanes];
+    const double q10 = q[9 * lanes];
+    const double q11 = q[10 * lanes];
+    const double q12 = q[11 * lanes];
+    const double q13 = q[12 * lanes];
+    const double q14 = q[13 * lanes];
+    const double q15 = q[14 * lanes];
+    const double q16 = q[15 * lanes];
+    const double q17 = q[16 * lanes];
+    const double q18 = q[17 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+    angles[6 * lanes] = q8;
+    angles[7 * lanes] = q9;
+    angles[8 * lanes] = q10;
+    angles[9 * lanes] = q11;
+    angles[10 * lanes] = q12;
+    angles[11 * lanes] = q13;
+    angles[12 * lanes] = q14;
+    angles[13 * lanes] = q15;
+    angles[14 * lanes] = q16;
+    angles[15 * lanes] = q17;
+    angles[16 * lanes] = q18;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double s8 = sines[6 * lanes];
+    const double s9 = sines[7 * lanes];
+    const double s10 = sines[8 * lanes];
+    const double s11 = sines[9 * lanes];
+    const double s12 = sines[10 * lanes];
+    const double s13 = sines[11 * lanes];
+    const double s14 = sines[12 * lanes];
+    const double s15 = sines[13 * lanes];
+    const double s16 = sines[14 * lanes];
+    const double s17 = sines[15 * lanes];
+    const double s18 = sines[16 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double c8 = cosines[6 * lanes];
+    const double c9 = cosines[7 * lanes];
+    const double c10 = cosines[8 * lanes];
+    const double c11 = cosines[9 * lanes];
+    const double c12 = cosines[10 * lanes];
+    const double c13 = cosines[11 * lanes];
+    const double c14 = cosines[12 * lanes];
+    const double c15 = cosines[13 * lanes];
+    const double c16 = cosines[14 * lanes];
+    const double c17 = cosines[15 * lanes];
+    const double c18 = cosines[16 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = c13*c12;
+    const double t2 = s12*c14 + s14*t1;
+    const double t3 = s12*s14 - c14*t1;
+    const double t4 = s13*c12;
+    const double t5 = c15*t3 + s15*t4;
+    const double t6 = s16*t2 + c16*t5;
+    const double t7 = s16*t5 - c16*t2;
+    const double t8 = c15*t4 - s15*t3;
+    const double t9 = k4*c12;
+    const double t10 = t9 - k3*t3;
+    const double t11 = t10 - k2*t6;
+    const double t12 = t11 - k1*(c18*t6 + s18*(c17*t8 - s17*t7));
+    const double t13 = t9 - t12;
+    const double t14 = t10 - t12;
+    const double t15 = t11 - t12;
+    const double t16 = t12 - k5*s10;
+    const double t17 = s9*c10;
+    const double t18 = s8*t17 + s10*c8;
+    const double t19 = c10*c9;
+    const double t20 = s7*t19 + t18*c7;
+    const double t21 = t16 - k6*t20;
+    const double t22 = s8*s10 - c8*t17;
+    const double t23 = s7*t18 - c7*t19;
+    const double t24 = s6*t22 - c6*t23;
+    const double t25 = s6*t23 + t22*c6;
+    const double t26 = s5*t25 - c5*t20;
+    const double t27 = s4*t24 - c4*t26;
+    const double t28 = t21 - k7*t27;
+    const double t29 = s10*s9;
+    const double t30 = s8*c10 + c8*t29;
+    const double t31 = s8*c9;
+    const double t32 = s8*t29 - c8*c10;
+    const double t33 = c8*c9;
+    const double t34 = s10*c9;
+    const double t35 = s7*t32 - c7*t34;
+    const double t36 = s6*t30 + c6*t35;
+    const double t37 = s6*t35 - c6*t30;
+    const double t38 = s7*t34 + c7*t32;
+    const double t39 = s5*t37 - c5*t38;
+    const double t40 = s4*t36 + c4*t39;
+    const double t41 = s4*t39 - c4*t36;
+    const double t42 = s5*t38 + c5*t37;
+    const double t43 = s2*t40 - c2*(c3*t42 - s3*t41);
+    const double t44 = s4*t26 + t24*c4;
+    const double t45 = s5*t20 + t25*c5;
+    const double t46 = s2*t27 + c2*(c3*t45 - s3*t44);
+    const double t47 = s11*s12;
+    const double t48 = c11*c13 - s13*t47;
+    const double t49 = c13*t47 + c11*s13;
+    const double t50 = s11*c12;
+    const double t51 = c11*c12;
+    const double t52 = c14*t49 + s14*t50;
+    const double t53 = c15*t48 - s15*t52;
+    const double t54 = c15*t52 + s15*t48;
+    const double t55 = c14*t50 - s14*t49;
+    const double t56 = s16*t54 - c16*t55;
+    const double t57 = s16*t55 + c16*t54;
+    const double t58 = k8*c11;
+    const double t59 = t58 - k4*t47;
+    const double t60 = t59 - k3*t52;
+    const double t61 = t60 - k2*t57;
+    const double t62 = t61 - k1*(c18*t57 + s18*(c17*t53 - s17*t56));
+    const double t63 = t59 - t62;
+    const double t64 = t60 - t62;
+    const double t65 = t61 - t62;
+    const double t66 = t62 + k5*c10;
+    const double t67 = t66 - k6*t38;
+    const double t68 = t67 + k7*t40;
+    const double t69 = t28*t43 + t46*t68;
+    const double t70 = t62*t62;
+    const double t71 = s3*t42 + c3*t41;
+    const double t72 = t45*s3 + c3*t44;
+    const double t73 = t28*t71 - t68*t72;
+    const double t74 = t28*t40 + t27*t68;
+    const double t75 = t21*t42 - t45*t67;
+    const double t76 = t21*t36 + t24*t67;
+    const double t77 = t76*t76 + (t75*t75 + (t74*t74 + (t73*t73 + (t70 + t69*t69))));
+    const double t78 = t21*t38 - t20*t67;
+    const double t79 = t16*t30 + t22*t66;
+    const double t80 = t16*t34 - t19*t66;
+    const double t81 = c10*t16 + s10*t66;
+    const double t82 = c11*t12;
+    const double t83 = t82*t82 + (t81*t81 + (t80*t80 + (t79*t79 + (t78*t78 + t77))));
+    const double t84 = t50*t13 - s12*t63;
+    const double t85 = t48*t13 - t4*t63;
+    const double t86 = t55*t14 - t2*t64;
+    const double t87 = t53*t14 - t8*t64;
+    const double t88 = t57*t15 - t6*t65;
+    const double t89 = t88*t88 + (t87*t87 + (t86*t86 + (t85*t85 + (t84*t84 + t83))));
+    const double t90 = s17*t53 + c17*t56;
+    const double t91 = s17*t8 + c17*t7;
+    const double t92 = t15*t90 - t65*t91;
+    const double t93 = t92*t92 + t89;
+    const double t94 = s9*s7 - c7*t31;
+    const double t95 = s7*t31 + s9*c7;
+    const double t96 = s6*t95 - c6*t33;
+    const double t97 = s5*t94 - c5*t96;
+    const double t98 = s5*t96 + c5*t94;
+    const double t99 = s6*t33 + c6*t95;
+    const double t100 = s4*t98 - c4*t99;
+    const double t101 = s4*t99 + c4*t98;
+    const double t102 = s3*t97 - c3*t100;
+    const double t103 = s2*t101 + c2*(c3*t97 + s3*t100);
+    const double t104 = c11*s12;
+    const double t105 = s11*c13 + t104*s13;
+    const double t106 = t104*c13 - s11*s13;
+    const double t107 = c14*t106 + s14*t51;
+    const double t108 = c14*t51 - t106*s14;
+    const double t109 = c15*t105 + t107*s15;
+    const double t110 = t107*c15 - s15*t105;
+    const double t111 = s16*t110 - t108*c16;
+    const double t112 = s16*t108 + c16*t110;
+    const double t113 = t109*s17 - c17*t111;
+    const double t114 = k8*s11;
+    const double t115 = t114 + k4*t104;
+    const double t116 = t115 + k3*t107;
+    const double t117 = t116 + k2*t112;
+    const double t118 = t117 + k1*(t112*c18 - s18*(c17*t109 + s17*t111));
+    const double t119 = c10*t118;
+    const double t120 = c11*(t114 - t118) - s11*(t58 - t62);
+    const double t121 = t115 - t118;
+    const double t122 = t116 - t118;
+    const double t123 = t117 - t118;
+    const double t124 = s10*t118;
+    const double t125 = s11*t12;
+    const double t126 = t118 + k6*t94;
+    const double t127 = t126 + k7*t101;
+    const double t128 = t68*t102 + t127*t71;
+    const double t129 = t127*t72 + t28*t102;
+    const double t130 = t103*t68 - t127*t43;
+    const double t131 = t101*t68 - t127*t40;
+    const double t132 = t46*t127 + t103*t28;
+    const double t133 = t27*t127 + t101*t28;
+    const double t134 = t97*t67 + t126*t42;
+    const double t135 = t45*t126 + t97*t21;
+    const double t136 = t134*t134 + (t131*t131 + (t128*t128 + (t70 + t130*t130)));
+    const double t137 = t99*t67 - t126*t36;
+    const double t138 = t94*t67 + t126*t38;
+    const double t139 = t24*t126 + t99*t21;
+    const double t140 = t20*t126 + t94*t21;
+    const double t141 = t33*t66 - t118*t30;
+    const double t142 = s9*t66 + t118*t34;
+    const double t143 = t22*t118 + t33*t16;
+    const double t144 = t19*t118 + s9*t16;
+    const double t145 = t142*t142 + (t141*t141 + (t138*t138 + (t137*t137 + t136)));
+    const double t146 = t51*t63 + t50*t121;
+    const double t147 = t105*t63 - t48*t121;
+    const double t148 = s12*t121 + t51*t13;
+    const double t149 = t4*t121 - t105*t13;
+    const double t150 = t147*t147 + (t146*t146 + (t120*t120 + (t119*t119 + t145)));
+    const double t151 = t108*t64 + t55*t122;
+    const double t152 = t109*t64 - t53*t122;
+    const double t153 = t2*t122 + t108*t14;
+    const double t154 = t8*t122 - t109*t14;
+    const double t155 = t112*t65 + t57*t123;
+    const double t156 = t65*t113 - t123*t90;
+    const double t157 = t6*t123 + t112*t15;
+    const double t158 = t123*t91 - t15*t113;
+    const double t159 = t156*t156 + (t155*t155 + (t152*t152 + (t151*t151 + t150)));
+    const double t160 = t137*t76 - (t134*t75 - (t131*t74 + (t130*t69 - t128*t73)));
+    const double t161 = t139*t76 - (t135*t75 - (t133*t74 + (t132*t69 - t129*t73)));
+    const double t162 = t139*t137 + (t135*t134 + (t133*t131 + (t132*t130 + t129*t128)));
+    const double t163 = t143*t143 + (t140*t140 + (t139*t139 + (t133*t133 + t135*t135)));
+    const double t164 = t119*t81 + (t142*t80 - (t141*t79 - (t138*t78 - t160)));
+    const double t165 = t124*t81 - (t144*t80 - (t143*t79 - (t140*t78 - t161)));
+    const double t166 = t124*t119 - (t144*t142 + (t143*t141 + (t140*t138 + t162)));
+    const double t167 = t148*t148 + (t125*t125 + (t124*t124 + (t144*t144 + t163)));
+    const double t168 = t151*t86 - (t147*t85 - (t146*t84 - (t120*t82 - t164)));
+    const double t169 = t157*t157 + (t154*t154 + (t153*t153 + (t149*t149 + t167)));
+    const double t170 = t156*t92 - (t155*t88 - (t152*t87 - t168));
+    const double t171 = t132*t132 + (t118*t118 + (t12*t12 + (t158*t158 + t169)));
+    const double t172 = t149*t85 + (t148*t84 - (t125*t82 + (t118*t62 + t165)));
+    const double t173 = t158*t92 + (t157*t88 + (t154*t87 + (t153*t86 + t172)));
+    const double t174 = t149*t147 - (t148*t146 + (t125*t120 + (t12*t62 - t166)));
+    const double t175 = t158*t156 - (t157*t155 - (t154*t152 - (t153*t151 - t174)));
+    const double t176 = (t129*t129 + t171)*(t93*t159 - t170*t170) - (t93*(t175*t175) + t173*(t173*t159 - t170*(2.0*t175)));
+    result[0] = sqrt(fabs(t176));
+}
+
+void human_body_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[17], sines[17], cosines[17];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 17; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 17; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[17 * manipulability_position_lanes], sines[17 * manipulability_position_lanes], cosines[17 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(17 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void human_body_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[21 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(21, q + 21 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double q8 = q[7 * lanes];
+    const double q9 = q[8 * lanes];
+    const double q10 = q[9 * lanes];
+    const double q11 = q[10 * lanes];
+    const double q12 = q[11 * lanes];
+    const double q13 = q[12 * lanes];
+    const double q14 = q[13 * lanes];
+    const double q15 = q[14 * lanes];
+    const double q16 = q[15 * lanes];
+    const double q17 = q[16 * lanes];
+    const double q18 = q[17 * lanes];
+    const double q19 = q[18 * lanes];
+    const double q20 = q[19 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+    angles[6 * lanes] = q8;
+    angles[7 * lanes] = q9;
+    angles[8 * lanes] = q10;
+    angles[9 * lanes] = q11;
+    angles[10 * lanes] = q12;
+    angles[11 * lanes] = q13;
+    angles[12 * lanes] = q14;
+    angles[13 * lanes] = q15;
+    angles[14 * lanes] = q16;
+    angles[15 * lanes] = q17;
+    angles[16 * lanes] = q18;
+    angles[17 * lanes] = q19;
+    angles[18 * lanes] = q20;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double s8 = sines[6 * lanes];
+    const double s9 = sines[7 * lanes];
+    const double s10 = sines[8 * lanes];
+    const double s11 = sines[9 * lanes];
+    const double s12 = sines[10 * lanes];
+    const double s13 = sines[11 * lanes];
+    const double s14 = sines[12 * lanes];
+    const double s15 = sines[13 * lanes];
+    const double s16 = sines[14 * lanes];
+    const double s17 = sines[15 * lanes];
+    const double s18 = sines[16 * lanes];
+    const double s19 = sines[17 * lanes];
+    const double s20 = sines[18 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double c8 = cosines[6 * lanes];
+    const double c9 = cosines[7 * lanes];
+    const double c10 = cosines[8 * lanes];
+    const double c11 = cosines[9 * lanes];
+    const double c12 = cosines[10 * lanes];
+    const double c13 = cosines[11 * lanes];
+    const double c14 = cosines[12 * lanes];
+    const double c15 = cosines[13 * lanes];
+    const double c16 = cosines[14 * lanes];
+    const double c17 = cosines[15 * lanes];
+    const double c18 = cosines[16 * lanes];
+    const double c19 = cosines[17 * lanes];
+    const double c20 = cosines[18 * lanes];
+    const double t1 = s12*c11;
+    const double t2 = s11*c13 + s13*t1;
+    const double t3 = c13*t1 - s13*s11;
+    const double t4 = c11*c12;
+    const double t5 = c14*t3 + t4*s14;
+    const double t6 = t2*c15 + s15*t5;
+    const double t7 = c15*t5 - t2*s15;
+    const double t8 = t4*c14 - s14*t3;
+    const double t9 = s16*t7 - t8*c16;
+    const double t10 = t6*s17 - c17*t9;
+    const double t11 = s17*t9 + t6*c17;
+    const double t12 = t8*s16 + c16*t7;
+    const double t13 = c18*t11 + t12*s18;
+    const double t14 = t10*c19 + s19*t13;
+    const double t15 = s12*s11;
+    const double t16 = c11*c13 - s13*t15;
+    const double t17 = c12*c13;
+    const double t18 = c13*t15 + c11*s13;
+    const double t19 = c12*s13;
+    const double t20 = c12*s11;
+    const double t21 = c14*t18 + s14*t20;
+    const double t22 = c15*t16 - s15*t21;
+    const double t23 = c15*t21 + s15*t16;
+    const double t24 = c14*t20 - s14*t18;
+    const double t25 = s16*t23 - c16*t24;
+    const double t26 = s17*t22 + c17*t25;
+    const double t27 = s17*t25 - c17*t22;
+    const double t28 = s16*t24 + c16*t23;
+    const double t29 = c18*t27 + s18*t28;
+    const double t30 = c19*t26 - s19*t29;
+    const double t31 = s10*s9;
+    const double t32 = s8*c10 + c8*t31;
+    const double t33 = s8*t31 - c8*c10;
+    const double t34 = s10*c9;
+    const double t35 = s7*t33 - c7*t34;
+    const double t36 = s6*t32 + c6*t35;
+    const double t37 = s6*t35 - c6*t32;
+    const double t38 = s7*t34 + c7*t33;
+    const double t39 = s5*t37 - c5*t38;
+    const double t40 = s4*t36 + c4*t39;
+    const double t41 = s4*t39 - c4*t36;
+    const double t42 = s5*t38 + c5*t37;
+    const double t43 = s2*t40 - c2*(c3*t42 - s3*t41);
+    const double t44 = s8*c9;
+    const double t45 = s9*s7 - c7*t44;
+    const double t46 = s7*t44 + s9*c7;
+    const double t47 = c8*c9;
+    const double t48 = c10*c9;
+    const double t49 = s6*t46 - c6*t47;
+    const double t50 = s5*t45 - c5*t49;
+    const double t51 = s5*t49 + c5*t45;
+    const double t52 = s6*t47 + c6*t46;
+    const double t53 = s4*t51 - c4*t52;
+    const double t54 = s4*t52 + c4*t51;
+    const double t55 = s2*t54 + c2*(c3*t50 + s3*t53);
+    const double t56 = s3*t50 - c3*t53;
+    const double t57 = s3*t42 + c3*t41;
+    const double t58 = t52*t36 - (t50*t42 - (t54*t40 + (t55*t43 - t56*t57)));
+    const double t59 = t4*t20 - (c11*s11 - (s9*t34 - (t47*t32 - (t45*t38 - t58))));
+    const double t60 = t10*t26 - (t12*t28 - (t6*t22 - (t8*t24 - (t2*t16 - t59))));
+    const double t61 = t12*c18 - s18*t11;
+    const double t62 = c18*t28 - s18*t27;
+    const double t63 = t61*s20 + c20*(c19*t13 - t10*s19);
+    const double t64 = s20*t62 + c20*(c19*t29 + s19*t26);
+    const double t65 = t63*t64 - (t14*t30 - (t61*t62 - t60));
+    const double t66 = s12*c14 + s14*t17;
+    const double t67 = s12*s14 - c14*t17;
+    const double t68 = c15*t67 + t19*s15;
+    const double t69 = t66*s16 + c16*t68;
+    const double t70 = s16*t68 - t66*c16;
+    const double t71 = t19*c15 - s15*t67;
+    const double t72 = s17*t70 - t71*c17;
+    const double t73 = t69*c18 - s18*t72;
+    const double t74 = c18*t72 + t69*s18;
+    const double t75 = t71*s17 + c17*t70;
+    const double t76 = t73*s20 + c20*(c19*t74 + t75*s19);
+    const double t77 = t75*c19 - s19*t74;
+    const double t78 = s9*c10;
+    const double t79 = s8*s10 - c8*t78;
+    const double t80 = s8*t78 + s10*c8;
+    const double t81 = s7*t80 - c7*t48;
+    const double t82 = s6*t79 - c6*t81;
+    const double t83 = s6*t81 + t79*c6;
+    const double t84 = s7*t48 + t80*c7;
+    const double t85 = s5*t83 - c5*t84;
+    const double t86 = s4*t82 - c4*t85;
+    const double t87 = s4*t85 + t82*c4;
+    const double t88 = s5*t84 + t83*c5;
+    const double t89 = s2*t86 + c2*(c3*t88 - s3*t87);
+    const double t90 = t88*s3 + c3*t87;
+    const double t91 = t82*t82 + (t88*t88 + (t86*t86 + (t90*t90 + (1.0 + t89*t89))));
+    const double t92 = s12*s12 + (s10*s10 + (t48*t48 + (t79*t79 + (t84*t84 + t91))));
+    const double t93 = t75*t75 + (t69*t69 + (t71*t71 + (t66*t66 + (t19*t19 + t92))));
+    const double t94 = t76*t76 + (t77*t77 + (t73*t73 + t93));
+    const double t95 = t82*t36 - (t88*t42 - (t86*t40 + (t89*t43 - t90*t57)));
+    const double t96 = t82*t52 + (t88*t50 + (t86*t54 + (t89*t55 + t90*t56)));
+    const double t97 = t36*t36 + (t42*t42 + (t40*t40 + (t43*t43 + t57*t57)));
+    const double t98 = c11*c11 + (c10*c10 + (t34*t34 + (t32*t32 + (t38*t38 + t97))));
+    const double t99 = s12*t20 - (s10*c10 - (t48*t34 - (t79*t32 - (t84*t38 - t95))));
+    const double t100 = t19*t2 - (s12*t4 + (s9*t48 + (t79*t47 + (t84*t45 + t96))));
+    const double t101 = t28*t28 + (t22*t22 + (t24*t24 + (t16*t16 + (t20*t20 + t98))));
+    const double t102 = t75*t26 + (t69*t28 + (t71*t22 + (t66*t24 + (t19*t16 + t99))));
+    const double t103 = t73*t61 - (t75*t10 - (t69*t12 - (t71*t6 - (t66*t8 - t100))));
+    const double t104 = t61*t61 + (t10*t10 + (t12*t12 + (t6*t6 + (t2*t2 + t8*t8))));
+    const double t105 = t76*t64 + (t77*t30 + (t73*t62 + t102));
+    const double t106 = t76*t63 - (t77*t14 - t103);
+    const double t107 = t64*t64 + (t30*t30 + (t62*t62 + (t26*t26 + t101)));
+    const double t108 = t50*t50 + (t52*t52 + (t45*t45 + (t63*t63 + (t14*t14 + t104))));
+    const double t109 = s11*s11 + (s9*s9 + (t55*t55 + (t56*t56 + (t54*t54 + t108))));
+    const double t110 = t107*t94 - t105*t105;
+    const double t111 = t65*(t65*t94 - t105*(2.0*t106)) - (t110 - t107*(t106*t106));
+    result[0] = sqrt(fabs(t110*(t4*t4 + (t47*t47 + t109)) - t111));
+}
+
+void human_body_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[19], sines[19], cosines[19];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 19; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 19; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[19 * manipulability_orientation_lanes], sines[19 * manipulability_orientation_lanes], cosines[19 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(19 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void human_body_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[21 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(21, q + 21 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
     }
 }

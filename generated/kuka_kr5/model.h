@@ -112,6 +112,19 @@ void kuka_kr5_jacobian_dot(const double *q, const double *qd, double *result);
 void kuka_kr5_jacobian_dot_batch(size_t count, const double *q, const double *qd, double *result);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 96 mul, 39 add, 5 sin, 5 cos.
+ */
+void kuka_kr5_jacobian_hessian(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_jacobian_hessian_batch(size_t count, const double *q, double *result);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -136,6 +149,58 @@ void kuka_kr5_analytic_jacobian_zyz(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void kuka_kr5_analytic_jacobian_zyz_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 14 mul, 8 add, 3 sin, 2 cos.
+ */
+void kuka_kr5_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 52 mul, 29 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void kuka_kr5_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 26 mul, 14 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void kuka_kr5_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 6: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 3, differentiated backwards: 66 mul, 29 add, 4 sin, 4 cos.
+ */
+void kuka_kr5_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

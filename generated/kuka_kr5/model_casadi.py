@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -21,8 +21,13 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
+    manipulability(q) -> w
+    manipulability_position(q) -> w
+    manipulability_orientation(q) -> w
+    manipulability_dq(q) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -57,8 +62,13 @@ OPERATIONS = {
     "jacobian": {"mul": 44, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 53, "add": 26, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 113, "add": 69, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 96, "add": 39, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 89, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 65, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 14, "add": 8, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 52, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 66, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 206, "add": 141, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 117},
 }
 GIVEN = ()
@@ -79,8 +89,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -380,6 +395,111 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    c5 = cos(q5)
+    t4 = 0.08*c5
+    t5 = 0.295 + t4
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t6 = 0.08*s5
+    t7 = 0.09 - c4*t6
+    t8 = t2*t5 + t3*t7
+    t9 = t2*t7 - t5*t3
+    s2 = sin(q2)
+    t10 = t8 + 0.27*s2
+    t11 = 0.075 + t10
+    c1 = cos(q1)
+    t12 = c1*t8
+    t13 = c1*t9
+    s1 = sin(q1)
+    t14 = s1*t9
+    t15 = t8*s1
+    s4 = sin(q4)
+    t16 = s1*s4
+    c2 = cos(q2)
+    t17 = t9 + 0.27*c2
+    t18 = s1*t17
+    t19 = c1*t17
+    t20 = t3*s1
+    t21 = c1*c4 - s4*t20
+    t22 = t6*t21
+    t23 = c1*s4
+    t24 = t23 + c4*t20
+    t25 = t2*s1
+    t26 = t4*t24 + t6*t25
+    t27 = t2*s4
+    t28 = c1*t27
+    t29 = s1*t27
+    t30 = t6*t27
+    t31 = c1*t30
+    t32 = s1*t30
+    t33 = t2*c4
+    t34 = c1*t2
+    t35 = t4*t33 - t3*t6
+    t36 = c1*t35
+    t37 = s1*t35
+    t38 = t25*t35 + t3*t26
+    t39 = c1*t3
+    t40 = c4*s1 + s4*t39
+    t41 = t16 - c4*t39
+    t42 = t6*t40
+    t43 = t4*t41 - t6*t34
+    t44 = t3*t43 - t35*t34
+    t45 = s1*t22 - c1*t42
+    t46 = s1*t26 - c1*t43
+    t47 = t26*t34 + t25*t43
+    t48 = c5*t25 - s5*t24
+    t49 = c5*t3 + s5*t33
+    t50 = c1*t49
+    t51 = c5*t34 + s5*t41
+    t52 = s1*t49
+    t53 = s1*t21 - c1*t40
+    t54 = s1*t48 + c1*t51
+    return (
+        -(c1*t11 + t6*t16), -t18, -t14, t22, t26, 0.0,
+        -t18, -c1*t10, -t12, t31, -t36, 0.0,
+        -t14, -t12, -t12, t31, -t36, 0.0,
+        t22, t31, t31, t3*t22 - t25*t30, t38, 0.0,
+        t26, -t36, -t36, t38, -(t21*t35 + t26*t27), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t6*t23 - t11*s1, t19, t13, t42, t43, 0.0,
+        t19, -t10*s1, -t15, t32, -t37, 0.0,
+        t13, -t15, -t15, t32, -t37, 0.0,
+        t42, t32, t32, t3*t42 + t30*t34, t44, 0.0,
+        t43, -t37, -t37, t44, -(t27*t43 + t35*t40), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t17, -t9, t45, t46, 0.0,
+        0.0, -t9, -t9, t45, t46, 0.0,
+        0.0, t45, t45, t22*t34 + t25*t42, t47, 0.0,
+        0.0, t46, t46, t47, t26*t40 - t21*t43, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t25, t39, t39, 0.0, 0.0, 0.0,
+        -t21, -t28, -t28, t41, 0.0, 0.0,
+        t48, t50, t50, t3*t48 - t25*t49, t21*t49 - t27*t48, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t34, t20, t20, 0.0, 0.0, 0.0,
+        -t40, -t29, -t29, -t24, 0.0, 0.0,
+        -t51, t52, t52, t34*t49 - t3*t51, t27*t51 + t40*t49, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, t2, t2, 0.0, 0.0, 0.0,
+        0.0, -t53, -t53, -t33, 0.0, 0.0,
+        0.0, t54, t54, t34*t48 - t25*t51, t40*t48 + t21*t51, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy(functions, k, q):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6 = q
@@ -509,6 +629,134 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t36, -t36, t4 - t27*t38, -t18*t29, 0.0,
         0.0, t37, t37, t22*t34 - t23*t33, t24*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, -t38, t24*t32 - t15*t31, -1.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    t1 = c3*c2 - s3*s2
+    t2 = s3*c2 + c3*s2
+    t3 = t1*(0.075*t1 + (0.295 - 0.27*s3)) + t2*(0.075*t2 + (0.09 + 0.27*c3))
+    s5 = sin(q5)
+    return (
+        absolute(t3*(s5*(0.07965*c3 + 0.0243*s3))),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    t1 = c2*c3 - s3*s2
+    t2 = c2*s3 + s2*c3
+    c5 = cos(q5)
+    t3 = 0.08*c5
+    t4 = 0.295 + t3
+    t5 = t4 - 0.27*s3
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t6 = c4*(0.08*s5)
+    s4 = sin(q4)
+    t7 = s5*(0.08*s4)
+    t8 = t7*t1
+    t9 = c4*t6 + s4*t7
+    t10 = s4*t3
+    t11 = t3*c4
+    t12 = 0.09 - c4*t9
+    t13 = t12 + 0.27*c3
+    t14 = t1*(t5 + 0.075*t1) + t2*(t13 + 0.075*t2)
+    t15 = t2*t7
+    t16 = t10*t10 + (t14*t14 + t6*t6)
+    t17 = t9*t9 + (t12*t12 + (t8*t8 + t13*t13))
+    t18 = t14*t8 + t9*t10
+    t19 = t4*t12 + (t5*t13 - (t15*t8 + t9*t11))
+    t20 = t11*t10 + (t15*t14 - t7*t6)
+    t21 = (t5*t5 + (t4*t4 + (t11*t11 + (t7*t7 + t15*t15))))*(t17*t16 - t18*t18)
+    t22 = t21 - (t17*(t20*t20) + t19*(t19*t16 + t18*(2.0*t20)))
+    return (
+        sqrt(absolute(t22)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = c5*s5
+    t2 = c5*c5
+    t3 = s4*t1
+    s2 = sin(q2)
+    c3 = cos(q3)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t4 = s2*c3 + c2*s3
+    t5 = c3*c2 - s2*s3
+    c4 = cos(q4)
+    t6 = t4*t5 + c4*t1
+    t7 = t2*(c4*s4)
+    t8 = c4*c4
+    t9 = s4*s4
+    t10 = 1.0 - t2
+    t11 = t4*t4 + (1.0 + t2)
+    t12 = t8*t10 + (t9 + t5*t5)
+    t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6)
+    return (
+        sqrt(absolute(t3*(t6*(2.0*t7) + t12*t3) + t13)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = c2*c3 - s3*s2
+    t3 = 0.27*s3
+    t4 = 0.27*c3
+    t5 = t2*(0.335*t1 + (t3 - 0.075*t2)) - t1*(0.075*t1 + (t4 + 0.335*t2))
+    s5 = sin(q5)
+    s4 = sin(q4)
+    t6 = 0.295*s4
+    t7 = s5*t6
+    t8 = s5*(0.09*s4)
+    t9 = t4*t7 + t3*t8
+    c4 = cos(q4)
+    t10 = c4*s5
+    t11 = 0.295*c4
+    t12 = 0.09*c4
+    t13 = t4*t11 + t12*t3
+    t14 = s4*t9 + t13*t10
+    t15 = t13*t2
+    t16 = 0.295*t10
+    t17 = t6*t2
+    t18 = sign(t9*t17 - (t14*(t5 - 0.09*t1) - t15*t16))
+    t19 = t16*t18
+    t20 = t14*t18
+    t21 = 0.09*t18
+    t22 = t20*(t4*t2)
+    t23 = t1*t20
+    t24 = t1*t21 - t5*t18
+    t25 = t10*t24 + t2*t19
+    t26 = t3*t23 + (t21*(t14*t2) + (t22 - t1*(t13*t19 + t18*(t6*t9))))
+    t27 = s4*t24 + t17*t18
+    t28 = t4*(t12*t25 + t8*t27) - (t3*(t7*t27 + (t23 + t11*t25)) + (t22 - t26))
+    t29 = (0.07965*c3 + 0.0243*s3)*(s4*t27) + (t18*(t11*t15) + t24*(c4*t13))
+    c5 = cos(q5)
+    return (
+        0.0, t26, t28, 0.0, c5*t29, 0.0,
     )
 
 
@@ -1109,6 +1357,13 @@ jacobian_dot = _function(
     shape=(6, 6),
     kernel=_jacobian_dot,
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -1122,6 +1377,34 @@ analytic_jacobian_zyz = _function(
     output="J_A",
     shape=(6, 6),
     kernel=_analytic_jacobian_zyz,
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
 )
 
 

@@ -940,6 +940,446 @@ void kuka_lwr4_jacobian_dot_batch(size_t count, const double *restrict q, const 
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 8 };
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+    angles[5 * lanes] = q6;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double s6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double c6 = cosines[5 * lanes];
+    const double t1 = c1*c2;
+    const double t2 = c3*t1 - s1*s3;
+    const double t3 = c1*s2;
+    const double t4 = c4*t2 + t3*s4;
+    const double t5 = c3*s1 + t1*s3;
+    const double t6 = c5*t4 - s5*t5;
+    const double t7 = t3*c4 - t2*s4;
+    const double t8 = s6*t6 + c6*t7;
+    const double t9 = c2*s1;
+    const double t10 = c1*c3 - s3*t9;
+    const double t11 = s2*c3;
+    const double t12 = c3*t9 + c1*s3;
+    const double t13 = s2*s3;
+    const double t14 = s2*s1;
+    const double t15 = c4*t12 + s4*t14;
+    const double t16 = c5*t10 - s5*t15;
+    const double t17 = c5*t5 + t4*s5;
+    const double t18 = c5*t15 + s5*t10;
+    const double t19 = c4*t14 - s4*t12;
+    const double t20 = s6*t18 + c6*t19;
+    const double t21 = c4*t11 - c2*s4;
+    const double t22 = c4*c2 + s4*t11;
+    const double t23 = c5*t21 - s5*t13;
+    const double t24 = c6*t22 - s6*t23;
+    const double t25 = c5*t13 + s5*t21;
+    const double t26 = 0.078*t24;
+    const double t27 = 0.078*t8;
+    const double t28 = 0.078*t20;
+    const double t29 = t27*t25 + t26*t17;
+    const double t30 = t26*t16 - t25*t28;
+    const double t31 = t17*t28 + t27*t16;
+    const double t32 = s1*t31;
+    const double t33 = c1*t31;
+    const double t34 = t7*t29 - t19*t30;
+    const double t35 = t5*t29 + t10*t30;
+    const double t36 = t3*t29 - t14*t30;
+    const double t37 = s1*t29 + c1*t30;
+    const double t38 = t7*t26 - t27*t22;
+    const double t39 = t22*t28 - t26*t19;
+    const double t40 = t5*t38 + t10*t39;
+    const double t41 = t3*t38 - t14*t39;
+    const double t42 = s1*t38 + c1*t39;
+    const double t43 = t27 + 0.39*t7;
+    const double t44 = t26 + 0.39*t22;
+    const double t45 = t43*t13 + t5*t44;
+    const double t46 = t28 + 0.39*t19;
+    const double t47 = t7*t28 - t27*t19;
+    const double t48 = s1*t47;
+    const double t49 = c1*t47;
+    const double t50 = t44*t10 - t13*t46;
+    const double t51 = t3*t45 - t14*t50;
+    const double t52 = s1*t45 + c1*t50;
+    const double t53 = c2*t43 - t3*t44;
+    const double t54 = t44*t14 - c2*t46;
+    const double t55 = s1*t53 + c1*t54;
+    const double t56 = t44 + 0.4*c2;
+    const double t57 = c1*t56;
+    const double t58 = s1*t56;
+    const double t59 = t22*t30 + t7*t31;
+    const double t60 = t13*t30 - t5*t31;
+    const double t61 = c2*t30 + t3*t31;
+    const double t62 = t13*t39 - t5*t47;
+    const double t63 = c2*t39 + t3*t47;
+    const double t64 = t5*t46 + t43*t10;
+    const double t65 = s1*t64;
+    const double t66 = c1*t64;
+    const double t67 = c2*t50 + t3*t64;
+    const double t68 = t3*t46 - t43*t14;
+    const double t69 = s1*t68;
+    const double t70 = c1*t68;
+    const double t71 = t43 + 0.4*t3;
+    const double t72 = t46 + 0.4*t14;
+    const double t73 = s1*t72 + c1*t71;
+    const double t74 = t22*t29 + t19*t31;
+    const double t75 = t10*t31 + t13*t29;
+    const double t76 = t14*t31 + c2*t29;
+    const double t77 = t10*t47 + t13*t38;
+    const double t78 = t14*t47 + c2*t38;
+    const double t79 = t14*t64 + c2*t45;
+    result[0] = t71;
+    result[lanes] = t58;
+    result[2 * lanes] = t53;
+    result[3 * lanes] = -t45;
+    result[4 * lanes] = -t38;
+    result[5 * lanes] = t29;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = t58;
+    result[8 * lanes] = c1*t73;
+    result[9 * lanes] = -t70;
+    result[10 * lanes] = -t66;
+    result[11 * lanes] = -t49;
+    result[12 * lanes] = t33;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = t53;
+    result[15 * lanes] = -t70;
+    result[16 * lanes] = c2*t53 - t14*t68;
+    result[17 * lanes] = -t79;
+    result[18 * lanes] = -t78;
+    result[19 * lanes] = t76;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = -t45;
+    result[22 * lanes] = -t66;
+    result[23 * lanes] = -t79;
+    result[24 * lanes] = t10*t64 + t13*t45;
+    result[25 * lanes] = t77;
+    result[26 * lanes] = -t75;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = -t38;
+    result[29 * lanes] = -t49;
+    result[30 * lanes] = -t78;
+    result[31 * lanes] = t77;
+    result[32 * lanes] = -(t22*t38 + t19*t47);
+    result[33 * lanes] = t74;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = t29;
+    result[36 * lanes] = t33;
+    result[37 * lanes] = t76;
+    result[38 * lanes] = -t75;
+    result[39 * lanes] = t74;
+    result[40 * lanes] = t27;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = 0.0;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = t72;
+    result[50 * lanes] = -t57;
+    result[51 * lanes] = -t54;
+    result[52 * lanes] = t50;
+    result[53 * lanes] = t39;
+    result[54 * lanes] = -t30;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = -t57;
+    result[57 * lanes] = s1*t73;
+    result[58 * lanes] = -t69;
+    result[59 * lanes] = -t65;
+    result[60 * lanes] = -t48;
+    result[61 * lanes] = t32;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = -t54;
+    result[64 * lanes] = -t69;
+    result[65 * lanes] = t3*t68 - c2*t54;
+    result[66 * lanes] = t67;
+    result[67 * lanes] = t63;
+    result[68 * lanes] = -t61;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = t50;
+    result[71 * lanes] = -t65;
+    result[72 * lanes] = t67;
+    result[73 * lanes] = t5*t64 - t13*t50;
+    result[74 * lanes] = -t62;
+    result[75 * lanes] = t60;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = t39;
+    result[78 * lanes] = -t48;
+    result[79 * lanes] = t63;
+    result[80 * lanes] = -t62;
+    result[81 * lanes] = t22*t39 + t7*t47;
+    result[82 * lanes] = -t59;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = -t30;
+    result[85 * lanes] = t32;
+    result[86 * lanes] = -t61;
+    result[87 * lanes] = t60;
+    result[88 * lanes] = -t59;
+    result[89 * lanes] = t28;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+    result[96 * lanes] = 0.0;
+    result[97 * lanes] = 0.0;
+    result[98 * lanes] = 0.0;
+    result[99 * lanes] = 0.0;
+    result[100 * lanes] = 0.0;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = 0.0;
+    result[106 * lanes] = -t56;
+    result[107 * lanes] = -t55;
+    result[108 * lanes] = t52;
+    result[109 * lanes] = t42;
+    result[110 * lanes] = -t37;
+    result[111 * lanes] = 0.0;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = -t55;
+    result[114 * lanes] = t3*t53 - t14*t54;
+    result[115 * lanes] = -t51;
+    result[116 * lanes] = -t41;
+    result[117 * lanes] = t36;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = t52;
+    result[121 * lanes] = -t51;
+    result[122 * lanes] = -(t5*t45 + t10*t50);
+    result[123 * lanes] = -t40;
+    result[124 * lanes] = t35;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = 0.0;
+    result[127 * lanes] = t42;
+    result[128 * lanes] = -t41;
+    result[129 * lanes] = -t40;
+    result[130 * lanes] = t19*t39 - t7*t38;
+    result[131 * lanes] = t34;
+    result[132 * lanes] = 0.0;
+    result[133 * lanes] = 0.0;
+    result[134 * lanes] = -t37;
+    result[135 * lanes] = t36;
+    result[136 * lanes] = t35;
+    result[137 * lanes] = t34;
+    result[138 * lanes] = -t26;
+    result[139 * lanes] = 0.0;
+    result[140 * lanes] = 0.0;
+    result[141 * lanes] = 0.0;
+    result[142 * lanes] = 0.0;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = 0.0;
+    result[147 * lanes] = 0.0;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+    result[150 * lanes] = 0.0;
+    result[151 * lanes] = 0.0;
+    result[152 * lanes] = 0.0;
+    result[153 * lanes] = 0.0;
+    result[154 * lanes] = c1;
+    result[155 * lanes] = 0.0;
+    result[156 * lanes] = 0.0;
+    result[157 * lanes] = 0.0;
+    result[158 * lanes] = 0.0;
+    result[159 * lanes] = 0.0;
+    result[160 * lanes] = 0.0;
+    result[161 * lanes] = t14;
+    result[162 * lanes] = -t1;
+    result[163 * lanes] = 0.0;
+    result[164 * lanes] = 0.0;
+    result[165 * lanes] = 0.0;
+    result[166 * lanes] = 0.0;
+    result[167 * lanes] = 0.0;
+    result[168 * lanes] = -t10;
+    result[169 * lanes] = c1*t13;
+    result[170 * lanes] = -t2;
+    result[171 * lanes] = 0.0;
+    result[172 * lanes] = 0.0;
+    result[173 * lanes] = 0.0;
+    result[174 * lanes] = 0.0;
+    result[175 * lanes] = t19;
+    result[176 * lanes] = -c1*t22;
+    result[177 * lanes] = c2*t19 - t22*t14;
+    result[178 * lanes] = t4;
+    result[179 * lanes] = 0.0;
+    result[180 * lanes] = 0.0;
+    result[181 * lanes] = 0.0;
+    result[182 * lanes] = t16;
+    result[183 * lanes] = -c1*t25;
+    result[184 * lanes] = c2*t16 - t25*t14;
+    result[185 * lanes] = t25*t10 - t13*t16;
+    result[186 * lanes] = t6;
+    result[187 * lanes] = 0.0;
+    result[188 * lanes] = 0.0;
+    result[189 * lanes] = t20;
+    result[190 * lanes] = -c1*t24;
+    result[191 * lanes] = c2*t20 - t24*t14;
+    result[192 * lanes] = t24*t10 - t13*t20;
+    result[193 * lanes] = t22*t20 - t24*t19;
+    result[194 * lanes] = t25*t20 - t24*t16;
+    result[195 * lanes] = 0.0;
+    result[196 * lanes] = 0.0;
+    result[197 * lanes] = 0.0;
+    result[198 * lanes] = 0.0;
+    result[199 * lanes] = 0.0;
+    result[200 * lanes] = 0.0;
+    result[201 * lanes] = 0.0;
+    result[202 * lanes] = 0.0;
+    result[203 * lanes] = s1;
+    result[204 * lanes] = 0.0;
+    result[205 * lanes] = 0.0;
+    result[206 * lanes] = 0.0;
+    result[207 * lanes] = 0.0;
+    result[208 * lanes] = 0.0;
+    result[209 * lanes] = 0.0;
+    result[210 * lanes] = -t3;
+    result[211 * lanes] = -t9;
+    result[212 * lanes] = 0.0;
+    result[213 * lanes] = 0.0;
+    result[214 * lanes] = 0.0;
+    result[215 * lanes] = 0.0;
+    result[216 * lanes] = 0.0;
+    result[217 * lanes] = -t5;
+    result[218 * lanes] = s1*t13;
+    result[219 * lanes] = -t12;
+    result[220 * lanes] = 0.0;
+    result[221 * lanes] = 0.0;
+    result[222 * lanes] = 0.0;
+    result[223 * lanes] = 0.0;
+    result[224 * lanes] = -t7;
+    result[225 * lanes] = -s1*t22;
+    result[226 * lanes] = t3*t22 - c2*t7;
+    result[227 * lanes] = t15;
+    result[228 * lanes] = 0.0;
+    result[229 * lanes] = 0.0;
+    result[230 * lanes] = 0.0;
+    result[231 * lanes] = t17;
+    result[232 * lanes] = -s1*t25;
+    result[233 * lanes] = c2*t17 + t3*t25;
+    result[234 * lanes] = t5*t25 - t13*t17;
+    result[235 * lanes] = t18;
+    result[236 * lanes] = 0.0;
+    result[237 * lanes] = 0.0;
+    result[238 * lanes] = -t8;
+    result[239 * lanes] = -s1*t24;
+    result[240 * lanes] = t3*t24 - c2*t8;
+    result[241 * lanes] = t8*t13 + t5*t24;
+    result[242 * lanes] = t7*t24 - t8*t22;
+    result[243 * lanes] = -(t24*t17 + t8*t25);
+    result[244 * lanes] = 0.0;
+    result[245 * lanes] = 0.0;
+    result[246 * lanes] = 0.0;
+    result[247 * lanes] = 0.0;
+    result[248 * lanes] = 0.0;
+    result[249 * lanes] = 0.0;
+    result[250 * lanes] = 0.0;
+    result[251 * lanes] = 0.0;
+    result[252 * lanes] = 0.0;
+    result[253 * lanes] = 0.0;
+    result[254 * lanes] = 0.0;
+    result[255 * lanes] = 0.0;
+    result[256 * lanes] = 0.0;
+    result[257 * lanes] = 0.0;
+    result[258 * lanes] = 0.0;
+    result[259 * lanes] = 0.0;
+    result[260 * lanes] = -s2;
+    result[261 * lanes] = 0.0;
+    result[262 * lanes] = 0.0;
+    result[263 * lanes] = 0.0;
+    result[264 * lanes] = 0.0;
+    result[265 * lanes] = 0.0;
+    result[266 * lanes] = 0.0;
+    result[267 * lanes] = s1*t10 - c1*t5;
+    result[268 * lanes] = -t11;
+    result[269 * lanes] = 0.0;
+    result[270 * lanes] = 0.0;
+    result[271 * lanes] = 0.0;
+    result[272 * lanes] = 0.0;
+    result[273 * lanes] = 0.0;
+    result[274 * lanes] = -(c1*t7 + s1*t19);
+    result[275 * lanes] = t3*t19 - t7*t14;
+    result[276 * lanes] = t21;
+    result[277 * lanes] = 0.0;
+    result[278 * lanes] = 0.0;
+    result[279 * lanes] = 0.0;
+    result[280 * lanes] = 0.0;
+    result[281 * lanes] = c1*t17 - s1*t16;
+    result[282 * lanes] = t3*t16 + t17*t14;
+    result[283 * lanes] = t5*t16 - t17*t10;
+    result[284 * lanes] = t23;
+    result[285 * lanes] = 0.0;
+    result[286 * lanes] = 0.0;
+    result[287 * lanes] = 0.0;
+    result[288 * lanes] = -(c1*t8 + s1*t20);
+    result[289 * lanes] = t3*t20 - t8*t14;
+    result[290 * lanes] = t8*t10 + t5*t20;
+    result[291 * lanes] = t7*t20 - t8*t19;
+    result[292 * lanes] = -(t8*t16 + t17*t20);
+    result[293 * lanes] = 0.0;
+}
+
+void kuka_lwr4_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, double *restrict result)
+{
+    double angles[6 * jacobian_hessian_lanes], sines[6 * jacobian_hessian_lanes], cosines[6 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(6 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, result + i, jacobian_hessian_lanes);
+}
+
+void kuka_lwr4_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[7 * jacobian_hessian_lanes], result_block[294 * jacobian_hessian_lanes];
+        load(7, q + 7 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, result_block);
+        store(294, result_block, jacobian_hessian_lanes, result + 294 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -1257,6 +1697,429 @@ void kuka_lwr4_analytic_jacobian_zyz_batch(size_t count, const double *restrict 
         load(7, q + 7 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, result_block);
         store(42, result_block, analytic_jacobian_zyz_lanes, result + 42 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = 0.4*c3;
+    const double t2 = 0.39*s4;
+    const double t3 = s6*(t2*s5);
+    const double t4 = t1*t3;
+    const double t5 = s4*s5;
+    const double t6 = s5*c4;
+    const double t7 = 0.39*c4;
+    const double t8 = t2*t5 + t7*t6;
+    const double t9 = c5*s6;
+    const double t10 = c5*t2;
+    const double t11 = t1*t10;
+    const double t12 = s4*c6 - c4*t9;
+    const double t13 = c4*c6 + s4*t9;
+    const double t14 = t7*t12 - t2*t13;
+    const double t15 = t4*t8 - t11*t14;
+    const double t16 = s4*t15;
+    const double t17 = s2*c3;
+    const double t18 = 0.4*t17;
+    const double t19 = 0.4*s3;
+    const double t20 = s2*t19;
+    const double t21 = t20*t3;
+    const double t22 = t10*t20;
+    const double t23 = t21*t8 - t22*t14;
+    const double t24 = t18*t11 + t19*t22;
+    const double t25 = t18*t4 + t19*t21;
+    const double t26 = s4*t24;
+    const double t27 = s4*t25;
+    const double t28 = s4*t23;
+    const double t29 = t24*t12 - (t25*t6 + (t17*t15 + s3*t23));
+    const double t30 = t26*t13 + (t27*t5 - (c2*t16 + c4*t29));
+    const double t31 = t28*t28 + (t30*t30 + (t29*t29 + (t26*t26 + t27*t27)));
+    result[0] = sqrt(t16*t16 + t31);
+}
+
+void kuka_lwr4_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_lanes], sines[5 * manipulability_lanes], cosines[5 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(5 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, result + i, manipulability_lanes);
+}
+
+void kuka_lwr4_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[7 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c5*s6;
+    const double t2 = 0.078*(c4*c6 + s4*t1);
+    const double t3 = 0.39*s4;
+    const double t4 = t3 + 0.078*(c6*s4 - c4*t1);
+    const double t5 = t3 - t4;
+    const double t6 = c4*t5 + s4*t2;
+    const double t7 = s2*c3;
+    const double t8 = t4 + 0.3105*t7;
+    const double t9 = t2 + 0.39*c4;
+    const double t10 = 0.4 + t9;
+    const double t11 = t10 + 0.3105*c2;
+    const double t12 = c2*t8 - t11*t7;
+    const double t13 = t4*t4;
+    const double t14 = s2*s3;
+    const double t15 = s3*t10;
+    const double t16 = t10*c3;
+    const double t17 = s5*(0.078*s6);
+    const double t18 = t17 + 0.3105*t14;
+    const double t19 = t18*t7 - t14*t8;
+    const double t20 = s3*t17 + c3*t4;
+    const double t21 = t14*t11 - c2*t18;
+    const double t22 = s4*s5;
+    const double t23 = c4*s5;
+    const double t24 = s4*t17;
+    const double t25 = c4*t17;
+    const double t26 = t22*t5 - t2*t23;
+    const double t27 = c5*t5 + t17*t23;
+    const double t28 = c5*t2 + t17*t22;
+    const double t29 = t26*t26 + (t6*t6 + (t15*t15 + (t13 + t12*t12)));
+    const double t30 = t27*t27 + (t24*t24 + (t20*t20 + (t13 + t19*t19)));
+    const double t31 = t27*t26 - (t24*t6 - (t19*t12 - t20*t15));
+    const double t32 = t28*t26 + (t25*t6 - (t17*t4 - (t21*t12 + t16*t15)));
+    const double t33 = t16*t16 + (t21*t21 + (t9*t9 + (t17*t17 + (t25*t25 + t28*t28))));
+    const double t34 = t9*t4 - (t28*t27 - (t25*t24 - (t21*t19 - t16*t20)));
+    const double t35 = t33*(t29*t30 - t31*t31) - (t29*(t34*t34) + t32*(t32*t30 + t31*(2.0*t34)));
+    result[0] = sqrt(fabs(t35));
+}
+
+void kuka_lwr4_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_position_lanes], sines[5 * manipulability_position_lanes], cosines[5 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(5 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, result + i, manipulability_position_lanes);
+}
+
+void kuka_lwr4_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[7 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c2*s2;
+    const double t2 = c2*c2;
+    const double t3 = s4*s5;
+    const double t4 = c5*s6;
+    const double t5 = s5*s6;
+    const double t6 = c4*s5;
+    const double t7 = c4*c6 + s4*t4;
+    const double t8 = s4*c6 - c4*t4;
+    const double t9 = t1*s3 - (t3*c5 - t7*t5);
+    const double t10 = s3*t2;
+    const double t11 = s3*t10;
+    const double t12 = t8*t8 + (t6*t6 + (s4*s4 + (t11 + (1.0 - t2))));
+    const double t13 = c3*t10 - (t6*c5 + t8*t5);
+    const double t14 = c3*t1 + (t7*t8 + (c4*s4 - t6*t3));
+    const double t15 = t5*t5 + (c5*c5 + (2.0 - t11));
+    const double t16 = t15*t12 - t13*t13;
+    const double t17 = t16*(t7*t7 + (t3*t3 + (t2 + c4*c4))) + (t16 - t15*(t14*t14));
+    result[0] = sqrt(fabs(t9*(t12*t9 + t13*(2.0*t14)) - t17));
+}
+
+void kuka_lwr4_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_orientation_lanes], sines[5 * manipulability_orientation_lanes], cosines[5 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(5 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void kuka_lwr4_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[7 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c4*c5;
+    const double t2 = s4*c6 - s6*t1;
+    const double t3 = 0.39*s4;
+    const double t4 = t3 + 0.078*t2;
+    const double t5 = s4*c5;
+    const double t6 = c6*c4 + s6*t5;
+    const double t7 = 0.39*c4;
+    const double t8 = t7 + 0.078*t6;
+    const double t9 = t4*t6 - t2*t8;
+    const double t10 = c5*t3;
+    const double t11 = 0.4*c3;
+    const double t12 = t11*t10;
+    const double t13 = s5*s6;
+    const double t14 = 0.078*t13;
+    const double t15 = t2*t14 - t13*t4;
+    const double t16 = t11*t15;
+    const double t17 = 0.39*s5;
+    const double t18 = t17*t16 - t9*t12;
+    const double t19 = s2*c3;
+    const double t20 = s2*s3;
+    const double t21 = 0.4*t20;
+    const double t22 = t10*t21;
+    const double t23 = t15*t21;
+    const double t24 = t17*t23 - t9*t22;
+    const double t25 = 0.4*t19;
+    const double t26 = 0.4*s3;
+    const double t27 = t12*t25 + t22*t26;
+    const double t28 = t16*t25 + t23*t26;
+    const double t29 = s5*c4;
+    const double t30 = t29*t28 + (t2*t27 + (t18*t19 + s3*t24));
+    const double t31 = s4*t18;
+    const double t32 = s4*t28;
+    const double t33 = s4*s5;
+    const double t34 = s4*t27;
+    const double t35 = t6*t34 - (t33*t32 - (t31*c2 - c4*t30));
+    const double t36 = s4*t24;
+    const double t37 = t36*t36 + (t35*t35 + (t30*t30 + (t34*t34 + t32*t32)));
+    const double t38 = 2.0*(1.0/(2.0*sqrt(t31*t31 + t37)));
+    const double t39 = t35*t38;
+    const double t40 = t36*t38;
+    const double t41 = t33*t39 - t32*t38;
+    const double t42 = c4*t39 - t30*t38;
+    const double t43 = s4*t41 + t29*t42;
+    const double t44 = t6*t39 + t34*t38;
+    const double t45 = c2*t39 + t31*t38;
+    const double t46 = t2*t42 - s4*t44;
+    const double t47 = t18*t42 + 0.4*(t16*t43 + t12*t46);
+    const double t48 = s4*t40 - s3*t42;
+    const double t49 = s4*t45 - t19*t42;
+    const double t50 = t17*t48 - t26*t43;
+    const double t51 = t9*t48 + t26*t46;
+    const double t52 = 0.4*(t15*t50 - t10*t51);
+    const double t53 = t9*t49 + t25*t46;
+    const double t54 = t22*t48 + t12*t49;
+    const double t55 = t17*t49 - t25*t43;
+    const double t56 = t25*t48 - t26*t49;
+    const double t57 = t10*t56;
+    const double t58 = t19*t52 + (t26*(t10*t53 - t15*t55) - (t42*(c3*t24) - t20*t47));
+    const double t59 = t23*t48 + t16*t49;
+    const double t60 = t15*t56;
+    const double t61 = t2*t54 - t13*t57;
+    const double t62 = 0.078*t61 + (t14*t57 + (t34*t39 - t4*t54));
+    const double t63 = c6*t62;
+    const double t64 = s6*t62;
+    const double t65 = t56*(c5*t7) - (t21*t50 + t11*t55);
+    const double t66 = t13*t65 - t6*t54;
+    const double t67 = t11*t53 + (t56*(t13*t8 - t14*t6) + t21*t51);
+    const double t68 = t3*t65 - t7*t57;
+    const double t69 = 0.078*t66 + (t8*t54 - (t27*t42 + t14*t65));
+    const double t70 = s6*t69;
+    const double t71 = c6*t69;
+    const double t72 = c4*(t28*t41 - (t27*t44 + (t24*t40 + (t71 + t18*t45))));
+    const double t73 = t1*t71 + (s4*t70 + (c4*t64 - (t68*(s5*c6) + t5*t63)));
+    const double t74 = t28*t42 - t7*t59;
+    const double t75 = t3*(t29*t59 + (t61 - c5*t60)) + (s4*(t63 - t30*t39) - (t5*t70 + t33*t74));
+    const double t76 = t32*t39 - t3*t59;
+    const double t77 = t29*t76 - (t7*(t33*t59 + (t66 - c5*t67)) - (t72 + t75));
+    const double t78 = t5*t76 - (s5*(t3*t67 + t7*t60) + (t68*(s6*c5) - t33*t64));
+    result[0] = 0.0;
+    result[lanes] = -(t39*(s2*t31) + c2*(c3*t47 - s3*t52));
+    result[2 * lanes] = t58 - t11*(t22*t46 + t23*t43);
+    result[3 * lanes] = t1*t64 - t77;
+    result[4 * lanes] = t29*t70 - t78 - t1*t74;
+    result[5 * lanes] = -t73;
+    result[6 * lanes] = 0.0;
+}
+
+void kuka_lwr4_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * manipulability_dq_lanes], sines[5 * manipulability_dq_lanes], cosines[5 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(5 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void kuka_lwr4_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[7 * manipulability_dq_lanes], result_block[7 * manipulability_dq_lanes];
+        load(7, q + 7 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(7, result_block, manipulability_dq_lanes, result + 7 * start, rows);
     }
 }
 

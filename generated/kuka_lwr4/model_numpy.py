@@ -44,8 +44,13 @@ OPERATIONS = {
     "jacobian": {"mul": 78, "add": 35, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian_end": {"mul": 78, "add": 37, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "jacobian_dot": {"mul": 195, "add": 117, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "jacobian_hessian": {"mul": 211, "add": 94, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 125, "add": 57, "div": 2, "sin": 7, "cos": 7, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 109, "add": 49, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
+    "manipulability": {"mul": 51, "add": 19, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability_position": {"mul": 76, "add": 45, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability_orientation": {"mul": 39, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability_dq": {"mul": 177, "add": 89, "div": 1, "sin": 5, "cos": 5, "sqrt": 1},
     "inverse_kinematics": {"mul": 269, "add": 184, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
 }
 GIVEN = ("q3",)
@@ -66,8 +71,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -164,6 +174,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 7, 7):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: 211 mul, 94 add, 6 sin, 6 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -196,6 +223,74 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 109 mul, 49 add, 2 div, 6 sin, 6 cos, 1 sqrt.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 51 mul, 19 add, 5 sin, 5 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 76 mul, 45 add, 5 sin, 5 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 39 mul, 25 add, 5 sin, 5 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 7):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 3, differentiated backwards: 177 mul, 89 add, 1 div, 5 sin, 5 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -631,6 +726,146 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    c1 = cos(q1)
+    c2 = cos(q2)
+    t1 = c1*c2
+    c3 = cos(q3)
+    s1 = sin(q1)
+    s3 = sin(q3)
+    t2 = c3*t1 - s1*s3
+    c4 = cos(q4)
+    s2 = sin(q2)
+    t3 = c1*s2
+    s4 = sin(q4)
+    t4 = c4*t2 + t3*s4
+    c5 = cos(q5)
+    t5 = c3*s1 + t1*s3
+    s5 = sin(q5)
+    t6 = c5*t4 - s5*t5
+    s6 = sin(q6)
+    t7 = t3*c4 - t2*s4
+    c6 = cos(q6)
+    t8 = s6*t6 + c6*t7
+    t9 = c2*s1
+    t10 = c1*c3 - s3*t9
+    t11 = s2*c3
+    t12 = c3*t9 + c1*s3
+    t13 = s2*s3
+    t14 = s2*s1
+    t15 = c4*t12 + s4*t14
+    t16 = c5*t10 - s5*t15
+    t17 = c5*t5 + t4*s5
+    t18 = c5*t15 + s5*t10
+    t19 = c4*t14 - s4*t12
+    t20 = s6*t18 + c6*t19
+    t21 = c4*t11 - c2*s4
+    t22 = c4*c2 + s4*t11
+    t23 = c5*t21 - s5*t13
+    t24 = c6*t22 - s6*t23
+    t25 = c5*t13 + s5*t21
+    t26 = 0.078*t24
+    t27 = 0.078*t8
+    t28 = 0.078*t20
+    t29 = t27*t25 + t26*t17
+    t30 = t26*t16 - t25*t28
+    t31 = t17*t28 + t27*t16
+    t32 = s1*t31
+    t33 = c1*t31
+    t34 = t7*t29 - t19*t30
+    t35 = t5*t29 + t10*t30
+    t36 = t3*t29 - t14*t30
+    t37 = s1*t29 + c1*t30
+    t38 = t7*t26 - t27*t22
+    t39 = t22*t28 - t26*t19
+    t40 = t5*t38 + t10*t39
+    t41 = t3*t38 - t14*t39
+    t42 = s1*t38 + c1*t39
+    t43 = t27 + 0.39*t7
+    t44 = t26 + 0.39*t22
+    t45 = t43*t13 + t5*t44
+    t46 = t28 + 0.39*t19
+    t47 = t7*t28 - t27*t19
+    t48 = s1*t47
+    t49 = c1*t47
+    t50 = t44*t10 - t13*t46
+    t51 = t3*t45 - t14*t50
+    t52 = s1*t45 + c1*t50
+    t53 = c2*t43 - t3*t44
+    t54 = t44*t14 - c2*t46
+    t55 = s1*t53 + c1*t54
+    t56 = t44 + 0.4*c2
+    t57 = c1*t56
+    t58 = s1*t56
+    t59 = t22*t30 + t7*t31
+    t60 = t13*t30 - t5*t31
+    t61 = c2*t30 + t3*t31
+    t62 = t13*t39 - t5*t47
+    t63 = c2*t39 + t3*t47
+    t64 = t5*t46 + t43*t10
+    t65 = s1*t64
+    t66 = c1*t64
+    t67 = c2*t50 + t3*t64
+    t68 = t3*t46 - t43*t14
+    t69 = s1*t68
+    t70 = c1*t68
+    t71 = t43 + 0.4*t3
+    t72 = t46 + 0.4*t14
+    t73 = s1*t72 + c1*t71
+    t74 = t22*t29 + t19*t31
+    t75 = t10*t31 + t13*t29
+    t76 = t14*t31 + c2*t29
+    t77 = t10*t47 + t13*t38
+    t78 = t14*t47 + c2*t38
+    t79 = t14*t64 + c2*t45
+    return (
+        t71, t58, t53, -t45, -t38, t29, 0.0,
+        t58, c1*t73, -t70, -t66, -t49, t33, 0.0,
+        t53, -t70, c2*t53 - t14*t68, -t79, -t78, t76, 0.0,
+        -t45, -t66, -t79, t10*t64 + t13*t45, t77, -t75, 0.0,
+        -t38, -t49, -t78, t77, -(t22*t38 + t19*t47), t74, 0.0,
+        t29, t33, t76, -t75, t74, t27, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t72, -t57, -t54, t50, t39, -t30, 0.0,
+        -t57, s1*t73, -t69, -t65, -t48, t32, 0.0,
+        -t54, -t69, t3*t68 - c2*t54, t67, t63, -t61, 0.0,
+        t50, -t65, t67, t5*t64 - t13*t50, -t62, t60, 0.0,
+        t39, -t48, t63, -t62, t22*t39 + t7*t47, -t59, 0.0,
+        -t30, t32, -t61, t60, -t59, t28, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t56, -t55, t52, t42, -t37, 0.0,
+        0.0, -t55, t3*t53 - t14*t54, -t51, -t41, t36, 0.0,
+        0.0, t52, -t51, -(t5*t45 + t10*t50), -t40, t35, 0.0,
+        0.0, t42, -t41, -t40, t19*t39 - t7*t38, t34, 0.0,
+        0.0, -t37, t36, t35, t34, -t26, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t14, -t1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t10, c1*t13, -t2, 0.0, 0.0, 0.0, 0.0,
+        t19, -c1*t22, c2*t19 - t22*t14, t4, 0.0, 0.0, 0.0,
+        t16, -c1*t25, c2*t16 - t25*t14, t25*t10 - t13*t16, t6, 0.0, 0.0,
+        t20, -c1*t24, c2*t20 - t24*t14, t24*t10 - t13*t20, t22*t20 - t24*t19, t25*t20 - t24*t16, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t3, -t9, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t5, s1*t13, -t12, 0.0, 0.0, 0.0, 0.0,
+        -t7, -s1*t22, t3*t22 - c2*t7, t15, 0.0, 0.0, 0.0,
+        t17, -s1*t25, c2*t17 + t3*t25, t5*t25 - t13*t17, t18, 0.0, 0.0,
+        -t8, -s1*t24, t3*t24 - c2*t8, t8*t13 + t5*t24, t7*t24 - t8*t22, -(t24*t17 + t8*t25), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -s2, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, s1*t10 - c1*t5, -t11, 0.0, 0.0, 0.0, 0.0,
+        0.0, -(c1*t7 + s1*t19), t3*t19 - t7*t14, t21, 0.0, 0.0, 0.0,
+        0.0, c1*t17 - s1*t16, t3*t16 + t17*t14, t5*t16 - t17*t10, t23, 0.0, 0.0,
+        0.0, -(c1*t8 + s1*t20), t3*t20 - t8*t14, t8*t10 + t5*t20, t7*t20 - t8*t19, -(t8*t16 + t17*t20), 0.0,
+    )
+
+
 def _analytic_jacobian_rpy(functions, k, q):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     q1, q2, q3, q4, q5, q6, q7 = q
@@ -779,6 +1014,240 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t19*t42, c2 - t19*t43, -(t17 + t19*t44), t16 - t19*t45, t31*t36, 0.0,
         0.0, c1*t40 + s1*t41, t3*t40 - t18*t41, -(t7*t40 + t24*t41), t6*t40 - t28*t41, t30*t40 + t27*t41, 0.0,
         0.0, -t42, t43, t44, t45, t30*t39 - t27*t38, 1.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    s4 = sin(q4)
+    c3 = cos(q3)
+    t1 = 0.4*c3
+    s6 = sin(q6)
+    t2 = 0.39*s4
+    s5 = sin(q5)
+    t3 = s6*(t2*s5)
+    t4 = t1*t3
+    t5 = s4*s5
+    c4 = cos(q4)
+    t6 = s5*c4
+    t7 = 0.39*c4
+    t8 = t2*t5 + t7*t6
+    c5 = cos(q5)
+    t9 = c5*s6
+    t10 = c5*t2
+    t11 = t1*t10
+    c6 = cos(q6)
+    t12 = s4*c6 - c4*t9
+    t13 = c4*c6 + s4*t9
+    t14 = t7*t12 - t2*t13
+    t15 = t4*t8 - t11*t14
+    t16 = s4*t15
+    s2 = sin(q2)
+    t17 = s2*c3
+    t18 = 0.4*t17
+    s3 = sin(q3)
+    t19 = 0.4*s3
+    t20 = s2*t19
+    t21 = t20*t3
+    t22 = t10*t20
+    t23 = t21*t8 - t22*t14
+    t24 = t18*t11 + t19*t22
+    t25 = t18*t4 + t19*t21
+    t26 = s4*t24
+    t27 = s4*t25
+    t28 = s4*t23
+    t29 = t24*t12 - (t25*t6 + (t17*t15 + s3*t23))
+    c2 = cos(q2)
+    t30 = t26*t13 + (t27*t5 - (c2*t16 + c4*t29))
+    t31 = t28*t28 + (t30*t30 + (t29*t29 + (t26*t26 + t27*t27)))
+    return (
+        sqrt(t16*t16 + t31),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    c6 = cos(q6)
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t1 = c5*s6
+    c4 = cos(q4)
+    t2 = 0.078*(c4*c6 + s4*t1)
+    t3 = 0.39*s4
+    t4 = t3 + 0.078*(c6*s4 - c4*t1)
+    t5 = t3 - t4
+    t6 = c4*t5 + s4*t2
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t7 = s2*c3
+    t8 = t4 + 0.3105*t7
+    c2 = cos(q2)
+    t9 = t2 + 0.39*c4
+    t10 = 0.4 + t9
+    t11 = t10 + 0.3105*c2
+    t12 = c2*t8 - t11*t7
+    t13 = t4*t4
+    s3 = sin(q3)
+    t14 = s2*s3
+    t15 = s3*t10
+    t16 = t10*c3
+    s5 = sin(q5)
+    t17 = s5*(0.078*s6)
+    t18 = t17 + 0.3105*t14
+    t19 = t18*t7 - t14*t8
+    t20 = s3*t17 + c3*t4
+    t21 = t14*t11 - c2*t18
+    t22 = s4*s5
+    t23 = c4*s5
+    t24 = s4*t17
+    t25 = c4*t17
+    t26 = t22*t5 - t2*t23
+    t27 = c5*t5 + t17*t23
+    t28 = c5*t2 + t17*t22
+    t29 = t26*t26 + (t6*t6 + (t15*t15 + (t13 + t12*t12)))
+    t30 = t27*t27 + (t24*t24 + (t20*t20 + (t13 + t19*t19)))
+    t31 = t27*t26 - (t24*t6 - (t19*t12 - t20*t15))
+    t32 = t28*t26 + (t25*t6 - (t17*t4 - (t21*t12 + t16*t15)))
+    t33 = t16*t16 + (t21*t21 + (t9*t9 + (t17*t17 + (t25*t25 + t28*t28))))
+    t34 = t9*t4 - (t28*t27 - (t25*t24 - (t21*t19 - t16*t20)))
+    t35 = t33*(t29*t30 - t31*t31) - (t29*(t34*t34) + t32*(t32*t30 + t31*(2.0*t34)))
+    return (
+        sqrt(absolute(t35)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t1 = c2*s2
+    t2 = c2*c2
+    s3 = sin(q3)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t3 = s4*s5
+    c5 = cos(q5)
+    c4 = cos(q4)
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t4 = c5*s6
+    t5 = s5*s6
+    t6 = c4*s5
+    t7 = c4*c6 + s4*t4
+    t8 = s4*c6 - c4*t4
+    t9 = t1*s3 - (t3*c5 - t7*t5)
+    t10 = s3*t2
+    t11 = s3*t10
+    t12 = t8*t8 + (t6*t6 + (s4*s4 + (t11 + (1.0 - t2))))
+    c3 = cos(q3)
+    t13 = c3*t10 - (t6*c5 + t8*t5)
+    t14 = c3*t1 + (t7*t8 + (c4*s4 - t6*t3))
+    t15 = t5*t5 + (c5*c5 + (2.0 - t11))
+    t16 = t15*t12 - t13*t13
+    t17 = t16*(t7*t7 + (t3*t3 + (t2 + c4*c4))) + (t16 - t15*(t14*t14))
+    return (
+        sqrt(absolute(t9*(t12*t9 + t13*(2.0*t14)) - t17)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    s4 = sin(q4)
+    c6 = cos(q6)
+    c4 = cos(q4)
+    c5 = cos(q5)
+    t1 = c4*c5
+    s6 = sin(q6)
+    t2 = s4*c6 - s6*t1
+    t3 = 0.39*s4
+    t4 = t3 + 0.078*t2
+    t5 = s4*c5
+    t6 = c6*c4 + s6*t5
+    t7 = 0.39*c4
+    t8 = t7 + 0.078*t6
+    t9 = t4*t6 - t2*t8
+    t10 = c5*t3
+    c3 = cos(q3)
+    t11 = 0.4*c3
+    t12 = t11*t10
+    s5 = sin(q5)
+    t13 = s5*s6
+    t14 = 0.078*t13
+    t15 = t2*t14 - t13*t4
+    t16 = t11*t15
+    t17 = 0.39*s5
+    t18 = t17*t16 - t9*t12
+    s2 = sin(q2)
+    t19 = s2*c3
+    s3 = sin(q3)
+    t20 = s2*s3
+    t21 = 0.4*t20
+    t22 = t10*t21
+    t23 = t15*t21
+    t24 = t17*t23 - t9*t22
+    t25 = 0.4*t19
+    t26 = 0.4*s3
+    t27 = t12*t25 + t22*t26
+    t28 = t16*t25 + t23*t26
+    t29 = s5*c4
+    t30 = t29*t28 + (t2*t27 + (t18*t19 + s3*t24))
+    t31 = s4*t18
+    c2 = cos(q2)
+    t32 = s4*t28
+    t33 = s4*s5
+    t34 = s4*t27
+    t35 = t6*t34 - (t33*t32 - (t31*c2 - c4*t30))
+    t36 = s4*t24
+    t37 = t36*t36 + (t35*t35 + (t30*t30 + (t34*t34 + t32*t32)))
+    t38 = 2.0*(1.0/(2.0*sqrt(t31*t31 + t37)))
+    t39 = t35*t38
+    t40 = t36*t38
+    t41 = t33*t39 - t32*t38
+    t42 = c4*t39 - t30*t38
+    t43 = s4*t41 + t29*t42
+    t44 = t6*t39 + t34*t38
+    t45 = c2*t39 + t31*t38
+    t46 = t2*t42 - s4*t44
+    t47 = t18*t42 + 0.4*(t16*t43 + t12*t46)
+    t48 = s4*t40 - s3*t42
+    t49 = s4*t45 - t19*t42
+    t50 = t17*t48 - t26*t43
+    t51 = t9*t48 + t26*t46
+    t52 = 0.4*(t15*t50 - t10*t51)
+    t53 = t9*t49 + t25*t46
+    t54 = t22*t48 + t12*t49
+    t55 = t17*t49 - t25*t43
+    t56 = t25*t48 - t26*t49
+    t57 = t10*t56
+    t58 = t19*t52 + (t26*(t10*t53 - t15*t55) - (t42*(c3*t24) - t20*t47))
+    t59 = t23*t48 + t16*t49
+    t60 = t15*t56
+    t61 = t2*t54 - t13*t57
+    t62 = 0.078*t61 + (t14*t57 + (t34*t39 - t4*t54))
+    t63 = c6*t62
+    t64 = s6*t62
+    t65 = t56*(c5*t7) - (t21*t50 + t11*t55)
+    t66 = t13*t65 - t6*t54
+    t67 = t11*t53 + (t56*(t13*t8 - t14*t6) + t21*t51)
+    t68 = t3*t65 - t7*t57
+    t69 = 0.078*t66 + (t8*t54 - (t27*t42 + t14*t65))
+    t70 = s6*t69
+    t71 = c6*t69
+    t72 = c4*(t28*t41 - (t27*t44 + (t24*t40 + (t71 + t18*t45))))
+    t73 = t1*t71 + (s4*t70 + (c4*t64 - (t68*(s5*c6) + t5*t63)))
+    t74 = t28*t42 - t7*t59
+    t75 = t3*(t29*t59 + (t61 - c5*t60)) + (s4*(t63 - t30*t39) - (t5*t70 + t33*t74))
+    t76 = t32*t39 - t3*t59
+    t77 = t29*t76 - (t7*(t33*t59 + (t66 - c5*t67)) - (t72 + t75))
+    t78 = t5*t76 - (s5*(t3*t67 + t7*t60) + (t68*(s6*c5) - t33*t64))
+    return (
+        0.0, -(t39*(s2*t31) + c2*(c3*t47 - s3*t52)), t58 - t11*(t22*t46 + t23*t43), t1*t64 - t77,
+        t29*t70 - t78 - t1*t74, -t73, 0.0,
     )
 
 
@@ -2604,6 +3073,12 @@ _FUNCTIONS = {
         shape=(6, 7),
         kernel=_jacobian_dot,
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 7, 7),
+        kernel=_jacobian_hessian,
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -2615,6 +3090,30 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6, 7),
         kernel=_analytic_jacobian_zyz,
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(7,),
+        kernel=_manipulability_dq,
     ),
 }
 

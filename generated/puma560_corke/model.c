@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -772,6 +777,316 @@ void puma560_corke_jacobian_dot_batch(size_t count, const double *restrict q, co
         load(6, qd + 6 * start, rows, qd_block, jacobian_dot_lanes);
         jacobian_dot_block(q_block, qd_block, result_block);
         store(36, result_block, jacobian_dot_lanes, result + 36 * start, rows);
+    }
+}
+
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 16 };
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = 0.0203*ca5 - 0.4318*sa5;
+    const double t2 = t1 + 0.4318*c2;
+    const double t3 = c1*t1;
+    const double t4 = c1*ca5;
+    const double t5 = c1*t2;
+    const double t6 = s1*t2;
+    const double t7 = s1*t1;
+    const double t8 = s1*ca5;
+    const double t9 = 0.0203*sa5 + 0.4318*ca5;
+    const double t10 = s1*t9;
+    const double t11 = c1*t9;
+    const double t12 = t9 + 0.4318*s2;
+    const double t13 = s1*t12;
+    const double t14 = c1*t12;
+    const double t15 = s1*sa5;
+    const double t16 = ca5*s4;
+    const double t17 = c1*c4 - s1*t16;
+    const double t18 = sa5*s4;
+    const double t19 = c1*t18;
+    const double t20 = s1*t18;
+    const double t21 = s4*s5;
+    const double t22 = c4*s5;
+    const double t23 = s1*c4 + c1*t16;
+    const double t24 = sa5*c5 + ca5*t22;
+    const double t25 = ca5*c5 - sa5*t22;
+    const double t26 = c1*t25;
+    const double t27 = c1*sa5;
+    const double t28 = s1*t25;
+    const double t29 = s1*t24 + c1*t21;
+    const double t30 = c1*t24 - s1*t21;
+    result[0] = -(t5 + 0.15005*s1);
+    result[lanes] = t13;
+    result[2 * lanes] = t10;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t13;
+    result[7 * lanes] = -t5;
+    result[8 * lanes] = -t3;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t10;
+    result[13 * lanes] = -t3;
+    result[14 * lanes] = -t3;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.15005*c1 - t6;
+    result[37 * lanes] = -t14;
+    result[38 * lanes] = -t11;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = -t14;
+    result[43 * lanes] = -t6;
+    result[44 * lanes] = -t7;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = -t11;
+    result[49 * lanes] = -t7;
+    result[50 * lanes] = -t7;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = 0.0;
+    result[58 * lanes] = 0.0;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = 0.0;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = 0.0;
+    result[64 * lanes] = 0.0;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = -t12;
+    result[80 * lanes] = -t9;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = -t9;
+    result[86 * lanes] = -t9;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+    result[96 * lanes] = 0.0;
+    result[97 * lanes] = 0.0;
+    result[98 * lanes] = 0.0;
+    result[99 * lanes] = 0.0;
+    result[100 * lanes] = 0.0;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = 0.0;
+    result[106 * lanes] = 0.0;
+    result[107 * lanes] = 0.0;
+    result[108 * lanes] = 0.0;
+    result[109 * lanes] = 0.0;
+    result[110 * lanes] = 0.0;
+    result[111 * lanes] = 0.0;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = 0.0;
+    result[114 * lanes] = c1;
+    result[115 * lanes] = 0.0;
+    result[116 * lanes] = 0.0;
+    result[117 * lanes] = 0.0;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = c1;
+    result[121 * lanes] = 0.0;
+    result[122 * lanes] = 0.0;
+    result[123 * lanes] = 0.0;
+    result[124 * lanes] = 0.0;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = t15;
+    result[127 * lanes] = -t4;
+    result[128 * lanes] = -t4;
+    result[129 * lanes] = 0.0;
+    result[130 * lanes] = 0.0;
+    result[131 * lanes] = 0.0;
+    result[132 * lanes] = t17;
+    result[133 * lanes] = -t19;
+    result[134 * lanes] = -t19;
+    result[135 * lanes] = ca5*t17 - t15*t18;
+    result[136 * lanes] = 0.0;
+    result[137 * lanes] = 0.0;
+    result[138 * lanes] = t29;
+    result[139 * lanes] = -t26;
+    result[140 * lanes] = -t26;
+    result[141 * lanes] = ca5*t29 - t15*t25;
+    result[142 * lanes] = t18*t29 - t17*t25;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = 0.0;
+    result[147 * lanes] = 0.0;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+    result[150 * lanes] = s1;
+    result[151 * lanes] = 0.0;
+    result[152 * lanes] = 0.0;
+    result[153 * lanes] = 0.0;
+    result[154 * lanes] = 0.0;
+    result[155 * lanes] = 0.0;
+    result[156 * lanes] = s1;
+    result[157 * lanes] = 0.0;
+    result[158 * lanes] = 0.0;
+    result[159 * lanes] = 0.0;
+    result[160 * lanes] = 0.0;
+    result[161 * lanes] = 0.0;
+    result[162 * lanes] = -t27;
+    result[163 * lanes] = -t8;
+    result[164 * lanes] = -t8;
+    result[165 * lanes] = 0.0;
+    result[166 * lanes] = 0.0;
+    result[167 * lanes] = 0.0;
+    result[168 * lanes] = t23;
+    result[169 * lanes] = -t20;
+    result[170 * lanes] = -t20;
+    result[171 * lanes] = ca5*t23 + t18*t27;
+    result[172 * lanes] = 0.0;
+    result[173 * lanes] = 0.0;
+    result[174 * lanes] = -t30;
+    result[175 * lanes] = -t28;
+    result[176 * lanes] = -t28;
+    result[177 * lanes] = t25*t27 - ca5*t30;
+    result[178 * lanes] = -(t18*t30 + t25*t23);
+    result[179 * lanes] = 0.0;
+    result[180 * lanes] = 0.0;
+    result[181 * lanes] = 0.0;
+    result[182 * lanes] = 0.0;
+    result[183 * lanes] = 0.0;
+    result[184 * lanes] = 0.0;
+    result[185 * lanes] = 0.0;
+    result[186 * lanes] = 0.0;
+    result[187 * lanes] = 0.0;
+    result[188 * lanes] = 0.0;
+    result[189 * lanes] = 0.0;
+    result[190 * lanes] = 0.0;
+    result[191 * lanes] = 0.0;
+    result[192 * lanes] = 0.0;
+    result[193 * lanes] = 0.0;
+    result[194 * lanes] = 0.0;
+    result[195 * lanes] = 0.0;
+    result[196 * lanes] = 0.0;
+    result[197 * lanes] = 0.0;
+    result[198 * lanes] = 0.0;
+    result[199 * lanes] = -sa5;
+    result[200 * lanes] = -sa5;
+    result[201 * lanes] = 0.0;
+    result[202 * lanes] = 0.0;
+    result[203 * lanes] = 0.0;
+    result[204 * lanes] = 0.0;
+    result[205 * lanes] = t16;
+    result[206 * lanes] = t16;
+    result[207 * lanes] = t17*t27 + t15*t23;
+    result[208 * lanes] = 0.0;
+    result[209 * lanes] = 0.0;
+    result[210 * lanes] = 0.0;
+    result[211 * lanes] = -t24;
+    result[212 * lanes] = -t24;
+    result[213 * lanes] = t29*t27 - t15*t30;
+    result[214 * lanes] = -(t29*t23 + t17*t30);
+    result[215 * lanes] = 0.0;
+}
+
+void puma560_corke_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * jacobian_hessian_lanes], sines[5 * jacobian_hessian_lanes], cosines[5 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(5 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, result + i, jacobian_hessian_lanes);
+}
+
+void puma560_corke_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[6 * jacobian_hessian_lanes], result_block[216 * jacobian_hessian_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, result_block);
+        store(216, result_block, jacobian_hessian_lanes, result + 216 * start, rows);
     }
 }
 
@@ -4072,6 +4387,608 @@ KERNEL void base_parameters_lane(double *restrict result, const size_t lanes)
 void puma560_corke_base_parameters(double *restrict result)
 {
     base_parameters_lane(result, 1);
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double t1 = 0.0203 + 0.4318*c3;
+    const double t2 = 1.0 - s3;
+    const double t3 = s5*((c2*c3 - s2*s3)*t1 - t2*(0.4318*(c2*s3 + c3*s2)));
+    result[0] = fabs((0.4318*t1 - 0.00876554*t2)*t3);
+}
+
+void puma560_corke_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_lanes], sines[3 * manipulability_lanes], cosines[3 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(3 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, result + i, manipulability_lanes);
+}
+
+void puma560_corke_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double t1 = c2*c3 - s2*s3;
+    const double t2 = c2*s3 + c3*s2;
+    const double t3 = 0.0203*t1 - 0.4318*t2;
+    const double t4 = t3 + 0.4318*c2;
+    const double t5 = 0.4318*t1 + 0.0203*t2;
+    const double t6 = t5 + 0.4318*s2;
+    const double t7 = t4*t6 + t3*t5;
+    const double t8 = t4*t4;
+    const double t9 = t8 + t3*t3;
+    const double t10 = 0.15005*t4;
+    const double t11 = t9*(t10*t10) + t8*(t7*t7 - t9*(t5*t5 + (0.0225150025 + t6*t6)));
+    result[0] = sqrt(fabs(t11));
+}
+
+void puma560_corke_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_position_lanes], sines[2 * manipulability_position_lanes], cosines[2 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(2 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, result + i, manipulability_position_lanes);
+}
+
+void puma560_corke_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = c2*c3 - s2*s3;
+    const double t2 = c3*s2 + c2*s3;
+    const double t3 = c5*c5;
+    const double t4 = t1*t1 + (1.0 + t3);
+    const double t5 = t3*(c4*s4);
+    const double t6 = 1.0 - t3;
+    const double t7 = c5*s5;
+    const double t8 = t1*t2 - c4*t7;
+    const double t9 = c4*c4;
+    const double t10 = s4*t7;
+    const double t11 = s4*s4;
+    const double t12 = t11*t6 + (2.0 + t9);
+    const double t13 = (t9*t6 + (t11 + t2*t2))*(t4*t12 - t10*t10) - (t4*(t5*t5) + t8*(t8*t12 - t10*(2.0*t5)));
+    result[0] = sqrt(fabs(t13));
+}
+
+void puma560_corke_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_orientation_lanes], sines[4 * manipulability_orientation_lanes], cosines[4 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(4 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void puma560_corke_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double t1 = 0.4318*c4;
+    const double t2 = c3*t1 + (0.0203*c4 - 0.15005*s4);
+    const double t3 = s3*s2 - c3*c2;
+    const double t4 = s3*c2 + c3*s2;
+    const double t5 = 0.4318*s3;
+    const double t6 = 0.4318 - t5;
+    const double t7 = c4*t6;
+    const double t8 = s4*t6;
+    const double t9 = t2*t3 + t7*t4;
+    const double t10 = 0.4318*s4;
+    const double t11 = c3*t10 + (0.0203*s4 + 0.15005*c4);
+    const double t12 = t11*t3 + t4*t8;
+    const double t13 = t1*t9 + t10*t12;
+    const double t14 = s4*t11 + c4*t2;
+    const double t15 = t14*t13 - 0.0203*(t7*t9 + t8*t12);
+    const double t16 = sign(s5*t15);
+    const double t17 = s5*t16;
+    const double t18 = t14*t17;
+    const double t19 = 0.0203*t17;
+    const double t20 = t13*t17;
+    const double t21 = t7*t19 - t1*t18;
+    const double t22 = t10*t18 - t8*t19;
+    const double t23 = t3*t22;
+    const double t24 = t3*t21;
+    const double t25 = t8*t23 + (t4*(t2*t21 - t11*t22) - t7*t24);
+    const double t26 = c3*(t13*t19 + t4*(t1*t21 - t10*t22)) - (t25 + s3*(s4*(0.4318*t23 + t10*t20) - t1*t24));
+    result[0] = 0.0;
+    result[lanes] = -t25;
+    result[2 * lanes] = t26 - t20*(t5*(c4*c4));
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t15*t16);
+    result[5 * lanes] = 0.0;
+}
+
+void puma560_corke_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void puma560_corke_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
+    }
+}
+
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = 0.00020216*s5;
+    const double t2 = s5*t1;
+    const double t3 = c5*t1 + 0.001243584*s5;
+    const double t4 = s4*t3;
+    const double t5 = 4e-05*s5;
+    const double t6 = s4*t5;
+    const double t7 = 0.00020607455691119687*c5;
+    const double t8 = t4 + t6*t7;
+    const double t9 = 4e-05*c5;
+    const double t10 = 0.00164 + t2;
+    const double t11 = t7*t9 - (0.19079062612368 + t10);
+    const double t12 = t8/t11;
+    const double t13 = 0.4318*c2;
+    const double t14 = sa5*t13;
+    const double t15 = 0.00288*s5;
+    const double t16 = s4*t15;
+    const double t17 = ca5*t16;
+    const double t18 = 0.4318*s2;
+    const double t19 = t14*t16 - (t8 + t18*t17);
+    const double t20 = c4*t3;
+    const double t21 = 0.00288*c5;
+    const double t22 = c4*t21;
+    const double t23 = ca5*t22 - sa5*t15;
+    const double t24 = 0.00064216 + 0.001243584*c5;
+    const double t25 = 5.8464e-05*s5 - c4*t24;
+    const double t26 = ca5*t13;
+    const double t27 = t15*t26 + (t14*t22 + (t25 - t18*t23));
+    const double t28 = c4*t15;
+    const double t29 = 5.836060905888831*t25;
+    const double t30 = 5.1518639227799214*t6;
+    const double t31 = 0.002487168*c5;
+    const double t32 = t31 + (0.00054216 - t2);
+    const double t33 = 0.00064216 + t31;
+    const double t34 = s4*(t33 - t32);
+    const double t35 = s4*t34;
+    const double t36 = 0.0406*t28;
+    const double t37 = t6*t30 + (t35 - (t33 + (0.3586500705 - t36)));
+    const double t38 = t10 - t36;
+    const double t39 = 0.025375 - t28;
+    const double t40 = 0.89133 + t21;
+    const double t41 = t40*t14 - t39*t26;
+    const double t42 = sa5*t39 + ca5*t40;
+    const double t43 = t18*t42;
+    const double t44 = t12*t19 + (t29*t27 - (t43 - (t37 + t41)));
+    const double t45 = t8*t12 - (t25*t29 - (0.576873331938 - t37));
+    const double t46 = t44/t45;
+    const double t47 = sa5*c4;
+    const double t48 = ca5*t9 - t5*t47;
+    const double t49 = 0.0203*ca5;
+    const double t50 = t13 + t49;
+    const double t51 = t28*t50 + (t7*t48 - (sa5*t20 + (0.15005*t17 + ca5*t10)));
+    const double t52 = 0.0203*sa5;
+    const double t53 = ca5*(0.0047376 + t4) - (t34*t47 - (t52*t16 + (t30*t48 + 0.15005*t42)));
+    const double t54 = sa5*s4;
+    const double t55 = t50*(s4*t21) + (0.15005*t23 - t24*t54);
+    const double t56 = t12*t51 - (t53 + t29*t55);
+    const double t57 = t19/t11;
+    const double t58 = 5.836060905888831*t27;
+    const double t59 = t58*t55 + (t18*t16 + (0.023751*c2 + (t53 + 0.6903913435*s2)));
+    const double t60 = t46*t56 - (t57*t51 + t59);
+    const double t61 = 2.0*t41;
+    const double t62 = t19*t57 - (t27*t58 - (2.0*t43 - (t61 - (4.072928847 - t37))));
+    const double t63 = t44*t46 - t62;
+    const double t64 = t60/t63;
+    const double t65 = ca5*c5;
+    const double t66 = s5*c4;
+    const double t67 = s5*s4;
+    const double t68 = ca5*s4;
+    const double t69 = t65 - sa5*t66;
+    const double t70 = ca5*t66 + sa5*c5;
+    const double t71 = ca5 - t7*t69;
+    const double t72 = t30*t69;
+    const double t73 = t12*t71 + (t72 - t29*t54);
+    const double t74 = t46*t73 - (t57*t71 - (t72 - t58*t54));
+    const double t75 = t56/t45;
+    const double t76 = 5.836060905888831*t55;
+    const double t77 = 5.1518639227799214*t48;
+    const double t78 = t51/t11;
+    const double t79 = t64*t74 - (t75*t73 - (t78*t71 - (t54*t76 + (1.0 - t77*t69))));
+    const double t80 = t48*t77 - (0.3001*t16 + (t38 + (3.937572254267 - t61)));
+    const double t81 = s2*(0.0141984*c2 + 1.601861202*s2) - (t60*t64 - (t56*t75 - (t51*t78 - (t55*t76 + t80))));
+    const double t82 = sa5*(t38 - (t35 + (0.3251198455 + t32))) + (0.000116928*t65 + ca5*(0.022546398 - 2.0*t20));
+    const double t83 = sa5*t82 + t81;
+    const double t84 = t52 + 0.4318*ca5;
+    const double t85 = t84 + t18;
+    const double t86 = t79/t83;
+    const double t87 = c1*t67 + s1*t70;
+    const double t88 = s1*t67 - c1*t70;
+    const double t89 = sa5*s1 - t7*t87;
+    const double t90 = c1 - t30*t87;
+    const double t91 = s1 - t30*t88;
+    const double t92 = c1*c4 - s1*t68;
+    const double t93 = c4*s1 + c1*t68;
+    const double t94 = t12*t89 - (t90 + t29*t92);
+    const double t95 = t46*t94 - (t57*t89 + (t90 + t58*t92));
+    const double t96 = t64*t95 - (t75*t94 - (t78*t89 + (t77*t87 - t76*t92)));
+    const double t97 = t74/t63;
+    const double t98 = t73/t45;
+    const double t99 = t71/t11;
+    const double t100 = 5.1518639227799214*t69;
+    const double t101 = 5.836060905888831*t54;
+    const double t102 = t74*t97 - (t73*t98 - (t71*t99 - (t69*t100 + t54*t101)));
+    const double t103 = t79*t86 + t102;
+    const double t104 = t97*t95 - (t98*t94 - (t99*t89 - (t100*t87 + t101*t92)));
+    const double t105 = t86*t96 + t104;
+    const double t106 = t105/t103;
+    const double t107 = c1*sa5 + t7*t88;
+    const double t108 = t12*t107 + (t91 + t29*t93);
+    const double t109 = t49 - 0.4318*sa5;
+    const double t110 = t13 + t109;
+    const double t111 = t46*t108 - (t57*t107 - (t91 + t58*t93));
+    const double t112 = t64*t111 - (t75*t108 - (t78*t107 - (t77*t88 - t76*t93)));
+    const double t113 = t97*t111 - (t98*t108 - (t99*t107 + (t100*t88 + t101*t93)));
+    const double t114 = t86*t112 + t113;
+    const double t115 = t96/t83;
+    const double t116 = t95/t63;
+    const double t117 = t94/t45;
+    const double t118 = 5.1518639227799214*t87;
+    const double t119 = 5.836060905888831*t92;
+    const double t120 = t89/t11;
+    const double t121 = t116*t111 - (t117*t108 - (t120*t107 + (t118*t88 + t119*t93)));
+    const double t122 = t106*t114 - (t115*t112 + t121);
+    const double t123 = t95*t116 - (t94*t117 - (t89*t120 - (t87*t118 + t92*t119)));
+    const double t124 = t105*t106 - (t96*t115 + t123);
+    const double t125 = t122/t124;
+    const double t126 = t110 + t46*t109;
+    const double t127 = t109*t75 - t64*t126;
+    const double t128 = t86*t127 + (t109*t98 - t97*t126);
+    const double t129 = t106*t128 - (t115*t127 + (t109*t117 - t116*t126));
+    const double t130 = t114/t103;
+    const double t131 = t112/t83;
+    const double t132 = t111/t63;
+    const double t133 = t108/t45;
+    const double t134 = t125*t129 - (t130*t128 - (t131*t127 + (t109*t133 - t132*t126)));
+    const double t135 = t88*(5.1518639227799214*t88) + t93*(5.836060905888831*t93);
+    const double t136 = t112*t131 + (t111*t132 - (t108*t133 - (t107*(t107/t11) - t135)));
+    const double t137 = t122*t125 - (t114*t130 - t136);
+    const double t138 = t134/t137;
+    const double t139 = t84*s1;
+    const double t140 = c1*t84;
+    const double t141 = t85*s1 + t46*t139;
+    const double t142 = c1*t85 + t140*t46;
+    const double t143 = t64*t141 - (t75*t139 + (0.15005*s1 + c1*t110));
+    const double t144 = t142*t64 - (t140*t75 + (0.15005*c1 - s1*t110));
+    const double t145 = t86*t143 - (t98*t139 - t97*t141);
+    const double t146 = t144*t86 - (t140*t98 - t142*t97);
+    const double t147 = t106*t145 - (t115*t143 - (t117*t139 - t116*t141));
+    const double t148 = t125*t147 - (t130*t145 - (t131*t143 - (t133*t139 - t132*t141)));
+    const double t149 = t129/t124;
+    const double t150 = t128/t103;
+    const double t151 = t127/t83;
+    const double t152 = t126/t63;
+    const double t153 = t109/t45;
+    const double t154 = t129*t149 - (t128*t150 - (t127*t151 - (t109*t153 - t126*t152)));
+    const double t155 = t134*t138 - t154;
+    const double t156 = t149*t147 - (t150*t145 - (t151*t143 + (t153*t139 - t152*t141)));
+    const double t157 = t138*t148 - t156;
+    const double t158 = t157/t155;
+    const double t159 = t146*t106 - (t144*t115 - (t140*t117 - t142*t116));
+    const double t160 = t159*t125 - (t146*t130 - (t144*t131 - (t140*t133 - t142*t132)));
+    const double t161 = t159*t149 - (t146*t150 - (t144*t151 + (t140*t153 - t142*t152)));
+    const double t162 = t160*t138 - t161;
+    const double t163 = t148/t137;
+    const double t164 = t147/t124;
+    const double t165 = t145/t103;
+    const double t166 = t143/t83;
+    const double t167 = t141/t63;
+    const double t168 = t139/t45;
+    const double t169 = t159*t164 - (t146*t165 - (t144*t166 - (t140*t168 - t142*t167)));
+    const double t170 = t162*t158 - (t160*t163 - t169);
+    const double t171 = t147*t164 - (t145*t165 - (t143*t166 - (t139*t168 - t141*t167)));
+    const double t172 = t157*t158 - (t148*t163 - t171);
+    const double t173 = t144*(t144/t83) - (t140*(t140/t45) - t142*(t142/t63));
+    const double t174 = t170/t172;
+    const double t175 = t130 - t106*t125;
+    const double t176 = t138*t175 - (t150 - t106*t149);
+    const double t177 = t158*t176 - (t163*t175 - (t165 - t106*t164));
+    const double t178 = t162/t155;
+    const double t179 = t160/t137;
+    const double t180 = t159/t124;
+    const double t181 = t146/t103;
+    const double t182 = t174*t177 - (t178*t176 - (t179*t175 - (t181 - t106*t180)));
+    const double t183 = t162*t178 - (t160*t179 - (t159*t180 - (t146*t181 - t173)));
+    const double t184 = t170*t174 - t183;
+    const double t185 = t182/t184;
+    const double t186 = t177/t172;
+    const double t187 = t176/t155;
+    const double t188 = t175/t137;
+    const double t189 = t106/t124;
+    const double t190 = t177*t186 - (t176*t187 - (t175*t188 + (1.0/t103 - t106*t189)));
+    const double t191 = t149 - t125*t138;
+    const double t192 = t158*t191 - (t164 - t125*t163);
+    const double t193 = t174*t192 - (t178*t191 - (t180 - t125*t179));
+    const double t194 = t193*t185 - (t192*t186 - (t191*t187 + (t189 + t125*t188)));
+    const double t195 = t163 - t138*t158;
+    const double t196 = t174*t195 - (t179 - t138*t178);
+    const double t197 = t196*t185 - (t195*t186 - (t188 - t138*t187));
+    const double t198 = t178 - t158*t174;
+    const double t199 = t186 - t174*t185;
+    const double t200 = t198*t185 - (t187 - t158*t186);
+    const double t201 = t193/t184;
+    const double t202 = t192/t172;
+    const double t203 = t191/t155;
+    const double t204 = t125/t137;
+    const double t205 = t193*t201 - (t192*t202 - (t191*t203 + (1.0/t124 - t125*t204)));
+    const double t206 = t196*t201 - (t195*t202 + (t204 + t138*t203));
+    const double t207 = t202 - t174*t201;
+    const double t208 = t198*t201 - (t203 - t158*t202);
+    const double t209 = t196/t184;
+    const double t210 = t195/t172;
+    const double t211 = t138/t155;
+    const double t212 = t210 - t174*t209;
+    const double t213 = t198*t209 + (t211 + t158*t210);
+    const double t214 = t198/t184;
+    const double t215 = t174/t184;
+    const double t216 = t158/t172;
+    const double t217 = t216 + t174*t214;
+    result[0] = 1.0/t184;
+    result[lanes] = -t215;
+    result[2 * lanes] = -t214;
+    result[3 * lanes] = -t209;
+    result[4 * lanes] = t201;
+    result[5 * lanes] = t185;
+    result[6 * lanes] = -t215;
+    result[7 * lanes] = t174*t215 - 1.0/t172;
+    result[8 * lanes] = t217;
+    result[9 * lanes] = -t212;
+    result[10 * lanes] = t207;
+    result[11 * lanes] = t199;
+    result[12 * lanes] = -t214;
+    result[13 * lanes] = t217;
+    result[14 * lanes] = t198*t214 + (1.0/t155 - t158*t216);
+    result[15 * lanes] = t213;
+    result[16 * lanes] = -t208;
+    result[17 * lanes] = -t200;
+    result[18 * lanes] = -t209;
+    result[19 * lanes] = -t212;
+    result[20 * lanes] = t213;
+    result[21 * lanes] = t196*t209 - (t195*t210 + (1.0/t137 - t138*t211));
+    result[22 * lanes] = -t206;
+    result[23 * lanes] = -t197;
+    result[24 * lanes] = t201;
+    result[25 * lanes] = t207;
+    result[26 * lanes] = -t208;
+    result[27 * lanes] = -t206;
+    result[28 * lanes] = t205;
+    result[29 * lanes] = t194;
+    result[30 * lanes] = t185;
+    result[31 * lanes] = t199;
+    result[32 * lanes] = -t200;
+    result[33 * lanes] = -t197;
+    result[34 * lanes] = t194;
+    result[35 * lanes] = t182*t185 - t190;
+}
+
+void puma560_corke_task_inertia(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, result, 1);
+}
+
+static void task_inertia_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * task_inertia_lanes], sines[5 * task_inertia_lanes], cosines[5 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(5 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, result + i, task_inertia_lanes);
+}
+
+void puma560_corke_task_inertia_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[6 * task_inertia_lanes], result_block[36 * task_inertia_lanes];
+        load(6, q + 6 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, result_block);
+        store(36, result_block, task_inertia_lanes, result + 36 * start, rows);
+    }
 }
 
 /* inverse_kinematics */

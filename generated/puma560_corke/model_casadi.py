@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -21,6 +21,7 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     analytic_jacobian_zyz(q) -> J_A
     inertia_matrix(q) -> B
@@ -36,6 +37,11 @@ Every parameter has its number in this file.
     regressor(q, qd, qdd) -> Y
     base_regressor(q, qd, qdd) -> Y_b
     base_parameters() -> beta
+    manipulability(q) -> w
+    manipulability_position(q) -> w
+    manipulability_orientation(q) -> w
+    manipulability_dq(q) -> dw/dq
+    task_inertia(q) -> Lambda
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -99,6 +105,7 @@ OPERATIONS = {
     "jacobian": {"mul": 32, "add": 13, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 45, "add": 23, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 74, "add": 42, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 58, "add": 22, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 77, "add": 32, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 51, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "inertia_matrix": {"mul": 67, "add": 53, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
@@ -114,6 +121,11 @@ OPERATIONS = {
     "regressor": {"mul": 440, "add": 340, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_regressor": {"mul": 387, "add": 282, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 12, "add": 6, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "manipulability_position": {"mul": 22, "add": 12, "div": 0, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 58, "add": 25, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "task_inertia": {"mul": 347, "add": 281, "div": 63, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -137,6 +149,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
     "inertia_matrix",
@@ -152,6 +165,11 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -407,6 +425,90 @@ def _jacobian_dot(functions, k, q, qd):
         0.0, t18, t18, -(t5*t17 + s1*t8), t17*t20 + (s1*t19 + (t18*c4 + c1*t1)),
         t18*t16 + (s1*t13 - (c1*t15 + t17*t14)),
         0.0, 0.0, 0.0, -t10, t5*t12 + t8*s4, t5*t3 - (t10*c5 + t8*t9) - t6*t11,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 0.0203*t2 - 0.4318*t3
+    c2 = cos(q2)
+    t5 = t4 + 0.4318*c2
+    c1 = cos(q1)
+    t6 = c1*t4
+    t7 = c1*t2
+    t8 = c1*t5
+    s1 = sin(q1)
+    t9 = s1*t5
+    t10 = s1*t4
+    t11 = s1*t2
+    t12 = 0.0203*t3 + 0.4318*t2
+    t13 = s1*t12
+    t14 = c1*t12
+    s2 = sin(q2)
+    t15 = t12 + 0.4318*s2
+    t16 = s1*t15
+    t17 = c1*t15
+    t18 = s1*t3
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t19 = t2*s4
+    t20 = c1*c4 - s1*t19
+    t21 = t3*s4
+    t22 = c1*t21
+    t23 = s1*t21
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t24 = s4*s5
+    t25 = c4*s5
+    t26 = s1*c4 + c1*t19
+    t27 = t3*c5 + t2*t25
+    t28 = t2*c5 - t3*t25
+    t29 = c1*t28
+    t30 = c1*t3
+    t31 = s1*t28
+    t32 = s1*t27 + c1*t24
+    t33 = c1*t27 - s1*t24
+    return (
+        -(t8 + 0.15005*s1), t16, t13, 0.0, 0.0, 0.0,
+        t16, -t8, -t6, 0.0, 0.0, 0.0,
+        t13, -t6, -t6, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.15005*c1 - t9, -t17, -t14, 0.0, 0.0, 0.0,
+        -t17, -t9, -t10, 0.0, 0.0, 0.0,
+        -t14, -t10, -t10, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t15, -t12, 0.0, 0.0, 0.0,
+        0.0, -t12, -t12, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t18, -t7, -t7, 0.0, 0.0, 0.0,
+        t20, -t22, -t22, t2*t20 - t18*t21, 0.0, 0.0,
+        t32, -t29, -t29, t2*t32 - t18*t28, t21*t32 - t20*t28, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t30, -t11, -t11, 0.0, 0.0, 0.0,
+        t26, -t23, -t23, t2*t26 + t21*t30, 0.0, 0.0,
+        -t33, -t31, -t31, t28*t30 - t2*t33, -(t21*t33 + t28*t26), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t3, -t3, 0.0, 0.0, 0.0,
+        0.0, t19, t19, t20*t30 + t18*t26, 0.0, 0.0,
+        0.0, -t27, -t27, t32*t30 - t18*t33, -(t32*t26 + t20*t33), 0.0,
     )
 
 
@@ -2128,6 +2230,357 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = 0.0203 + 0.4318*c3
+    t2 = 1.0 - s3
+    s5 = sin(q5)
+    t3 = s5*((c2*c3 - s2*s3)*t1 - t2*(0.4318*(c2*s3 + c3*s2)))
+    return (
+        absolute((0.4318*t1 - 0.00876554*t2)*t3),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c2*s3 + c3*s2
+    t3 = 0.0203*t1 - 0.4318*t2
+    t4 = t3 + 0.4318*c2
+    t5 = 0.4318*t1 + 0.0203*t2
+    t6 = t5 + 0.4318*s2
+    t7 = t4*t6 + t3*t5
+    t8 = t4*t4
+    t9 = t8 + t3*t3
+    t10 = 0.15005*t4
+    t11 = t9*(t10*t10) + t8*(t7*t7 - t9*(t5*t5 + (0.0225150025 + t6*t6)))
+    return (
+        sqrt(absolute(t11)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c3*s2 + c2*s3
+    c5 = cos(q5)
+    t3 = c5*c5
+    t4 = t1*t1 + (1.0 + t3)
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t5 = t3*(c4*s4)
+    t6 = 1.0 - t3
+    s5 = sin(q5)
+    t7 = c5*s5
+    t8 = t1*t2 - c4*t7
+    t9 = c4*c4
+    t10 = s4*t7
+    t11 = s4*s4
+    t12 = t11*t6 + (2.0 + t9)
+    t13 = (t9*t6 + (t11 + t2*t2))*(t4*t12 - t10*t10) - (t4*(t5*t5) + t8*(t8*t12 - t10*(2.0*t5)))
+    return (
+        sqrt(absolute(t13)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c3 = cos(q3)
+    c4 = cos(q4)
+    t1 = 0.4318*c4
+    s4 = sin(q4)
+    t2 = c3*t1 + (0.0203*c4 - 0.15005*s4)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t3 = s3*s2 - c3*c2
+    t4 = s3*c2 + c3*s2
+    t5 = 0.4318*s3
+    t6 = 0.4318 - t5
+    t7 = c4*t6
+    t8 = s4*t6
+    t9 = t2*t3 + t7*t4
+    t10 = 0.4318*s4
+    t11 = c3*t10 + (0.0203*s4 + 0.15005*c4)
+    t12 = t11*t3 + t4*t8
+    t13 = t1*t9 + t10*t12
+    t14 = s4*t11 + c4*t2
+    t15 = t14*t13 - 0.0203*(t7*t9 + t8*t12)
+    s5 = sin(q5)
+    t16 = sign(s5*t15)
+    t17 = s5*t16
+    t18 = t14*t17
+    c5 = cos(q5)
+    t19 = 0.0203*t17
+    t20 = t13*t17
+    t21 = t7*t19 - t1*t18
+    t22 = t10*t18 - t8*t19
+    t23 = t3*t22
+    t24 = t3*t21
+    t25 = t8*t23 + (t4*(t2*t21 - t11*t22) - t7*t24)
+    t26 = c3*(t13*t19 + t4*(t1*t21 - t10*t22)) - (t25 + s3*(s4*(0.4318*t23 + t10*t20) - t1*t24))
+    return (
+        0.0, -t25, t26 - t20*(t5*(c4*c4)), 0.0, c5*(t15*t16), 0.0,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = 0.00020216*s5
+    t2 = s5*t1
+    t3 = c5*t1 + 0.001243584*s5
+    s4 = sin(q4)
+    t4 = s4*t3
+    t5 = 4e-05*s5
+    t6 = s4*t5
+    t7 = 0.00020607455691119687*c5
+    t8 = t4 + t6*t7
+    t9 = 4e-05*c5
+    t10 = 0.00164 + t2
+    t11 = t7*t9 - (0.19079062612368 + t10)
+    t12 = t8/t11
+    t13 = q2 + q3
+    t14 = sin(t13)
+    t15 = cos(t13)
+    c2 = cos(q2)
+    t16 = 0.4318*c2
+    t17 = t14*t16
+    t18 = 0.00288*s5
+    t19 = s4*t18
+    t20 = t15*t19
+    s2 = sin(q2)
+    t21 = 0.4318*s2
+    t22 = t17*t19 - (t8 + t21*t20)
+    c4 = cos(q4)
+    t23 = c4*t3
+    t24 = 0.00288*c5
+    t25 = c4*t24
+    t26 = t15*t25 - t14*t18
+    t27 = 0.00064216 + 0.001243584*c5
+    t28 = 5.8464e-05*s5 - c4*t27
+    t29 = t15*t16
+    t30 = t18*t29 + (t17*t25 + (t28 - t21*t26))
+    t31 = c4*t18
+    t32 = 5.836060905888831*t28
+    t33 = 5.1518639227799214*t6
+    t34 = 0.002487168*c5
+    t35 = t34 + (0.00054216 - t2)
+    t36 = 0.00064216 + t34
+    t37 = s4*(t36 - t35)
+    t38 = s4*t37
+    t39 = 0.0406*t31
+    t40 = t6*t33 + (t38 - (t36 + (0.3586500705 - t39)))
+    t41 = t10 - t39
+    t42 = 0.025375 - t31
+    t43 = 0.89133 + t24
+    t44 = t43*t17 - t42*t29
+    t45 = t14*t42 + t15*t43
+    t46 = t21*t45
+    t47 = t12*t22 + (t32*t30 - (t46 - (t40 + t44)))
+    t48 = t8*t12 - (t28*t32 - (0.576873331938 - t40))
+    t49 = t47/t48
+    t50 = t14*c4
+    t51 = t15*t9 - t5*t50
+    t52 = 0.0203*t15
+    t53 = t16 + t52
+    t54 = t31*t53 + (t7*t51 - (t14*t23 + (0.15005*t20 + t15*t10)))
+    t55 = 0.0203*t14
+    t56 = t15*(0.0047376 + t4) - (t37*t50 - (t55*t19 + (t33*t51 + 0.15005*t45)))
+    t57 = t14*s4
+    t58 = t53*(s4*t24) + (0.15005*t26 - t27*t57)
+    t59 = t12*t54 - (t56 + t32*t58)
+    t60 = t22/t11
+    t61 = 5.836060905888831*t30
+    t62 = t61*t58 + (t21*t19 + (0.023751*c2 + (t56 + 0.6903913435*s2)))
+    t63 = t49*t59 - (t60*t54 + t62)
+    t64 = 2.0*t44
+    t65 = t22*t60 - (t30*t61 - (2.0*t46 - (t64 - (4.072928847 - t40))))
+    t66 = t47*t49 - t65
+    t67 = t63/t66
+    t68 = t15*c5
+    t69 = s5*c4
+    t70 = s5*s4
+    t71 = t15*s4
+    t72 = t68 - t14*t69
+    t73 = t15*t69 + t14*c5
+    t74 = t15 - t7*t72
+    t75 = t33*t72
+    t76 = t12*t74 + (t75 - t32*t57)
+    t77 = t49*t76 - (t60*t74 - (t75 - t61*t57))
+    t78 = t59/t48
+    t79 = 5.836060905888831*t58
+    t80 = 5.1518639227799214*t51
+    t81 = t54/t11
+    t82 = t67*t77 - (t78*t76 - (t81*t74 - (t57*t79 + (1.0 - t80*t72))))
+    t83 = t51*t80 - (0.3001*t19 + (t41 + (3.937572254267 - t64)))
+    t84 = s2*(0.0141984*c2 + 1.601861202*s2) - (t63*t67 - (t59*t78 - (t54*t81 - (t58*t79 + t83))))
+    t85 = t14*(t41 - (t38 + (0.3251198455 + t35))) + (0.000116928*t68 + t15*(0.022546398 - 2.0*t23))
+    t86 = t14*t85 + t84
+    t87 = t55 + 0.4318*t15
+    t88 = t87 + t21
+    t89 = t82/t86
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t90 = c1*t70 + s1*t73
+    t91 = s1*t70 - c1*t73
+    t92 = t14*s1 - t7*t90
+    t93 = c1 - t33*t90
+    t94 = s1 - t33*t91
+    t95 = c1*c4 - s1*t71
+    t96 = c4*s1 + c1*t71
+    t97 = t12*t92 - (t93 + t32*t95)
+    t98 = t49*t97 - (t60*t92 + (t93 + t61*t95))
+    t99 = t67*t98 - (t78*t97 - (t81*t92 + (t80*t90 - t79*t95)))
+    t100 = t77/t66
+    t101 = t76/t48
+    t102 = t74/t11
+    t103 = 5.1518639227799214*t72
+    t104 = 5.836060905888831*t57
+    t105 = t77*t100 - (t76*t101 - (t74*t102 - (t72*t103 + t57*t104)))
+    t106 = t82*t89 + t105
+    t107 = t100*t98 - (t101*t97 - (t102*t92 - (t103*t90 + t104*t95)))
+    t108 = t89*t99 + t107
+    t109 = t108/t106
+    t110 = c1*t14 + t7*t91
+    t111 = t12*t110 + (t94 + t32*t96)
+    t112 = t52 - 0.4318*t14
+    t113 = t16 + t112
+    t114 = t49*t111 - (t60*t110 - (t94 + t61*t96))
+    t115 = t67*t114 - (t78*t111 - (t81*t110 - (t80*t91 - t79*t96)))
+    t116 = t100*t114 - (t101*t111 - (t102*t110 + (t103*t91 + t104*t96)))
+    t117 = t89*t115 + t116
+    t118 = t99/t86
+    t119 = t98/t66
+    t120 = t97/t48
+    t121 = 5.1518639227799214*t90
+    t122 = 5.836060905888831*t95
+    t123 = t92/t11
+    t124 = t119*t114 - (t120*t111 - (t123*t110 + (t121*t91 + t122*t96)))
+    t125 = t109*t117 - (t118*t115 + t124)
+    t126 = t98*t119 - (t97*t120 - (t92*t123 - (t90*t121 + t95*t122)))
+    t127 = t108*t109 - (t99*t118 + t126)
+    t128 = t125/t127
+    t129 = t113 + t49*t112
+    t130 = t112*t78 - t67*t129
+    t131 = t89*t130 + (t112*t101 - t100*t129)
+    t132 = t109*t131 - (t118*t130 + (t112*t120 - t119*t129))
+    t133 = t117/t106
+    t134 = t115/t86
+    t135 = t114/t66
+    t136 = t111/t48
+    t137 = t128*t132 - (t133*t131 - (t134*t130 + (t112*t136 - t135*t129)))
+    t138 = t91*(5.1518639227799214*t91) + t96*(5.836060905888831*t96)
+    t139 = t115*t134 + (t114*t135 - (t111*t136 - (t110*(t110/t11) - t138)))
+    t140 = t125*t128 - (t117*t133 - t139)
+    t141 = t137/t140
+    t142 = t87*s1
+    t143 = c1*t87
+    t144 = t88*s1 + t49*t142
+    t145 = c1*t88 + t143*t49
+    t146 = t67*t144 - (t78*t142 + (0.15005*s1 + c1*t113))
+    t147 = t145*t67 - (t143*t78 + (0.15005*c1 - s1*t113))
+    t148 = t89*t146 - (t101*t142 - t100*t144)
+    t149 = t147*t89 - (t143*t101 - t145*t100)
+    t150 = t109*t148 - (t118*t146 - (t120*t142 - t119*t144))
+    t151 = t128*t150 - (t133*t148 - (t134*t146 - (t136*t142 - t135*t144)))
+    t152 = t132/t127
+    t153 = t131/t106
+    t154 = t130/t86
+    t155 = t129/t66
+    t156 = t112/t48
+    t157 = t132*t152 - (t131*t153 - (t130*t154 - (t112*t156 - t129*t155)))
+    t158 = t137*t141 - t157
+    t159 = t152*t150 - (t153*t148 - (t154*t146 + (t156*t142 - t155*t144)))
+    t160 = t141*t151 - t159
+    t161 = t160/t158
+    t162 = t149*t109 - (t147*t118 - (t143*t120 - t145*t119))
+    t163 = t162*t128 - (t149*t133 - (t147*t134 - (t143*t136 - t145*t135)))
+    t164 = t162*t152 - (t149*t153 - (t147*t154 + (t143*t156 - t145*t155)))
+    t165 = t163*t141 - t164
+    t166 = t151/t140
+    t167 = t150/t127
+    t168 = t148/t106
+    t169 = t146/t86
+    t170 = t144/t66
+    t171 = t142/t48
+    t172 = t162*t167 - (t149*t168 - (t147*t169 - (t143*t171 - t145*t170)))
+    t173 = t165*t161 - (t163*t166 - t172)
+    t174 = t150*t167 - (t148*t168 - (t146*t169 - (t142*t171 - t144*t170)))
+    t175 = t160*t161 - (t151*t166 - t174)
+    t176 = t147*(t147/t86) - (t143*(t143/t48) - t145*(t145/t66))
+    t177 = t173/t175
+    t178 = t133 - t109*t128
+    t179 = t141*t178 - (t153 - t109*t152)
+    t180 = t161*t179 - (t166*t178 - (t168 - t109*t167))
+    t181 = t165/t158
+    t182 = t163/t140
+    t183 = t162/t127
+    t184 = t149/t106
+    t185 = t177*t180 - (t181*t179 - (t182*t178 - (t184 - t109*t183)))
+    t186 = t165*t181 - (t163*t182 - (t162*t183 - (t149*t184 - t176)))
+    t187 = t173*t177 - t186
+    t188 = t185/t187
+    t189 = t180/t175
+    t190 = t179/t158
+    t191 = t178/t140
+    t192 = t109/t127
+    t193 = t180*t189 - (t179*t190 - (t178*t191 + (1.0/t106 - t109*t192)))
+    t194 = t152 - t128*t141
+    t195 = t161*t194 - (t167 - t128*t166)
+    t196 = t177*t195 - (t181*t194 - (t183 - t128*t182))
+    t197 = t196*t188 - (t195*t189 - (t194*t190 + (t192 + t128*t191)))
+    t198 = t166 - t141*t161
+    t199 = t177*t198 - (t182 - t141*t181)
+    t200 = t199*t188 - (t198*t189 - (t191 - t141*t190))
+    t201 = t181 - t161*t177
+    t202 = t189 - t177*t188
+    t203 = t201*t188 - (t190 - t161*t189)
+    t204 = t196/t187
+    t205 = t195/t175
+    t206 = t194/t158
+    t207 = t128/t140
+    t208 = t196*t204 - (t195*t205 - (t194*t206 + (1.0/t127 - t128*t207)))
+    t209 = t199*t204 - (t198*t205 + (t207 + t141*t206))
+    t210 = t205 - t177*t204
+    t211 = t201*t204 - (t206 - t161*t205)
+    t212 = t199/t187
+    t213 = t198/t175
+    t214 = t141/t158
+    t215 = t213 - t177*t212
+    t216 = t201*t212 + (t214 + t161*t213)
+    t217 = t201/t187
+    t218 = t177/t187
+    t219 = t161/t175
+    t220 = t219 + t177*t217
+    return (
+        1.0/t187, -t218, -t217, -t212, t204, t188,
+        -t218, t177*t218 - 1.0/t175, t220, -t215, t210, t202,
+        -t217, t220, t201*t217 + (1.0/t158 - t161*t219), t216, -t211, -t203,
+        -t212, -t215, t216, t199*t212 - (t198*t213 + (1.0/t140 - t141*t214)), -t209, -t200,
+        t204, t210, -t211, -t209, t208, t197,
+        t188, t202, -t203, -t200, t197, t185*t188 - t193,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -2703,6 +3156,13 @@ jacobian_dot = _function(
     shape=(6, 6),
     kernel=_jacobian_dot,
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -2807,6 +3267,41 @@ base_parameters = _function(
     output="beta",
     shape=(46,),
     kernel=_base_parameters,
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
+)
+task_inertia = _function(
+    "task_inertia",
+    arguments=("q",),
+    output="Lambda",
+    shape=(6, 6),
+    kernel=_task_inertia,
 )
 
 

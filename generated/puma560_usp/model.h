@@ -51,8 +51,12 @@ enum {
     puma560_usp_jacobian_constant_count = 5,
     puma560_usp_jacobian_end_constant_count = 5,
     puma560_usp_jacobian_dot_constant_count = 5,
+    puma560_usp_jacobian_hessian_constant_count = 5,
     puma560_usp_analytic_jacobian_rpy_constant_count = 5,
     puma560_usp_analytic_jacobian_zyz_constant_count = 5,
+    puma560_usp_manipulability_constant_count = 4,
+    puma560_usp_manipulability_position_constant_count = 5,
+    puma560_usp_manipulability_dq_constant_count = 4,
     puma560_usp_inverse_kinematics_constant_count = 23,
     puma560_usp_branches = 8, /**< Branches of inverse kinematics. */
     puma560_usp_none = 0, /**< The branch does not exist. */
@@ -148,6 +152,23 @@ void puma560_usp_jacobian_dot_batch(size_t count, const double *q, const double 
 void puma560_usp_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       5 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 95 mul, 39 add, 5 sin, 5 cos.
+ */
+void puma560_usp_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_jacobian_hessian, 5, from the parameters, 5. */
+void puma560_usp_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -180,6 +201,70 @@ void puma560_usp_analytic_jacobian_zyz_batch(size_t count, const double *q, cons
 
 /** The constants of puma560_usp_analytic_jacobian_zyz, 5, from the parameters, 5. */
 void puma560_usp_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       4 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 4: 37 mul, 17 add, 4 sin, 3 cos.
+ */
+void puma560_usp_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_manipulability, 4, from the parameters, 5. */
+void puma560_usp_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       5 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 50 mul, 28 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void puma560_usp_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_manipulability_position, 5, from the parameters, 5. */
+void puma560_usp_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 26 mul, 14 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void puma560_usp_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       4 constants from manipulability_dq_constants().
+ * @param[out] result  dw/dq, 6: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 4, differentiated backwards: 79 mul, 35 add, 4 sin, 4 cos.
+ */
+void puma560_usp_manipulability_dq(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of puma560_usp_manipulability_dq, 4, from the parameters, 5. */
+void puma560_usp_manipulability_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

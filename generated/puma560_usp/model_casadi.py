@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -21,8 +21,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -57,8 +62,13 @@ OPERATIONS = {
     "jacobian": {"mul": 45, "add": 20, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 53, "add": 26, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_dot": {"mul": 115, "add": 70, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 95, "add": 39, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 90, "add": 39, "div": 2, "sin": 6, "cos": 6, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 66, "add": 28, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 37, "add": 17, "div": 0, "sin": 4, "cos": 3, "sqrt": 0},
+    "manipulability_position": {"mul": 50, "add": 28, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_dq": {"mul": 79, "add": 35, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 221, "add": 145, "div": 20, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 130},
 }
 GIVEN = ()
@@ -79,8 +89,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -424,6 +439,119 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_a3, p_d6, p_d4, p_a2, p_d2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_a3, p_d6, p_d4, p_a2, p_d2 = k
+    c1 = cos(q1)
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    s5 = sin(q5)
+    t4 = p_d6*s5
+    c4 = cos(q4)
+    t5 = p_a3 + t4*c4
+    c5 = cos(q5)
+    t6 = p_d6*c5
+    t7 = p_d4 + t6
+    t8 = t2*t5 + t3*t7
+    t9 = t5*t3 - t2*t7
+    t10 = c1*t8
+    t11 = c1*t9
+    c2 = cos(q2)
+    t12 = t8 + p_a2*c2
+    t13 = c1*t12
+    s1 = sin(q1)
+    t14 = s1*t9
+    t15 = s1*t12
+    t16 = s1*t8
+    s4 = sin(q4)
+    t17 = p_d2 + s4*t4
+    s2 = sin(q2)
+    t18 = t9 + p_a2*s2
+    t19 = s1*t18
+    t20 = c1*t18
+    t21 = s1*t2
+    t22 = c1*c4 - s4*t21
+    t23 = t4*t22
+    t24 = s4*c1 + c4*t21
+    t25 = s1*t3
+    t26 = t6*t24 - t4*t25
+    t27 = s4*t3
+    t28 = c1*t27
+    t29 = s1*t27
+    t30 = t4*t27
+    t31 = c1*t30
+    t32 = s1*t30
+    t33 = c4*t3
+    t34 = c1*t3
+    t35 = t6*t33 + t4*t2
+    t36 = c1*t35
+    t37 = s1*t35
+    t38 = t25*t35 + t2*t26
+    t39 = c1*t2
+    t40 = s1*c4 + s4*t39
+    t41 = s1*s4 - c4*t39
+    t42 = t4*t40
+    t43 = t6*t41 + t4*t34
+    t44 = t2*t43 - t35*t34
+    t45 = s1*t23 - c1*t42
+    t46 = s1*t26 - c1*t43
+    t47 = t26*t34 + t25*t43
+    t48 = c5*t25 + s5*t24
+    t49 = t2*c5 - s5*t33
+    t50 = c1*t49
+    t51 = c5*t34 - s5*t41
+    t52 = s1*t49
+    t53 = s1*t22 - c1*t40
+    t54 = s1*t48 + c1*t51
+    return (
+        s1*t17 - t13, t19, t14, -t23, -t26, 0.0,
+        t19, -t13, -t10, t31, -t36, 0.0,
+        t14, -t10, -t10, t31, -t36, 0.0,
+        -t23, t31, t31, t25*t30 - t2*t23, -t38, 0.0,
+        -t26, -t36, -t36, -t38, -(t22*t35 + t26*t27), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -(t15 + t17*c1), -t20, -t11, -t42, -t43, 0.0,
+        -t20, -t15, -t16, t32, -t37, 0.0,
+        -t11, -t16, -t16, t32, -t37, 0.0,
+        -t42, t32, t32, -(t2*t42 + t30*t34), -t44, 0.0,
+        -t43, -t37, -t37, -t44, -(t27*t43 + t35*t40), 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, t18, t9, -t45, -t46, 0.0,
+        0.0, t9, t9, -t45, -t46, 0.0,
+        0.0, -t45, -t45, t23*t34 + t25*t42, t47, 0.0,
+        0.0, -t46, -t46, t47, t22*t43 - t26*t40, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t25, t39, t39, 0.0, 0.0, 0.0,
+        -t22, t28, t28, t41, 0.0, 0.0,
+        -t48, t50, t50, t25*t49 - t2*t48, t22*t49 - t27*t48, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t34, t21, t21, 0.0, 0.0, 0.0,
+        -t40, t29, t29, -t24, 0.0, 0.0,
+        t51, t52, t52, t2*t51 - t34*t49, t27*t51 + t40*t49, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t3, -t3, 0.0, 0.0, 0.0,
+        0.0, -t53, -t53, t33, 0.0, 0.0,
+        0.0, -t54, -t54, t34*t48 - t25*t51, -(t40*t48 + t22*t51), 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
     return (
@@ -569,6 +697,182 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, t36, t36, t4 - t27*t38, t18*t29, 0.0,
         0.0, t37, t37, t24*t33 - t23*t34, t22*t33 + t15*t34, 0.0,
         0.0, -t35, -t35, t38, t22*t32 - t15*t31, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4 = p
+    return (
+        p_a2, p_a3, p_d2, p_d4,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_a2, p_a3, p_d2, p_d4 = k
+    s4 = sin(q4)
+    c3 = cos(q3)
+    t1 = s4*c3
+    c4 = cos(q4)
+    t2 = p_a2*t1 + (p_a3*s4 - p_d2*c4)
+    t3 = c4*c3
+    s2 = sin(q2)
+    s3 = sin(q3)
+    c2 = cos(q2)
+    t4 = s3*c2
+    t5 = c3*c2 - s3*s2
+    t6 = s2*t3 + c4*t4
+    t7 = t1*s2 + s4*t4
+    t8 = p_a3*c4
+    t9 = p_a2*t3 + (t8 + p_d2*s4)
+    t10 = t2*t6 - t9*t7
+    t11 = p_d4 + p_a2*s3
+    t12 = t2*t5 + t11*t7
+    t13 = s4*t2 + c4*t9
+    t14 = p_d4*c4
+    t15 = t11*(t14*t10 + p_a3*t12) - p_d4*(t10*(t11*c4) + t12*t13)
+    s5 = sin(q5)
+    t16 = absolute(s5*(s4*t15 + (t9*t5 + t11*t6)*(t11*t8 - t14*t13)))
+    return (
+        t16,
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_d2, p_a3, p_a2, p_d4,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2, p_a3, p_a2, p_d4 = k
+    c3 = cos(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t1 = c3*s2 + c2*s3
+    t2 = c2*c3 - s2*s3
+    s5 = sin(q5)
+    s4 = sin(q4)
+    t3 = s5*(p_d6*s4)
+    t4 = p_d2 + t3
+    t5 = t4*t1
+    t6 = t2*t4
+    c4 = cos(q4)
+    t7 = c4*(p_d6*s5)
+    t8 = c4*t7 + s4*t3
+    t9 = p_a3 + c4*t8
+    t10 = t9 + p_a2*c3
+    t11 = t8*t8 + (t9*t9 + (t5*t5 + t10*t10))
+    c5 = cos(q5)
+    t12 = p_d6*c5
+    t13 = t12*c4
+    t14 = s4*t12
+    t15 = p_d4 + t12
+    t16 = t15 + p_a2*s3
+    t17 = t1*t16 + t2*t10
+    t18 = t13*t14 - (t6*t17 + t3*t7)
+    t19 = t14*t14 + (t17*t17 + t7*t7)
+    t20 = t15*t9 + (t8*t13 - (t6*t5 - t16*t10))
+    t21 = t17*t5 + t8*t14
+    t22 = (t16*t16 + (t15*t15 + (t13*t13 + (t3*t3 + t6*t6))))*(t11*t19 - t21*t21)
+    t23 = t22 - (t11*(t18*t18) + t20*(t20*t19 - t21*(2.0*t18)))
+    return (
+        sqrt(absolute(t23)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s4 = sin(q4)
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t1 = c5*s5
+    t2 = c5*c5
+    t3 = s4*t1
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t4 = c2*c3 - s2*s3
+    t5 = c3*s2 + c2*s3
+    c4 = cos(q4)
+    t6 = t4*t5 - c4*t1
+    t7 = t2*(c4*s4)
+    t8 = c4*c4
+    t9 = s4*s4
+    t10 = 1.0 - t2
+    t11 = t4*t4 + (1.0 + t2)
+    t12 = t8*t10 + (t9 + t5*t5)
+    t13 = t11*(t7*t7) - (t9*t10 + (2.0 + t8))*(t11*t12 - t6*t6)
+    return (
+        sqrt(absolute(t3*(t6*(2.0*t7) - t12*t3) - t13)),
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4 = p
+    return (
+        p_a2, p_a3, p_d2, p_d4,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_a2, p_a3, p_d2, p_d4 = k
+    c3 = cos(q3)
+    c4 = cos(q4)
+    t1 = p_a2*c4
+    t2 = p_a3*c4
+    s4 = sin(q4)
+    t3 = c3*t1 + (t2 + p_d2*s4)
+    s3 = sin(q3)
+    t4 = s4*s3
+    c2 = cos(q2)
+    t5 = c3*s4
+    s2 = sin(q2)
+    t6 = c2*t4 + t5*s2
+    t7 = c2*s3 + c3*s2
+    t8 = c4*t7
+    t9 = p_a3*s4
+    t10 = p_d2*c4 - (t9 + p_a2*t5)
+    t11 = t10*t8 + t3*t6
+    t12 = p_a2*s3
+    t13 = s3*s2
+    t14 = p_d4 + t12
+    t15 = t14*c4
+    t16 = c2*c3
+    t17 = t16 - t13
+    t18 = t10*t17 - t14*t6
+    t19 = s4*t10 - c4*t3
+    t20 = p_d4*s4
+    t21 = p_d4*c4
+    t22 = s4*(t21*t11 + p_a3*t18)
+    t23 = t3*t17 + t14*t8
+    t24 = t19*t21 + p_a3*t15
+    t25 = t20*(t15*t11 - t19*t18) + (t23*t24 - t14*t22)
+    s5 = sin(q5)
+    t26 = sign(s5*t25)
+    t27 = s5*t26
+    t28 = t20*t27
+    t29 = t19*t28 + t27*(t14*t9)
+    t30 = t24*t27
+    t31 = t14*t29
+    t32 = t15*t30
+    t33 = t7*(t3*t30 - t10*t29) + (t13*t32 + t31*(s2*t4))
+    t34 = t23*t27
+    t35 = t18*t28 - t21*t34
+    t36 = p_a2*(t2*t34 - (t22*t27 - (t8*t30 + t6*t29))) + t28*(t1*t11)
+    t37 = t16*(t32 + s4*t31) + (c3*t36 - (t33 + (t17*t29 + s4*t35)*(p_a2*t4)))
+    c5 = cos(q5)
+    return (
+        0.0, c2*(t5*t31 + c3*t32) - t33, t37 - (t17*t30 + c4*t35)*(t12*c4), 0.0, c5*(t25*t26), 0.0,
     )
 
 
@@ -1233,6 +1537,17 @@ jacobian_dot = _function(
         0, 1, 2, 3, 4,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -1253,6 +1568,46 @@ analytic_jacobian_zyz = _function(
     hoisted=_analytic_jacobian_zyz_constants,
     needs=(
         0, 1, 2, 3, 4,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1, 2, 3,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1, 2, 3,
     ),
 )
 

@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q3, prismatic [m]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,7 +18,12 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -40,7 +45,12 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
 GIVEN = ()
@@ -61,7 +71,12 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -226,6 +241,46 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_l2, p_l3 = p
+    return (
+        p_l2, p_l3,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    p_l2, p_l3 = k
+    s1 = sin(q1)
+    t1 = q1 + q2
+    t2 = sin(t1)
+    t3 = p_l3*t2
+    t4 = cos(t1)
+    t5 = p_l3*t4
+    c1 = cos(q1)
+    return (
+        p_l2*s1 + t3, t3, 0.0,
+        t3, t3, 0.0,
+        0.0, 0.0, 0.0,
+        -(p_l2*c1 + t5), -t5, 0.0,
+        -t5, -t5, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_l2, p_l3 = p
     return (
@@ -251,6 +306,67 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         1.0, 1.0, 0.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_l2, p_l3 = p
+    t1 = p_l2*p_l3
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_l2, p_l3 = p
+    t1 = p_l2*p_l3
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.4142135623730951,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_l2, p_l3 = p
+    t1 = p_l2*p_l3
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2), 0.0,
     )
 
 
@@ -441,6 +557,17 @@ jacobian_dot = _function(
         1, 2,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        1, 2,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -448,6 +575,46 @@ analytic_jacobian_rpy = _function(
     shape=(6, 3),
     kernel=_analytic_jacobian_rpy,
     hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        1, 2,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        1, 2,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        1, 2,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(3,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
     needs=(
         1, 2,
     ),

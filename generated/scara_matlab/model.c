@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -564,6 +569,156 @@ void scara_matlab_jacobian_dot_batch(size_t count, const double *restrict q, con
         load(4, qd + 4 * start, rows, qd_block, jacobian_dot_lanes);
         jacobian_dot_block(q_block, qd_block, result_block);
         store(24, result_block, jacobian_dot_lanes, result + 24 * start, rows);
+    }
+}
+
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double t1 = q1 + q2;
+    angles[0] = q1;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double t1 = 2.0*ca2;
+    const double t2 = 2.0*sa2;
+    result[0] = -(2.0*c1 + t1);
+    result[lanes] = -t1;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = -t1;
+    result[5 * lanes] = -t1;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = -(2.0*s1 + t2);
+    result[17 * lanes] = -t2;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = -t2;
+    result[21 * lanes] = -t2;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.0;
+    result[37 * lanes] = 0.0;
+    result[38 * lanes] = 0.0;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = 0.0;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = 0.0;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = 0.0;
+    result[58 * lanes] = 0.0;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = 0.0;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = 0.0;
+    result[64 * lanes] = 0.0;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = 0.0;
+    result[80 * lanes] = 0.0;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = 0.0;
+    result[86 * lanes] = 0.0;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+}
+
+void scara_matlab_jacobian_hessian(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, result, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * jacobian_hessian_lanes], sines[2 * jacobian_hessian_lanes], cosines[2 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(2 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, result + i, jacobian_hessian_lanes);
+}
+
+void scara_matlab_jacobian_hessian_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[4 * jacobian_hessian_lanes], result_block[96 * jacobian_hessian_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, result_block);
+        store(96, result_block, jacobian_hessian_lanes, result + 96 * start, rows);
     }
 }
 
@@ -1691,6 +1846,291 @@ KERNEL void base_parameters_lane(double *restrict result, const size_t lanes)
 void scara_matlab_base_parameters(double *restrict result)
 {
     base_parameters_lane(result, 1);
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, double *restrict result)
+{
+    const double s2 = sines[0];
+    result[0] = fabs(4.0*s2);
+}
+
+void scara_matlab_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[1], sines[1];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_lane(sines, result);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[1 * manipulability_lanes], sines[1 * manipulability_lanes], cosines[1 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(1 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, result + i);
+}
+
+void scara_matlab_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[4 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, double *restrict result)
+{
+    const double s2 = sines[0];
+    const double t1 = 4.0*s2;
+    result[0] = sqrt(t1*t1);
+}
+
+void scara_matlab_manipulability_position(const double *restrict q, double *restrict result)
+{
+    double angles[1], sines[1];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_position_lane(sines, result);
+}
+
+static void manipulability_position_block(const double *restrict q, double *restrict result)
+{
+    double angles[1 * manipulability_position_lanes], sines[1 * manipulability_position_lanes], cosines[1 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(1 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, result + i);
+}
+
+void scara_matlab_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[4 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 1.7320508075688772;
+}
+
+void scara_matlab_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void scara_matlab_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double c2 = cosines[0];
+    result[0] = 0.0;
+    result[lanes] = c2*(4.0*sign(4.0*s2));
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+}
+
+void scara_matlab_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[1 * manipulability_dq_lanes], sines[1 * manipulability_dq_lanes], cosines[1 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(1 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void scara_matlab_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[4 * manipulability_dq_lanes], result_block[4 * manipulability_dq_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(4, result_block, manipulability_dq_lanes, result + 4 * start, rows);
+    }
+}
+
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double t1 = 2.0*c1;
+    const double t2 = 2.0*s1;
+    const double t3 = 1.0 + c2;
+    const double t4 = s2*t1 + t2*t3;
+    const double t5 = t2 - t4;
+    const double t6 = t2*s2 - t1*t3;
+    const double t7 = t1 + t6;
+    const double t8 = 48.72723235906782 + 53.0*c2;
+    const double t9 = 0.019596129952462543*t8;
+    const double t10 = t4 + t5*t9;
+    const double t11 = t6 - t9*t7;
+    const double t12 = t8*t9 - (167.5298993277098 + 106.0*c2);
+    const double t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2;
+    const double t14 = t13/t12;
+    const double t15 = 0.04442480460298804 - 1.0222567059132721*c2;
+    const double t16 = t15/t12;
+    const double t17 = t10*t16 + 0.019287862375722113*t5;
+    const double t18 = 2.9275067519841257e-05 - t16*t13;
+    const double t19 = 5.2466321353505805 - t15*t16;
+    const double t20 = t18/t19;
+    const double t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20);
+    const double t22 = t16*t11 - 0.019287862375722113*t7;
+    const double t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22);
+    const double t24 = t18*t20 - (0.14130538623092265 - t13*t14);
+    const double t25 = t23/t24;
+    const double t26 = t11/t12;
+    const double t27 = t22/t19;
+    const double t28 = 0.019596129952462543*t7;
+    const double t29 = t5*t28 + (t21*t25 + (t10*t26 + t17*t27));
+    const double t30 = t7*t28 + (t23*t25 - (t11*t26 + t22*t27));
+    const double t31 = t29/t30;
+    const double t32 = t21/t24;
+    const double t33 = t17/t19;
+    const double t34 = t17*t33 - (t5*(0.019596129952462543*t5) - t10*(t10/t12));
+    const double t35 = t29*t31 - (t21*t32 - t34);
+    const double t36 = t31/t35;
+    const double t37 = t32 - t25*t31;
+    const double t38 = t37/t35;
+    const double t39 = t27 - t20*t25;
+    const double t40 = t31*t39 + (t33 + t20*t32);
+    const double t41 = t40/t35;
+    const double t42 = t25/t30;
+    const double t43 = t42 + t31*t38;
+    const double t44 = t39/t30;
+    const double t45 = t44 - t31*t41;
+    result[0] = -1.0/t35;
+    result[lanes] = -t36;
+    result[2 * lanes] = -t38;
+    result[3 * lanes] = t41;
+    result[4 * lanes] = -t36;
+    result[5 * lanes] = 1.0/t30 - t31*t36;
+    result[6 * lanes] = -t43;
+    result[7 * lanes] = -t45;
+    result[8 * lanes] = -t38;
+    result[9 * lanes] = -t43;
+    result[10 * lanes] = -(t37*t38 + (1.0/t24 - t25*t42));
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t41;
+    result[13 * lanes] = -t45;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = t39*t44 + (1.0/t19 - t20*(t20/t24)) - t40*t41;
+}
+
+void scara_matlab_task_inertia(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, result, 1);
+}
+
+static void task_inertia_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, result + i, task_inertia_lanes);
+}
+
+void scara_matlab_task_inertia_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[4 * task_inertia_lanes], result_block[16 * task_inertia_lanes];
+        load(4, q + 4 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, result_block);
+        store(16, result_block, task_inertia_lanes, result + 16 * start, rows);
+    }
 }
 
 /* inverse_kinematics */

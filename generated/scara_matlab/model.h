@@ -110,6 +110,19 @@ void scara_matlab_jacobian_dot(const double *q, const double *qd, double *result
 void scara_matlab_jacobian_dot_batch(size_t count, const double *q, const double *qd, double *result);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  H, 6 x 4 x 4, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_matlab_jacobian_hessian(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_jacobian_hessian_batch(size_t count, const double *q, double *result);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -300,6 +313,71 @@ void scara_matlab_base_regressor_batch(size_t count, const double *q, const doub
  * Grouped from the tip inwards: no operations.
  */
 void scara_matlab_base_parameters(double *result);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: 1 mul, 1 sin.
+ */
+void scara_matlab_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 2 mul, 1 sin, 1 sqrt.
+ */
+void scara_matlab_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void scara_matlab_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 4: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: 3 mul, 1 sin, 1 cos.
+ */
+void scara_matlab_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Inertia that a force on the end effector meets in the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  Lambda, 4 x 4, row by row: (J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank.
+ *
+ * Inertia matrix and Jacobian, eliminated: 55 mul, 44 add, 20 div, 2 sin, 2 cos.
+ */
+void scara_matlab_task_inertia(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_task_inertia_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -11,7 +11,7 @@ Order of the entries of q, qd, qdd and tau, columns of 4:
     4: q4, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 16: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 16, the poses of the frames.
 Every parameter has its number in this file.
 
     forward_kinematics(q) -> T
@@ -19,6 +19,7 @@ Every parameter has its number in this file.
     jacobian(q) -> J
     jacobian_end(q) -> J_end
     jacobian_dot(q, qd) -> dJ/dt
+    jacobian_hessian(q) -> H
     analytic_jacobian_rpy(q) -> J_A
     inertia_matrix(q) -> B
     coriolis_matrix(q, qd) -> C
@@ -33,6 +34,11 @@ Every parameter has its number in this file.
     regressor(q, qd, qdd) -> Y
     base_regressor(q, qd, qdd) -> Y_b
     base_parameters() -> beta
+    manipulability(q) -> w
+    manipulability_position(q) -> w
+    manipulability_orientation(q) -> w
+    manipulability_dq(q) -> dw/dq
+    task_inertia(q) -> Lambda
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -70,6 +76,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -84,6 +91,11 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "task_inertia": {"mul": 55, "add": 44, "div": 20, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
@@ -107,6 +119,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
@@ -121,6 +134,11 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -253,6 +271,44 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t4), -t6, 0.0, 0.0,
         -(t7 + t4*s1), -t7, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = 2.0*t2
+    t4 = sin(t1)
+    t5 = 2.0*t4
+    s1 = sin(q1)
+    return (
+        -(2.0*c1 + t3), -t3, 0.0, 0.0,
+        -t3, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -(2.0*s1 + t5), -t5, 0.0, 0.0,
+        -t5, -t5, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -532,6 +588,101 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    return (
+        absolute(4.0*s2),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    t1 = 4.0*s2
+    return (
+        sqrt(t1*t1),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.7320508075688772,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        0.0, c2*(4.0*sign(4.0*s2)), 0.0, 0.0,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = 2.0*c1
+    s1 = sin(q1)
+    t2 = 2.0*s1
+    c2 = cos(q2)
+    t3 = 1.0 + c2
+    t4 = s2*t1 + t2*t3
+    t5 = t2 - t4
+    t6 = t2*s2 - t1*t3
+    t7 = t1 + t6
+    t8 = 48.72723235906782 + 53.0*c2
+    t9 = 0.019596129952462543*t8
+    t10 = t4 + t5*t9
+    t11 = t6 - t9*t7
+    t12 = t8*t9 - (167.5298993277098 + 106.0*c2)
+    t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2
+    t14 = t13/t12
+    t15 = 0.04442480460298804 - 1.0222567059132721*c2
+    t16 = t15/t12
+    t17 = t10*t16 + 0.019287862375722113*t5
+    t18 = 2.9275067519841257e-05 - t16*t13
+    t19 = 5.2466321353505805 - t15*t16
+    t20 = t18/t19
+    t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20)
+    t22 = t16*t11 - 0.019287862375722113*t7
+    t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22)
+    t24 = t18*t20 - (0.14130538623092265 - t13*t14)
+    t25 = t23/t24
+    t26 = t11/t12
+    t27 = t22/t19
+    t28 = 0.019596129952462543*t7
+    t29 = t5*t28 + (t21*t25 + (t10*t26 + t17*t27))
+    t30 = t7*t28 + (t23*t25 - (t11*t26 + t22*t27))
+    t31 = t29/t30
+    t32 = t21/t24
+    t33 = t17/t19
+    t34 = t17*t33 - (t5*(0.019596129952462543*t5) - t10*(t10/t12))
+    t35 = t29*t31 - (t21*t32 - t34)
+    t36 = t31/t35
+    t37 = t32 - t25*t31
+    t38 = t37/t35
+    t39 = t27 - t20*t25
+    t40 = t31*t39 + (t33 + t20*t32)
+    t41 = t40/t35
+    t42 = t25/t30
+    t43 = t42 + t31*t38
+    t44 = t39/t30
+    t45 = t44 - t31*t41
+    return (
+        -1.0/t35, -t36, -t38, t41,
+        -t36, 1.0/t30 - t31*t36, -t43, -t45,
+        -t38, -t43, -(t37*t38 + (1.0/t24 - t25*t42)), 0.0,
+        t41, -t45, 0.0, t39*t44 + (1.0/t19 - t20*(t20/t24)) - t40*t41,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -761,6 +912,13 @@ jacobian_dot = _function(
     shape=(6, 4),
     kernel=_jacobian_dot,
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 4, 4),
+    kernel=_jacobian_hessian,
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -858,6 +1016,41 @@ base_parameters = _function(
     output="beta",
     shape=(15,),
     kernel=_base_parameters,
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(4,),
+    kernel=_manipulability_dq,
+)
+task_inertia = _function(
+    "task_inertia",
+    arguments=("q",),
+    output="Lambda",
+    shape=(4, 4),
+    kernel=_task_inertia,
 )
 
 

@@ -51,6 +51,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -65,6 +66,11 @@ OPERATIONS = {
     "regressor": {"mul": 44, "add": 31, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 42, "add": 30, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "task_inertia": {"mul": 55, "add": 44, "div": 20, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
@@ -88,6 +94,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
@@ -102,6 +109,11 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -196,6 +208,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 6 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 4, 4):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -449,6 +478,91 @@ def base_parameters(params=None, out=None):
     return _FUNCTIONS["base_parameters"]((), params, out)
 
 
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: 1 mul, 1 sin.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 2 mul, 1 sin, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 4):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 1, differentiated backwards: 3 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def task_inertia(q, params=None, out=None):
+    """Inertia that a force on the end effector meets in the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Lambda, (..., 4, 4):
+        (J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank.
+
+    Inertia matrix and Jacobian, eliminated: 55 mul, 44 add, 20 div, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["task_inertia"]((q,), params, out)
+
+
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
     """Joint variables of a pose of the end effector, every branch.
 
@@ -621,6 +735,44 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t4), -t6, 0.0, 0.0,
         -(t7 + t4*s1), -t7, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = 2.0*t2
+    t4 = sin(t1)
+    t5 = 2.0*t4
+    s1 = sin(q1)
+    return (
+        -(2.0*c1 + t3), -t3, 0.0, 0.0,
+        -t3, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -(2.0*s1 + t5), -t5, 0.0, 0.0,
+        -t5, -t5, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -897,6 +1049,101 @@ def _base_parameters(functions, k):
     return (
         92.824029968642, 5.8018217679508, 13.5, 0.0, 22.705, 0.0002, 9.496868641825, 6.5, 0.0002,
         3.9804259903722, 0.0, 0.0, 0.0005, 3.3e-05, 0.411645229697152,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    return (
+        absolute(4.0*s2),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    t1 = 4.0*s2
+    return (
+        sqrt(t1*t1),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.7320508075688772,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        0.0, c2*(4.0*sign(4.0*s2)), 0.0, 0.0,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = 2.0*c1
+    s1 = sin(q1)
+    t2 = 2.0*s1
+    c2 = cos(q2)
+    t3 = 1.0 + c2
+    t4 = s2*t1 + t2*t3
+    t5 = t2 - t4
+    t6 = t2*s2 - t1*t3
+    t7 = t1 + t6
+    t8 = 48.72723235906782 + 53.0*c2
+    t9 = 0.019596129952462543*t8
+    t10 = t4 + t5*t9
+    t11 = t6 - t9*t7
+    t12 = t8*t9 - (167.5298993277098 + 106.0*c2)
+    t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2
+    t14 = t13/t12
+    t15 = 0.04442480460298804 - 1.0222567059132721*c2
+    t16 = t15/t12
+    t17 = t10*t16 + 0.019287862375722113*t5
+    t18 = 2.9275067519841257e-05 - t16*t13
+    t19 = 5.2466321353505805 - t15*t16
+    t20 = t18/t19
+    t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20)
+    t22 = t16*t11 - 0.019287862375722113*t7
+    t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22)
+    t24 = t18*t20 - (0.14130538623092265 - t13*t14)
+    t25 = t23/t24
+    t26 = t11/t12
+    t27 = t22/t19
+    t28 = 0.019596129952462543*t7
+    t29 = t5*t28 + (t21*t25 + (t10*t26 + t17*t27))
+    t30 = t7*t28 + (t23*t25 - (t11*t26 + t22*t27))
+    t31 = t29/t30
+    t32 = t21/t24
+    t33 = t17/t19
+    t34 = t17*t33 - (t5*(0.019596129952462543*t5) - t10*(t10/t12))
+    t35 = t29*t31 - (t21*t32 - t34)
+    t36 = t31/t35
+    t37 = t32 - t25*t31
+    t38 = t37/t35
+    t39 = t27 - t20*t25
+    t40 = t31*t39 + (t33 + t20*t32)
+    t41 = t40/t35
+    t42 = t25/t30
+    t43 = t42 + t31*t38
+    t44 = t39/t30
+    t45 = t44 - t31*t41
+    return (
+        -1.0/t35, -t36, -t38, t41,
+        -t36, 1.0/t30 - t31*t36, -t43, -t45,
+        -t38, -t43, -(t37*t38 + (1.0/t24 - t25*t42)), 0.0,
+        t41, -t45, 0.0, t39*t44 + (1.0/t19 - t20*(t20/t24)) - t40*t41,
     )
 
 
@@ -2272,6 +2519,12 @@ _FUNCTIONS = {
         shape=(6, 4),
         kernel=_jacobian_dot,
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 4, 4),
+        kernel=_jacobian_hessian,
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -2355,6 +2608,36 @@ _FUNCTIONS = {
         arguments=(),
         shape=(15,),
         kernel=_base_parameters,
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(4,),
+        kernel=_manipulability_dq,
+    ),
+    "task_inertia": _Function(
+        name="task_inertia",
+        arguments=("q",),
+        shape=(4, 4),
+        kernel=_task_inertia,
     ),
 }
 

@@ -62,6 +62,7 @@ enum {
     scara_perugia_jacobian_constant_count = 2,
     scara_perugia_jacobian_end_constant_count = 2,
     scara_perugia_jacobian_dot_constant_count = 2,
+    scara_perugia_jacobian_hessian_constant_count = 2,
     scara_perugia_analytic_jacobian_rpy_constant_count = 2,
     scara_perugia_inertia_matrix_constant_count = 7,
     scara_perugia_coriolis_matrix_constant_count = 1,
@@ -76,6 +77,10 @@ enum {
     scara_perugia_regressor_constant_count = 5,
     scara_perugia_base_regressor_constant_count = 4,
     scara_perugia_base_parameters_constant_count = 6,
+    scara_perugia_manipulability_constant_count = 1,
+    scara_perugia_manipulability_position_constant_count = 1,
+    scara_perugia_manipulability_dq_constant_count = 1,
+    scara_perugia_task_inertia_constant_count = 9,
     scara_perugia_inverse_kinematics_constant_count = 14,
     scara_perugia_branches = 2, /**< Branches of inverse kinematics. */
     scara_perugia_none = 0, /**< The branch does not exist. */
@@ -169,6 +174,23 @@ void scara_perugia_jacobian_dot_batch(size_t count, const double *q, const doubl
 
 /** The constants of scara_perugia_jacobian_dot, 2, from the parameters, 18. */
 void scara_perugia_jacobian_dot_constants(const double *params, double *k);
+
+/**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 4 x 4, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void scara_perugia_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_jacobian_hessian, 2, from the parameters, 18. */
+void scara_perugia_jacobian_hessian_constants(const double *params, double *k);
 
 /**
  * Analytic Jacobian for roll, pitch, yaw.
@@ -429,6 +451,91 @@ void scara_perugia_base_parameters(const double *k, double *result);
 
 /** The constants of scara_perugia_base_parameters, 6, from the parameters, 18. */
 void scara_perugia_base_parameters_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: 1 mul, 1 sin.
+ * Once per set of parameters: 1 mul.
+ */
+void scara_perugia_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_manipulability, 1, from the parameters, 18. */
+void scara_perugia_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 2 mul, 1 sin, 1 sqrt.
+ * Once per set of parameters: 1 mul.
+ */
+void scara_perugia_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_manipulability_position, 1, from the parameters, 18. */
+void scara_perugia_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void scara_perugia_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_dq_constants().
+ * @param[out] result  dw/dq, 4: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: 3 mul, 1 sin, 1 cos.
+ * Once per set of parameters: 1 mul.
+ */
+void scara_perugia_manipulability_dq(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_manipulability_dq, 1, from the parameters, 18. */
+void scara_perugia_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Inertia that a force on the end effector meets in the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       9 constants from task_inertia_constants().
+ * @param[out] result  Lambda, 4 x 4, row by row: (J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank.
+ *
+ * Inertia matrix and Jacobian, eliminated: 21 mul, 13 add, 9 div, 2 sin, 2 cos.
+ * Once per set of parameters: 14 mul, 12 add.
+ */
+void scara_perugia_task_inertia(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_task_inertia_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_task_inertia, 9, from the parameters, 18. */
+void scara_perugia_task_inertia_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -11,7 +11,7 @@ Order of the entries of q, qd, qdd and tau, columns of 4:
     4: q4, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 16: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 16, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -19,6 +19,7 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     inertia_matrix(q, params) -> B
     coriolis_matrix(q, qd, params) -> C
@@ -33,6 +34,11 @@ Every function has a last input `params`, a column of the free parameters in the
     regressor(q, qd, qdd, params) -> Y
     base_regressor(q, qd, qdd, params) -> Y_b
     base_parameters(params) -> beta
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
+    task_inertia(q, params) -> Lambda
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -71,6 +77,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -85,6 +92,11 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "task_inertia": {"mul": 21, "add": 13, "div": 9, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 99, "add": 73, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
@@ -108,6 +120,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
@@ -122,6 +135,11 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -294,6 +312,52 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t7), -t6, 0.0, 0.0,
         -(t4 + t7*s1), -t4, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_a1, p_a2 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_a2*t2
+    t4 = sin(t1)
+    t5 = p_a2*t4
+    s1 = sin(q1)
+    return (
+        -(p_a1*c1 + t3), -t3, 0.0, 0.0,
+        -t3, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -(p_a1*s1 + t5), -t5, 0.0, 0.0,
+        -t5, -t5, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -732,6 +796,116 @@ def _base_parameters(functions, k):
     )
 
 
+def _manipulability_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    return (
+        sqrt(t2*t2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.7320508075688772,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2), 0.0, 0.0,
+    )
+
+
+def _task_inertia_constants(functions, p):
+    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
+    t1 = p_a2*p_ml3
+    t2 = p_l2*p_ml2
+    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
+    t4 = p_Im2*p_kr2
+    t5 = t4 + t3
+    t6 = p_a1*(t2 + t1)
+    t7 = t3 + p_kr2*t4
+    t8 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)))
+    t9 = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t8
+    t10 = 2.0*t6
+    return (
+        p_a2, p_ml3, t5, p_a1, t6, t7, t9, t10, p_Il4,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_a2, p_ml3, k3, p_a1, k5, k6, k7, k8, p_Il4 = k
+    c2 = cos(q2)
+    t11 = k3 + k5*c2
+    t12 = t11/k6
+    t13 = 1.0 - t12
+    c1 = cos(q1)
+    s2 = sin(q2)
+    s1 = sin(q1)
+    t14 = p_a2*(c1*c2 - s2*s1)
+    t15 = p_a1*c1 + t13*t14
+    t16 = t11*t12 - (k7 + k8*c2)
+    t17 = p_a2*(c1*s2 + s1*c2)
+    t18 = p_a1*s1 + t17*t13
+    t19 = t15/t16
+    t20 = t14/k6
+    t21 = t17*t20 - t18*t19
+    t22 = t14*t20 - t15*t19
+    t23 = t21/t22
+    t24 = t21*t23 - (t17*(t17/k6) - t18*(t18/t16))
+    t25 = t23/t24
+    return (
+        -1.0/t24, -t25, 0.0, 0.0,
+        -t25, 1.0/t22 - t23*t25, 0.0, 0.0,
+        0.0, 0.0, p_ml3, 0.0,
+        0.0, 0.0, 0.0, p_Il4,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a1, p_a2, p_d4 = p
@@ -1013,6 +1187,17 @@ jacobian_dot = _function(
         0, 1,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 4, 4),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -1165,6 +1350,57 @@ base_parameters = _function(
     hoisted=_base_parameters_constants,
     needs=(
         0, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 16, 17,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(4,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
+    ),
+)
+task_inertia = _function(
+    "task_inertia",
+    arguments=("q",),
+    output="Lambda",
+    shape=(4, 4),
+    kernel=_task_inertia,
+    hoisted=_task_inertia_constants,
+    needs=(
+        0, 1, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     ),
 )
 

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -620,6 +625,166 @@ void scara_perugia_zup_jacobian_dot_batch(size_t count, const double *restrict q
         load(4, qd + 4 * start, rows, qd_block, jacobian_dot_lanes);
         jacobian_dot_block(q_block, qd_block, k, result_block);
         store(24, result_block, jacobian_dot_lanes, result + 24 * start, rows);
+    }
+}
+
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void scara_perugia_zup_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a1;
+    k[1] = p_a2;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double t1 = q1 + q2;
+    angles[0] = q1;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k2*ca2;
+    const double t2 = k2*sa2;
+    result[0] = -(k1*c1 + t1);
+    result[lanes] = -t1;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = -t1;
+    result[5 * lanes] = -t1;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = -(k1*s1 + t2);
+    result[17 * lanes] = -t2;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = -t2;
+    result[21 * lanes] = -t2;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.0;
+    result[37 * lanes] = 0.0;
+    result[38 * lanes] = 0.0;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = 0.0;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = 0.0;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = 0.0;
+    result[58 * lanes] = 0.0;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = 0.0;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = 0.0;
+    result[64 * lanes] = 0.0;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = 0.0;
+    result[80 * lanes] = 0.0;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = 0.0;
+    result[86 * lanes] = 0.0;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+}
+
+void scara_perugia_zup_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * jacobian_hessian_lanes], sines[2 * jacobian_hessian_lanes], cosines[2 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(2 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void scara_perugia_zup_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[4 * jacobian_hessian_lanes], result_block[96 * jacobian_hessian_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(96, result_block, jacobian_hessian_lanes, result + 96 * start, rows);
     }
 }
 
@@ -1973,6 +2138,330 @@ KERNEL void base_parameters_lane(const double *restrict k, double *restrict resu
 void scara_perugia_zup_base_parameters(const double *restrict k, double *restrict result)
 {
     base_parameters_lane(k, result, 1, 1);
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void scara_perugia_zup_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a1*p_a2;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict k, double *restrict result)
+{
+    const double s2 = sines[0];
+    const double k1 = k[0];
+    result[0] = fabs(k1*s2);
+}
+
+void scara_perugia_zup_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_lane(sines, k, result);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * manipulability_lanes], sines[1 * manipulability_lanes], cosines[1 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(1 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, k, result + i);
+}
+
+void scara_perugia_zup_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[4 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void scara_perugia_zup_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    k[0] = p_a1*p_a2;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict k, double *restrict result)
+{
+    const double s2 = sines[0];
+    const double k1 = k[0];
+    const double t1 = k1*s2;
+    result[0] = sqrt(t1*t1);
+}
+
+void scara_perugia_zup_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_position_lane(sines, k, result);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * manipulability_position_lanes], sines[1 * manipulability_position_lanes], cosines[1 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(1 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, k, result + i);
+}
+
+void scara_perugia_zup_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[4 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 1.7320508075688772;
+}
+
+void scara_perugia_zup_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void scara_perugia_zup_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void scara_perugia_zup_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double t1 = p_a1*p_a2;
+    k[0] = t1;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    angles[0] = q2;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double c2 = cosines[0];
+    const double k1 = k[0];
+    result[0] = 0.0;
+    result[lanes] = sign(k1*s2)*(k1*c2);
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+}
+
+void scara_perugia_zup_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[1 * manipulability_dq_lanes], sines[1 * manipulability_dq_lanes], cosines[1 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(1 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes);
+}
+
+void scara_perugia_zup_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[4 * manipulability_dq_lanes], result_block[4 * manipulability_dq_lanes];
+        load(4, q + 4 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(4, result_block, manipulability_dq_lanes, result + 4 * start, rows);
+    }
+}
+
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+void scara_perugia_zup_task_inertia_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_ml1 = params[4];
+    const double p_l1 = params[5];
+    const double p_Il1 = params[6];
+    const double p_Im1 = params[8];
+    const double p_kr1 = params[9];
+    const double p_ml2 = params[10];
+    const double p_l2 = params[11];
+    const double p_Il2 = params[12];
+    const double p_mm2 = params[13];
+    const double p_Im2 = params[14];
+    const double p_kr2 = params[15];
+    const double p_ml3 = params[16];
+    const double p_Il4 = params[17];
+    const double t1 = p_a2*p_ml3;
+    const double t2 = p_l2*p_ml2;
+    const double t3 = p_a2*t1 + (p_Il2 + p_l2*t2);
+    const double t4 = p_Im2*p_kr2;
+    const double t5 = p_a1*(t2 + t1);
+    const double t6 = t3 + p_kr2*t4;
+    const double t7 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)));
+    k[0] = p_a2;
+    k[1] = p_ml3;
+    k[2] = t4 + t3;
+    k[3] = p_a1;
+    k[4] = t5;
+    k[5] = t6;
+    k[6] = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t7;
+    k[7] = 2.0*t5;
+    k[8] = p_Il4;
+}
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double k9 = k[8 * k_lanes];
+    const double t1 = k3 + k5*c2;
+    const double t2 = t1/k6;
+    const double t3 = 1.0 - t2;
+    const double t4 = k1*(c1*c2 - s2*s1);
+    const double t5 = k4*c1 + t3*t4;
+    const double t6 = t1*t2 - (k7 + k8*c2);
+    const double t7 = k1*(c1*s2 + s1*c2);
+    const double t8 = k4*s1 + t7*t3;
+    const double t9 = t5/t6;
+    const double t10 = t4/k6;
+    const double t11 = t7*t10 - t8*t9;
+    const double t12 = t4*t10 - t5*t9;
+    const double t13 = t11/t12;
+    const double t14 = t11*t13 - (t7*(t7/k6) - t8*(t8/t6));
+    const double t15 = t13/t14;
+    result[0] = -1.0/t14;
+    result[lanes] = -t15;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = -t15;
+    result[5 * lanes] = 1.0/t12 - t13*t15;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = k2;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = k9;
+}
+
+void scara_perugia_zup_task_inertia(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void task_inertia_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, k, result + i, task_inertia_lanes, 1);
+}
+
+void scara_perugia_zup_task_inertia_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[4 * task_inertia_lanes], result_block[16 * task_inertia_lanes];
+        load(4, q + 4 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, k, result_block);
+        store(16, result_block, task_inertia_lanes, result + 16 * start, rows);
+    }
 }
 
 /* inverse_kinematics */

@@ -54,6 +54,7 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inertia_matrix": {"mul": 2, "add": 2, "div": 0, "sin": 0, "cos": 1, "sqrt": 0},
     "coriolis_matrix": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -68,6 +69,11 @@ OPERATIONS = {
     "regressor": {"mul": 42, "add": 29, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_regressor": {"mul": 38, "add": 28, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "base_parameters": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "task_inertia": {"mul": 21, "add": 13, "div": 9, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
@@ -91,6 +97,7 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "inertia_matrix",
     "coriolis_matrix",
@@ -105,6 +112,11 @@ __all__ = [
     "regressor",
     "base_regressor",
     "base_parameters",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -200,6 +212,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, differentiated in time: 6 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
+
+
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 4, 4):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 
 
 def analytic_jacobian_rpy(q, params=None, out=None):
@@ -465,6 +494,95 @@ def base_parameters(params=None, out=None):
     return _FUNCTIONS["base_parameters"]((), params, out)
 
 
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: 1 mul, 1 sin.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 2 mul, 1 sin, 1 sqrt.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 4):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 1, differentiated backwards: 3 mul, 1 sin, 1 cos.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def task_inertia(q, params=None, out=None):
+    """Inertia that a force on the end effector meets in the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Lambda, (..., 4, 4):
+        (J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank.
+
+    Inertia matrix and Jacobian, eliminated: 21 mul, 13 add, 9 div, 2 sin, 2 cos.
+    Once per set of parameters: 14 mul, 12 add.
+    """
+    return _FUNCTIONS["task_inertia"]((q,), params, out)
+
+
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
     """Joint variables of a pose of the end effector, every branch.
 
@@ -690,6 +808,52 @@ def _jacobian_dot(functions, k, q, qd):
     return (
         -(t6 + c1*t7), -t6, 0.0, 0.0,
         -(t4 + t7*s1), -t4, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _jacobian_hessian_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_a1, p_a2 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_a2*t2
+    t4 = sin(t1)
+    t5 = p_a2*t4
+    s1 = sin(q1)
+    return (
+        -(p_a1*c1 + t3), -t3, 0.0, 0.0,
+        -t3, -t3, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        -(p_a1*s1 + t5), -t5, 0.0, 0.0,
+        -t5, -t5, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
@@ -1125,6 +1289,116 @@ def _base_parameters(functions, k):
     k1, k2, k3, p_Im2, p_ml3, p_Il4 = k
     return (
         k1, k2, 0.0, k3, p_Im2, p_ml3, 0.0, 0.0, p_Il4,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    t2 = k1*s2
+    return (
+        sqrt(t2*t2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.7320508075688772,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_a1, p_a2 = p
+    t1 = p_a1*p_a2
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2), 0.0, 0.0,
+    )
+
+
+def _task_inertia_constants(functions, p):
+    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
+    t1 = p_a2*p_ml3
+    t2 = p_l2*p_ml2
+    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
+    t4 = p_Im2*p_kr2
+    t5 = t4 + t3
+    t6 = p_a1*(t2 + t1)
+    t7 = t3 + p_kr2*t4
+    t8 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)))
+    t9 = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t8
+    t10 = 2.0*t6
+    return (
+        p_a2, p_ml3, t5, p_a1, t6, t7, t9, t10, p_Il4,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_a2, p_ml3, k3, p_a1, k5, k6, k7, k8, p_Il4 = k
+    c2 = cos(q2)
+    t11 = k3 + k5*c2
+    t12 = t11/k6
+    t13 = 1.0 - t12
+    c1 = cos(q1)
+    s2 = sin(q2)
+    s1 = sin(q1)
+    t14 = p_a2*(c1*c2 - s2*s1)
+    t15 = p_a1*c1 + t13*t14
+    t16 = t11*t12 - (k7 + k8*c2)
+    t17 = p_a2*(c1*s2 + s1*c2)
+    t18 = p_a1*s1 + t17*t13
+    t19 = t15/t16
+    t20 = t14/k6
+    t21 = t17*t20 - t18*t19
+    t22 = t14*t20 - t15*t19
+    t23 = t21/t22
+    t24 = t21*t23 - (t17*(t17/k6) - t18*(t18/t16))
+    t25 = t23/t24
+    return (
+        -1.0/t24, -t25, 0.0, 0.0,
+        -t25, 1.0/t22 - t23*t25, 0.0, 0.0,
+        0.0, 0.0, p_ml3, 0.0,
+        0.0, 0.0, 0.0, p_Il4,
     )
 
 
@@ -2556,6 +2830,16 @@ _FUNCTIONS = {
             0, 1,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 4, 4),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -2694,6 +2978,52 @@ _FUNCTIONS = {
         hoisted=_base_parameters_constants,
         needs=(
             0, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 16, 17,
+        ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(4,),
+        kernel=_manipulability_dq,
+        hoisted=_manipulability_dq_constants,
+        needs=(
+            0, 1,
+        ),
+    ),
+    "task_inertia": _Function(
+        name="task_inertia",
+        arguments=("q",),
+        shape=(4, 4),
+        kernel=_task_inertia,
+        hoisted=_task_inertia_constants,
+        needs=(
+            0, 1, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
         ),
     ),
 }

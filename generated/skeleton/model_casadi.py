@@ -9,7 +9,7 @@ Order of the entries of q, qd, qdd and tau, columns of 2:
     2: q2, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 8: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 8, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -17,7 +17,12 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -39,7 +44,12 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
@@ -60,7 +70,12 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -219,6 +234,40 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    p_l0, p_l1 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_l1*t2
+    t4 = sin(t1)
+    t5 = p_l1*t4
+    s1 = sin(q1)
+    return (
+        -(p_l0*c1 + t3), -t3,
+        -t3, -t3,
+        p_l0*s1 + t5, t5,
+        t5, t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_l0, p_l1 = p
     return (
@@ -244,6 +293,67 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0,
         0.0, 0.0,
         -1.0, -1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.4142135623730951,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2),
     )
 
 
@@ -450,6 +560,17 @@ jacobian_dot = _function(
         2, 3,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 2, 2),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        2, 3,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -457,6 +578,46 @@ analytic_jacobian_rpy = _function(
     shape=(6, 2),
     kernel=_analytic_jacobian_rpy,
     hoisted=_analytic_jacobian_rpy_constants,
+    needs=(
+        2, 3,
+    ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+    hoisted=_manipulability_constants,
+    needs=(
+        2, 3,
+    ),
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        2, 3,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(2,),
+    kernel=_manipulability_dq,
+    hoisted=_manipulability_dq_constants,
     needs=(
         2, 3,
     ),

@@ -36,7 +36,12 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
@@ -57,7 +62,12 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -155,6 +165,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 2, 2):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -170,6 +197,77 @@ def analytic_jacobian_rpy(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 4 mul, 3 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["analytic_jacobian_rpy"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 1 mul, 1 sin.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 1 mul, 1 sin.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 2):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 2, differentiated backwards: 3 mul, 1 sin, 1 cos.
+    Once per set of parameters: 1 mul.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -379,6 +477,40 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    p_l0, p_l1 = k
+    c1 = cos(q1)
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = p_l1*t2
+    t4 = sin(t1)
+    t5 = p_l1*t4
+    s1 = sin(q1)
+    return (
+        -(p_l0*c1 + t3), -t3,
+        -t3, -t3,
+        p_l0*s1 + t5, t5,
+        t5, t5,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+        0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_l0, p_l1 = p
     return (
@@ -404,6 +536,67 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0,
         0.0, 0.0,
         -1.0, -1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    return (
+        absolute(k1*s2),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        1.4142135623730951,
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_l0, p_l1 = p
+    t1 = p_l0*p_l1
+    return (
+        t1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    (k1,) = k
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        0.0, sign(k1*s2)*(k1*c2),
     )
 
 
@@ -1751,12 +1944,58 @@ _FUNCTIONS = {
             2, 3,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 2, 2),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
         shape=(6, 2),
         kernel=_analytic_jacobian_rpy,
         hoisted=_analytic_jacobian_rpy_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            2, 3,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(2,),
+        kernel=_manipulability_dq,
+        hoisted=_manipulability_dq_constants,
         needs=(
             2, 3,
         ),

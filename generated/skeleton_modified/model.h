@@ -46,7 +46,11 @@ enum {
     skeleton_modified_jacobian_constant_count = 2,
     skeleton_modified_jacobian_end_constant_count = 2,
     skeleton_modified_jacobian_dot_constant_count = 2,
+    skeleton_modified_jacobian_hessian_constant_count = 2,
     skeleton_modified_analytic_jacobian_rpy_constant_count = 2,
+    skeleton_modified_manipulability_constant_count = 1,
+    skeleton_modified_manipulability_position_constant_count = 1,
+    skeleton_modified_manipulability_dq_constant_count = 1,
     skeleton_modified_inverse_kinematics_constant_count = 13,
     skeleton_modified_branches = 1, /**< Branches of inverse kinematics. */
     skeleton_modified_none = 0, /**< The branch does not exist. */
@@ -142,6 +146,23 @@ void skeleton_modified_jacobian_dot_batch(size_t count, const double *q, const d
 void skeleton_modified_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 2 x 2, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void skeleton_modified_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_modified_jacobian_hessian, 2, from the parameters, 4. */
+void skeleton_modified_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -157,6 +178,73 @@ void skeleton_modified_analytic_jacobian_rpy_batch(size_t count, const double *q
 
 /** The constants of skeleton_modified_analytic_jacobian_rpy, 2, from the parameters, 4. */
 void skeleton_modified_analytic_jacobian_rpy_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 1 mul, 1 sin.
+ * Once per set of parameters: 1 mul.
+ */
+void skeleton_modified_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_modified_manipulability, 1, from the parameters, 4. */
+void skeleton_modified_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 1 mul, 1 sin.
+ * Once per set of parameters: 1 mul.
+ */
+void skeleton_modified_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_modified_manipulability_position, 1, from the parameters, 4. */
+void skeleton_modified_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_modified_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from manipulability_dq_constants().
+ * @param[out] result  dw/dq, 2: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 2, differentiated backwards: 3 mul, 1 sin, 1 cos.
+ * Once per set of parameters: 1 mul.
+ */
+void skeleton_modified_manipulability_dq(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_modified_manipulability_dq, 1, from the parameters, 4. */
+void skeleton_modified_manipulability_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -605,6 +605,166 @@ void skeleton_root_jacobian_dot_batch(size_t count, const double *restrict q, co
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 32 };
+
+void skeleton_root_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_l0 = params[0];
+    const double p_l1 = params[1];
+    k[0] = p_l0;
+    k[1] = p_l1;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double t1 = q3 + q4;
+    angles[0] = q3;
+    angles[lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s3 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c3 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k2*ca2;
+    const double t2 = k2*sa2;
+    result[0] = 0.0;
+    result[lanes] = 0.0;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = -(k1*c3 + t1);
+    result[11 * lanes] = -t1;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = -t1;
+    result[15 * lanes] = -t1;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = k1*s3 + t2;
+    result[27 * lanes] = t2;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = t2;
+    result[31 * lanes] = t2;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = 0.0;
+    result[37 * lanes] = 0.0;
+    result[38 * lanes] = 0.0;
+    result[39 * lanes] = 0.0;
+    result[40 * lanes] = 0.0;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = 0.0;
+    result[43 * lanes] = 0.0;
+    result[44 * lanes] = 0.0;
+    result[45 * lanes] = 0.0;
+    result[46 * lanes] = 0.0;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = 0.0;
+    result[49 * lanes] = 0.0;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = 0.0;
+    result[58 * lanes] = 0.0;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = 0.0;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = 0.0;
+    result[64 * lanes] = 0.0;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = 0.0;
+    result[80 * lanes] = 0.0;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = 0.0;
+    result[86 * lanes] = 0.0;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = 0.0;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = 0.0;
+}
+
+void skeleton_root_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * jacobian_hessian_lanes], sines[2 * jacobian_hessian_lanes], cosines[2 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(2 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void skeleton_root_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[4 * jacobian_hessian_lanes], result_block[96 * jacobian_hessian_lanes];
+        load(4, q + 4 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(96, result_block, jacobian_hessian_lanes, result + 96 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -690,6 +850,133 @@ void skeleton_root_analytic_jacobian_rpy_batch(size_t count, const double *restr
         load(4, q + 4 * start, rows, q_block, analytic_jacobian_rpy_lanes);
         analytic_jacobian_rpy_block(q_block, k, result_block);
         store(24, result_block, analytic_jacobian_rpy_lanes, result + 24 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void skeleton_root_manipulability(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_lane(result);
+}
+
+static void manipulability_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(result + i);
+}
+
+void skeleton_root_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double result_block[1 * manipulability_lanes];
+        manipulability_block(result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+KERNEL void manipulability_position_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void skeleton_root_manipulability_position(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_position_lane(result);
+}
+
+static void manipulability_position_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(result + i);
+}
+
+void skeleton_root_manipulability_position_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double result_block[1 * manipulability_position_lanes];
+        manipulability_position_block(result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_lane(double *restrict result)
+{
+    result[0] = 0.0;
+}
+
+void skeleton_root_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_orientation_lane(result);
+}
+
+static void manipulability_orientation_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(result + i);
+}
+
+void skeleton_root_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double result_block[1 * manipulability_orientation_lanes];
+        manipulability_orientation_block(result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_lane(double *restrict result, const size_t lanes)
+{
+    result[0] = 0.0;
+    result[lanes] = 0.0;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+}
+
+void skeleton_root_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    (void)q;
+    manipulability_dq_lane(result, 1);
+}
+
+static void manipulability_dq_block(double *restrict result)
+{
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(result + i, manipulability_dq_lanes);
+}
+
+void skeleton_root_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double result_block[4 * manipulability_dq_lanes];
+        manipulability_dq_block(result_block);
+        store(4, result_block, manipulability_dq_lanes, result + 4 * start, rows);
     }
 }
 

@@ -46,6 +46,7 @@ enum {
     skeleton_root_jacobian_constant_count = 2,
     skeleton_root_jacobian_end_constant_count = 2,
     skeleton_root_jacobian_dot_constant_count = 2,
+    skeleton_root_jacobian_hessian_constant_count = 2,
     skeleton_root_analytic_jacobian_rpy_constant_count = 2,
     skeleton_root_inverse_kinematics_constant_count = 7,
     skeleton_root_branches = 1, /**< Branches of inverse kinematics. */
@@ -143,6 +144,23 @@ void skeleton_root_jacobian_dot_batch(size_t count, const double *q, const doubl
 void skeleton_root_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 4 x 4, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 4 mul, 3 add, 2 sin, 2 cos.
+ */
+void skeleton_root_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of skeleton_root_jacobian_hessian, 2, from the parameters, 2. */
+void skeleton_root_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -158,6 +176,58 @@ void skeleton_root_analytic_jacobian_rpy_batch(size_t count, const double *q, co
 
 /** The constants of skeleton_root_analytic_jacobian_rpy, 2, from the parameters, 2. */
 void skeleton_root_analytic_jacobian_rpy_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void skeleton_root_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 4: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: no operations.
+ */
+void skeleton_root_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -11,7 +11,7 @@ Order of the entries of q, qd, qdd and tau, columns of 4:
     4: q4, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 16: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 16, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -19,7 +19,12 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -41,7 +46,12 @@ OPERATIONS = {
     "jacobian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 2, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 4, "add": 3, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
 GIVEN = ("q4",)
@@ -62,7 +72,12 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -232,6 +247,52 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_l0, p_l1 = k
+    c3 = cos(q3)
+    t1 = q3 + q4
+    t2 = cos(t1)
+    t3 = p_l1*t2
+    t4 = sin(t1)
+    t5 = p_l1*t4
+    s3 = sin(q3)
+    return (
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, -(p_l0*c3 + t3), -t3,
+        0.0, 0.0, -t3, -t3,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, p_l0*s3 + t5, t5,
+        0.0, 0.0, t5, t5,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_l0, p_l1 = p
     return (
@@ -257,6 +318,30 @@ def _analytic_jacobian_rpy(functions, k, q):
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, -1.0, -1.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    return (
+        0.0, 0.0, 0.0, 0.0,
     )
 
 
@@ -446,6 +531,17 @@ jacobian_dot = _function(
         0, 1,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 4, 4),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -456,6 +552,34 @@ analytic_jacobian_rpy = _function(
     needs=(
         0, 1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(4,),
+    kernel=_manipulability_dq,
 )
 
 

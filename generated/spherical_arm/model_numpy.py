@@ -37,8 +37,13 @@ OPERATIONS = {
     "jacobian": {"mul": 10, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "jacobian_dot": {"mul": 23, "add": 10, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 11, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 12, "add": 2, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 7, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 36, "add": 31, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 22},
 }
 GIVEN = ()
@@ -59,8 +64,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -158,6 +168,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 3, 3):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian: 11 mul, 2 add, 2 sin, 2 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -190,6 +217,74 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian, and the angles' rates: 12 mul, 2 add, 1 div, 2 sin, 2 cos, 1 sqrt.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 2 mul, 1 sin.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 2 mul, 1 sin.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 1: no operations.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 3):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 2, differentiated backwards: 7 mul, 1 sin, 1 cos.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -411,6 +506,52 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (p_d2,) = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    t2 = q3*t1
+    s1 = sin(q1)
+    t3 = s1*s2
+    t4 = q3*t3
+    c2 = cos(q2)
+    t5 = c1*c2
+    t6 = s1*c2
+    t7 = q3*c2
+    t8 = s1*t7
+    t9 = c1*t7
+    return (
+        p_d2*s1 - t2, -t8, -t3,
+        -t8, -t2, t5,
+        -t3, t5, 0.0,
+        -(t4 + p_d2*c1), t9, t1,
+        t9, -t4, t6,
+        t1, t6, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -t7, -s2,
+        0.0, -s2, 0.0,
+        0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     (p_d2,) = p
     return (
@@ -464,6 +605,42 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
         0.0, 0.0, 0.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(q3*(s2*q3)),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(q3*(s2*q3)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    t1 = q3*s2
+    t2 = sign(q3*t1)
+    c2 = cos(q2)
+    return (
+        0.0, t2*(q3*(c2*q3)), t2*(2.0*t1),
     )
 
 
@@ -1826,6 +2003,16 @@ _FUNCTIONS = {
             0,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 3, 3),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            0,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -1845,6 +2032,30 @@ _FUNCTIONS = {
         needs=(
             0,
         ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(3,),
+        kernel=_manipulability_dq,
     ),
 }
 

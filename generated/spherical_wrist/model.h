@@ -44,6 +44,7 @@ enum {
     spherical_wrist_jacobian_constant_count = 1,
     spherical_wrist_jacobian_end_constant_count = 1,
     spherical_wrist_jacobian_dot_constant_count = 1,
+    spherical_wrist_jacobian_hessian_constant_count = 1,
     spherical_wrist_analytic_jacobian_rpy_constant_count = 1,
     spherical_wrist_analytic_jacobian_zyz_constant_count = 1,
     spherical_wrist_inverse_kinematics_constant_count = 4,
@@ -141,6 +142,23 @@ void spherical_wrist_jacobian_dot_batch(size_t count, const double *q, const dou
 void spherical_wrist_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       1 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 3 x 3, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian: 9 mul, 2 sin, 2 cos.
+ */
+void spherical_wrist_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of spherical_wrist_jacobian_hessian, 1, from the parameters, 1. */
+void spherical_wrist_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -173,6 +191,58 @@ void spherical_wrist_analytic_jacobian_zyz_batch(size_t count, const double *q, 
 
 /** The constants of spherical_wrist_analytic_jacobian_zyz, 1, from the parameters, 1. */
 void spherical_wrist_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: 1 sin.
+ */
+void spherical_wrist_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: no operations.
+ */
+void spherical_wrist_manipulability_position(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_manipulability_position_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 1: 1 sin.
+ */
+void spherical_wrist_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 3: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 1, differentiated backwards: 1 mul, 1 sin, 1 cos.
+ */
+void spherical_wrist_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void spherical_wrist_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -10,7 +10,7 @@ Order of the entries of q, qd, qdd and tau, columns of 3:
     3: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 12: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 12, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -18,8 +18,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -44,8 +49,13 @@ OPERATIONS = {
     "jacobian": {"mul": 8, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 6, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 9, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
+    "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
+    "manipulability_dq": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
 }
 GIVEN = ()
@@ -66,8 +76,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -244,6 +259,50 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    (p_d6,) = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    t1 = c1*s2
+    t2 = p_d6*t1
+    s1 = sin(q1)
+    t3 = s2*s1
+    t4 = p_d6*t3
+    c2 = cos(q2)
+    t5 = p_d6*c2
+    t6 = s1*t5
+    t7 = c1*t5
+    return (
+        -t2, -t6, 0.0,
+        -t6, -t2, 0.0,
+        0.0, 0.0, 0.0,
+        -t4, t7, 0.0,
+        t7, -t4, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -t5, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0,
+        -t3, c1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0,
+        t1, s1*c2, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0,
+        0.0, -s2, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     (p_d6,) = p
     return (
@@ -305,6 +364,40 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, 0.0, 0.0,
         0.0, s2*(1.0/sqrt(s2*s2)), 0.0,
         0.0, 0.0, 1.0,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(s2),
+    )
+
+
+def _manipulability_position(functions, k, q):
+    return (
+        0.0,
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    s2 = sin(q2)
+    return (
+        absolute(s2),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        0.0, c2*sign(s2), 0.0,
     )
 
 
@@ -556,6 +649,17 @@ jacobian_dot = _function(
         0,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 3, 3),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -577,6 +681,34 @@ analytic_jacobian_zyz = _function(
     needs=(
         0,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(3,),
+    kernel=_manipulability_dq,
 )
 
 

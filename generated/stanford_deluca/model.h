@@ -49,8 +49,10 @@ enum {
     stanford_deluca_jacobian_constant_count = 2,
     stanford_deluca_jacobian_end_constant_count = 2,
     stanford_deluca_jacobian_dot_constant_count = 2,
+    stanford_deluca_jacobian_hessian_constant_count = 2,
     stanford_deluca_analytic_jacobian_rpy_constant_count = 2,
     stanford_deluca_analytic_jacobian_zyz_constant_count = 2,
+    stanford_deluca_manipulability_position_constant_count = 2,
     stanford_deluca_inverse_kinematics_constant_count = 11,
     stanford_deluca_branches = 8, /**< Branches of inverse kinematics. */
     stanford_deluca_none = 0, /**< The branch does not exist. */
@@ -146,6 +148,23 @@ void stanford_deluca_jacobian_dot_batch(size_t count, const double *q, const dou
 void stanford_deluca_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 6 x 6, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 87 mul, 33 add, 4 sin, 4 cos.
+ */
+void stanford_deluca_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of stanford_deluca_jacobian_hessian, 2, from the parameters, 3. */
+void stanford_deluca_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -178,6 +197,62 @@ void stanford_deluca_analytic_jacobian_zyz_batch(size_t count, const double *q, 
 
 /** The constants of stanford_deluca_analytic_jacobian_zyz, 2, from the parameters, 3. */
 void stanford_deluca_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 3 mul, 2 sin.
+ */
+void stanford_deluca_manipulability(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_manipulability_batch(size_t count, const double *q, double *result);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       2 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 39 mul, 21 add, 3 sin, 3 cos, 1 sqrt.
+ */
+void stanford_deluca_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of stanford_deluca_manipulability_position, 2, from the parameters, 3. */
+void stanford_deluca_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 4: 17 mul, 12 add, 3 sin, 2 cos, 1 sqrt.
+ */
+void stanford_deluca_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  dw/dq, 6: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 3, differentiated backwards: 20 mul, 4 add, 3 sin, 2 cos.
+ */
+void stanford_deluca_manipulability_dq(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -824,6 +829,330 @@ void stanford_laschi_jacobian_dot_batch(size_t count, const double *restrict q, 
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 16 };
+
+void stanford_laschi_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_d6 = params[1];
+    k[0] = p_d6;
+    k[1] = p_d2;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = c4*s5;
+    const double t2 = s2*c5 + c2*t1;
+    const double t3 = c5*c2 - s2*t1;
+    const double t4 = s5*s4;
+    const double t5 = c1*t2 - s1*t4;
+    const double t6 = s1*t2 + c1*t4;
+    const double t7 = s1*c2;
+    const double t8 = c1*c4 - s4*t7;
+    const double t9 = c1*c2;
+    const double t10 = s1*c4 + s4*t9;
+    const double t11 = s2*s4;
+    const double t12 = s1*s2;
+    const double t13 = c1*s2;
+    const double t14 = k1*t3;
+    const double t15 = k1*t5;
+    const double t16 = k1*t6;
+    const double t17 = k1*s5;
+    const double t18 = t14*t10 + t15*t11;
+    const double t19 = t14*t8 - t11*t16;
+    const double t20 = t17*t11;
+    const double t21 = s1*t20;
+    const double t22 = c1*t20;
+    const double t23 = t13*t18 - t12*t19;
+    const double t24 = s1*t18 + c1*t19;
+    const double t25 = t8*t17;
+    const double t26 = t17*t10;
+    const double t27 = t10*t16 + t15*t8;
+    const double t28 = s1*t27;
+    const double t29 = c1*t27;
+    const double t30 = s1*t25 - c1*t26;
+    const double t31 = t14 + q3*c2;
+    const double t32 = c1*t31;
+    const double t33 = s1*t31;
+    const double t34 = c2*t19 + t13*t27;
+    const double t35 = t12*t27 + c2*t18;
+    const double t36 = t15 + q3*t13;
+    const double t37 = t16 + q3*t12;
+    const double t38 = c1*t36 + s1*t37;
+    result[0] = k2*s1 - t36;
+    result[lanes] = -t33;
+    result[2 * lanes] = -t12;
+    result[3 * lanes] = -t25;
+    result[4 * lanes] = -t18;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = -t33;
+    result[7 * lanes] = -c1*t38;
+    result[8 * lanes] = t9;
+    result[9 * lanes] = t22;
+    result[10 * lanes] = -t29;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = -t12;
+    result[13 * lanes] = t9;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = -t25;
+    result[19 * lanes] = t22;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = t12*t20 - c2*t25;
+    result[22 * lanes] = -t35;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = -t18;
+    result[25 * lanes] = -t29;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = -t35;
+    result[28 * lanes] = -t15;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+    result[36 * lanes] = -(t37 + k2*c1);
+    result[37 * lanes] = t32;
+    result[38 * lanes] = t13;
+    result[39 * lanes] = -t26;
+    result[40 * lanes] = t19;
+    result[41 * lanes] = 0.0;
+    result[42 * lanes] = t32;
+    result[43 * lanes] = -s1*t38;
+    result[44 * lanes] = t7;
+    result[45 * lanes] = t21;
+    result[46 * lanes] = -t28;
+    result[47 * lanes] = 0.0;
+    result[48 * lanes] = t13;
+    result[49 * lanes] = t7;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = -t26;
+    result[55 * lanes] = t21;
+    result[56 * lanes] = 0.0;
+    result[57 * lanes] = -(c2*t26 + t13*t20);
+    result[58 * lanes] = t34;
+    result[59 * lanes] = 0.0;
+    result[60 * lanes] = t19;
+    result[61 * lanes] = -t28;
+    result[62 * lanes] = 0.0;
+    result[63 * lanes] = t34;
+    result[64 * lanes] = -t16;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = 0.0;
+    result[67 * lanes] = 0.0;
+    result[68 * lanes] = 0.0;
+    result[69 * lanes] = 0.0;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = 0.0;
+    result[72 * lanes] = 0.0;
+    result[73 * lanes] = 0.0;
+    result[74 * lanes] = 0.0;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = -t31;
+    result[80 * lanes] = -s2;
+    result[81 * lanes] = -t30;
+    result[82 * lanes] = -t24;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = -s2;
+    result[86 * lanes] = 0.0;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = 0.0;
+    result[91 * lanes] = -t30;
+    result[92 * lanes] = 0.0;
+    result[93 * lanes] = t13*t25 + t12*t26;
+    result[94 * lanes] = t23;
+    result[95 * lanes] = 0.0;
+    result[96 * lanes] = 0.0;
+    result[97 * lanes] = -t24;
+    result[98 * lanes] = 0.0;
+    result[99 * lanes] = t23;
+    result[100 * lanes] = -t14;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = 0.0;
+    result[106 * lanes] = 0.0;
+    result[107 * lanes] = 0.0;
+    result[108 * lanes] = 0.0;
+    result[109 * lanes] = 0.0;
+    result[110 * lanes] = 0.0;
+    result[111 * lanes] = 0.0;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = 0.0;
+    result[114 * lanes] = -c1;
+    result[115 * lanes] = 0.0;
+    result[116 * lanes] = 0.0;
+    result[117 * lanes] = 0.0;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = 0.0;
+    result[121 * lanes] = 0.0;
+    result[122 * lanes] = 0.0;
+    result[123 * lanes] = 0.0;
+    result[124 * lanes] = 0.0;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = -t12;
+    result[127 * lanes] = t9;
+    result[128 * lanes] = 0.0;
+    result[129 * lanes] = 0.0;
+    result[130 * lanes] = 0.0;
+    result[131 * lanes] = 0.0;
+    result[132 * lanes] = -t8;
+    result[133 * lanes] = c1*t11;
+    result[134 * lanes] = 0.0;
+    result[135 * lanes] = t12*t11 - c2*t8;
+    result[136 * lanes] = 0.0;
+    result[137 * lanes] = 0.0;
+    result[138 * lanes] = -t6;
+    result[139 * lanes] = c1*t3;
+    result[140 * lanes] = 0.0;
+    result[141 * lanes] = t3*t12 - c2*t6;
+    result[142 * lanes] = t3*t8 - t11*t6;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = 0.0;
+    result[147 * lanes] = 0.0;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+    result[150 * lanes] = -s1;
+    result[151 * lanes] = 0.0;
+    result[152 * lanes] = 0.0;
+    result[153 * lanes] = 0.0;
+    result[154 * lanes] = 0.0;
+    result[155 * lanes] = 0.0;
+    result[156 * lanes] = 0.0;
+    result[157 * lanes] = 0.0;
+    result[158 * lanes] = 0.0;
+    result[159 * lanes] = 0.0;
+    result[160 * lanes] = 0.0;
+    result[161 * lanes] = 0.0;
+    result[162 * lanes] = t13;
+    result[163 * lanes] = t7;
+    result[164 * lanes] = 0.0;
+    result[165 * lanes] = 0.0;
+    result[166 * lanes] = 0.0;
+    result[167 * lanes] = 0.0;
+    result[168 * lanes] = -t10;
+    result[169 * lanes] = s1*t11;
+    result[170 * lanes] = 0.0;
+    result[171 * lanes] = -(c2*t10 + t13*t11);
+    result[172 * lanes] = 0.0;
+    result[173 * lanes] = 0.0;
+    result[174 * lanes] = t5;
+    result[175 * lanes] = s1*t3;
+    result[176 * lanes] = 0.0;
+    result[177 * lanes] = c2*t5 - t13*t3;
+    result[178 * lanes] = t5*t11 + t3*t10;
+    result[179 * lanes] = 0.0;
+    result[180 * lanes] = 0.0;
+    result[181 * lanes] = 0.0;
+    result[182 * lanes] = 0.0;
+    result[183 * lanes] = 0.0;
+    result[184 * lanes] = 0.0;
+    result[185 * lanes] = 0.0;
+    result[186 * lanes] = 0.0;
+    result[187 * lanes] = 0.0;
+    result[188 * lanes] = 0.0;
+    result[189 * lanes] = 0.0;
+    result[190 * lanes] = 0.0;
+    result[191 * lanes] = 0.0;
+    result[192 * lanes] = 0.0;
+    result[193 * lanes] = 0.0;
+    result[194 * lanes] = 0.0;
+    result[195 * lanes] = 0.0;
+    result[196 * lanes] = 0.0;
+    result[197 * lanes] = 0.0;
+    result[198 * lanes] = 0.0;
+    result[199 * lanes] = -s2;
+    result[200 * lanes] = 0.0;
+    result[201 * lanes] = 0.0;
+    result[202 * lanes] = 0.0;
+    result[203 * lanes] = 0.0;
+    result[204 * lanes] = 0.0;
+    result[205 * lanes] = c1*t10 - s1*t8;
+    result[206 * lanes] = 0.0;
+    result[207 * lanes] = t13*t8 + t12*t10;
+    result[208 * lanes] = 0.0;
+    result[209 * lanes] = 0.0;
+    result[210 * lanes] = 0.0;
+    result[211 * lanes] = -t2;
+    result[212 * lanes] = 0.0;
+    result[213 * lanes] = t13*t6 - t5*t12;
+    result[214 * lanes] = -(t5*t8 + t10*t6);
+    result[215 * lanes] = 0.0;
+}
+
+void stanford_laschi_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(q, sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * jacobian_hessian_lanes], sines[4 * jacobian_hessian_lanes], cosines[4 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(4 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(q + i, sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void stanford_laschi_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[6 * jacobian_hessian_lanes], result_block[216 * jacobian_hessian_lanes];
+        load(6, q + 6 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(216, result_block, jacobian_hessian_lanes, result + 216 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -1104,6 +1433,267 @@ void stanford_laschi_analytic_jacobian_zyz_batch(size_t count, const double *res
     }
 }
 
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict q, const double *restrict sines, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s5 = sines[lanes];
+    result[0] = fabs(s5*(q3*(s2*q3)));
+}
+
+void stanford_laschi_manipulability(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_lane(q, sines, result, 1);
+}
+
+static void manipulability_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_lanes], sines[2 * manipulability_lanes], cosines[2 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(2 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(q + i, sines + i, result + i, manipulability_lanes);
+}
+
+void stanford_laschi_manipulability_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[6 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void stanford_laschi_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_d6 = params[1];
+    k[0] = p_d6;
+    k[1] = p_d2;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = c4*(k1*s5);
+    const double t2 = s5*(k1*s4);
+    const double t3 = c4*t1 + s4*t2;
+    const double t4 = k1*c5;
+    const double t5 = t4*c4;
+    const double t6 = s4*t4;
+    const double t7 = k2 + t2;
+    const double t8 = s2*t7;
+    const double t9 = t7*c2;
+    const double t10 = q3 + t4;
+    const double t11 = s2*t10 + c2*t1;
+    const double t12 = t3*t5 - (t8*t9 - t10*t1);
+    const double t13 = t1*t1;
+    const double t14 = t6*t6 + (t13 + t11*t11);
+    const double t15 = t6*t5 - (t11*t9 + t2*t1);
+    const double t16 = t8*t11 + t6*t3;
+    const double t17 = t5*t5 + (t2*t2 + (t9*t9 + t10*t10));
+    const double t18 = t17*t14 - t15*t15;
+    const double t19 = t12*(t12*t14 - t15*(2.0*t16)) - (t18 - t17*(t16*t16));
+    result[0] = sqrt(fabs(t18*(t3*t3 + (t13 + t8*t8)) - t19));
+}
+
+void stanford_laschi_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(q, sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[3 * manipulability_position_lanes], sines[3 * manipulability_position_lanes], cosines[3 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(3 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(q + i, sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void stanford_laschi_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[6 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s5 = sines[2 * lanes];
+    const double c2 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double t1 = c2*c2;
+    const double t2 = c4*(t1*c4);
+    const double t3 = s2*(c2*c4);
+    const double t4 = t3 - s5*c5;
+    const double t5 = s5*s5;
+    const double t6 = t5 - (2.0 + t1);
+    const double t7 = t5 + (1.0 - t2);
+    const double t8 = t4*t4 + t6*t7;
+    const double t9 = (t1 - t2)*(t4*(2.0*t3) + (t7*(s2*s2) - (t8 + t2*t6)));
+    result[0] = sqrt(fabs(t9 + 2.0*t8));
+}
+
+void stanford_laschi_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_orientation_lane(sines, cosines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[3 * manipulability_orientation_lanes], sines[3 * manipulability_orientation_lanes], cosines[3 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(3 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, cosines + i, result + i, manipulability_orientation_lanes);
+}
+
+void stanford_laschi_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[6 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict q, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double s2 = sines[0];
+    const double s5 = sines[lanes];
+    const double c2 = cosines[0];
+    const double c5 = cosines[lanes];
+    const double t1 = q3*q3;
+    const double t2 = s5*t1;
+    const double t3 = sign(t2*s2);
+    const double t4 = s2*t3;
+    result[0] = 0.0;
+    result[lanes] = t3*(c2*t2);
+    result[2 * lanes] = t4*(q3*(2.0*s5));
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = c5*(t1*t4);
+    result[5 * lanes] = 0.0;
+}
+
+void stanford_laschi_manipulability_dq(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(q, sines, cosines, result, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_dq_lanes], sines[2 * manipulability_dq_lanes], cosines[2 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(2 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(q + i, sines + i, cosines + i, result + i, manipulability_dq_lanes);
+}
+
+void stanford_laschi_manipulability_dq_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[6 * manipulability_dq_lanes], result_block[6 * manipulability_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, result_block);
+        store(6, result_block, manipulability_dq_lanes, result + 6 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)
@@ -1124,7 +1714,7 @@ void stanford_laschi_inverse_kinematics_constants(const double *restrict params,
     k[0] = p_d6;
     k[1] = p_d2;
     k[2] = t1;
-    k[3] = t1 + p_d6*p_d6;
+    k[3] = p_d6*p_d6 + t1;
     inverse_kinematics_step_constants(params, k + 4);
 }
 

@@ -13,7 +13,7 @@ Order of the entries of q, qd, qdd and tau, columns of 6:
     6: q6, revolute [rad]
 
 Every name below is a `casadi.Function` on SX with named inputs and outputs, built from the operations of
-`model_numpy.py`. `link_transforms` is 4 x 24: the poses of the frames side by side.
+`model_numpy.py`. Matrices of a stack stand side by side: `link_transforms` is 4 x 24, the poses of the frames.
 Every function has a last input `params`, a column of the free parameters in the order of PARAMETERS.
 
     forward_kinematics(q, params) -> T
@@ -21,8 +21,13 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian(q, params) -> J
     jacobian_end(q, params) -> J_end
     jacobian_dot(q, qd, params) -> dJ/dt
+    jacobian_hessian(q, params) -> H
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
+    manipulability(q, params) -> w
+    manipulability_position(q, params) -> w
+    manipulability_orientation(q, params) -> w
+    manipulability_dq(q, params) -> dw/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -53,8 +58,13 @@ OPERATIONS = {
     "jacobian": {"mul": 40, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_end": {"mul": 40, "add": 16, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_dot": {"mul": 107, "add": 58, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "jacobian_hessian": {"mul": 87, "add": 33, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 78, "add": 32, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 59, "add": 21, "div": 2, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability": {"mul": 3, "add": 0, "div": 0, "sin": 2, "cos": 0, "sqrt": 0},
+    "manipulability_position": {"mul": 39, "add": 21, "div": 0, "sin": 3, "cos": 3, "sqrt": 1},
+    "manipulability_orientation": {"mul": 16, "add": 11, "div": 0, "sin": 2, "cos": 3, "sqrt": 1},
+    "manipulability_dq": {"mul": 11, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 120, "add": 93, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
@@ -75,8 +85,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -379,6 +394,103 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    s2 = sin(q2)
+    c5 = cos(q5)
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*s5
+    c2 = cos(q2)
+    t2 = s2*c5 + c2*t1
+    t3 = c5*c2 - s2*t1
+    c1 = cos(q1)
+    s4 = sin(q4)
+    t4 = s5*s4
+    s1 = sin(q1)
+    t5 = c1*t2 - s1*t4
+    t6 = s1*t2 + c1*t4
+    t7 = s1*c2
+    t8 = c1*c4 - s4*t7
+    t9 = c1*c2
+    t10 = s1*c4 + s4*t9
+    t11 = s2*s4
+    t12 = s1*s2
+    t13 = c1*s2
+    t14 = p_d6*t3
+    t15 = p_d6*t5
+    t16 = p_d6*t6
+    t17 = p_d6*s5
+    t18 = t14*t10 + t15*t11
+    t19 = t14*t8 - t11*t16
+    t20 = t17*t11
+    t21 = s1*t20
+    t22 = c1*t20
+    t23 = t13*t18 - t12*t19
+    t24 = s1*t18 + c1*t19
+    t25 = t8*t17
+    t26 = t17*t10
+    t27 = t10*t16 + t15*t8
+    t28 = s1*t27
+    t29 = c1*t27
+    t30 = s1*t25 - c1*t26
+    t31 = t14 + q3*c2
+    t32 = c1*t31
+    t33 = s1*t31
+    t34 = c2*t19 + t13*t27
+    t35 = t12*t27 + c2*t18
+    t36 = t15 + q3*t13
+    t37 = t16 + q3*t12
+    t38 = c1*t36 + s1*t37
+    return (
+        p_d2*s1 - t36, -t33, -t12, -t25, -t18, 0.0,
+        -t33, -c1*t38, t9, t22, -t29, 0.0,
+        -t12, t9, 0.0, 0.0, 0.0, 0.0,
+        -t25, t22, 0.0, t12*t20 - c2*t25, -t35, 0.0,
+        -t18, -t29, 0.0, -t35, -t15, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -(t37 + p_d2*c1), t32, t13, -t26, t19, 0.0,
+        t32, -s1*t38, t7, t21, -t28, 0.0,
+        t13, t7, 0.0, 0.0, 0.0, 0.0,
+        -t26, t21, 0.0, -(c2*t26 + t13*t20), t34, 0.0,
+        t19, -t28, 0.0, t34, -t16, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t31, -s2, -t30, -t24, 0.0,
+        0.0, -s2, 0.0, 0.0, 0.0, 0.0,
+        0.0, -t30, 0.0, t13*t25 + t12*t26, t23, 0.0,
+        0.0, -t24, 0.0, t23, -t14, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -t12, t9, 0.0, 0.0, 0.0, 0.0,
+        -t8, c1*t11, 0.0, t12*t11 - c2*t8, 0.0, 0.0,
+        -t6, c1*t3, 0.0, t3*t12 - c2*t6, t3*t8 - t11*t6, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        -s1, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        t13, t7, 0.0, 0.0, 0.0, 0.0,
+        -t10, s1*t11, 0.0, -(c2*t10 + t13*t11), 0.0, 0.0,
+        t5, s1*t3, 0.0, c2*t5 - t13*t3, t5*t11 + t3*t10, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -s2, 0.0, 0.0, 0.0, 0.0,
+        0.0, c1*t10 - s1*t8, 0.0, t13*t8 + t12*t10, 0.0, 0.0,
+        0.0, -t2, 0.0, t13*t6 - t5*t12, -(t5*t8 + t10*t6), 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_d2, p_d6 = p
     return (
@@ -503,10 +615,99 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s5 = sin(q5)
+    s2 = sin(q2)
+    return (
+        absolute(s5*(q3*(s2*q3))),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    p_d6, p_d2 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = c4*(p_d6*s5)
+    s4 = sin(q4)
+    t2 = s5*(p_d6*s4)
+    t3 = c4*t1 + s4*t2
+    c5 = cos(q5)
+    t4 = p_d6*c5
+    t5 = t4*c4
+    t6 = s4*t4
+    t7 = p_d2 + t2
+    s2 = sin(q2)
+    t8 = s2*t7
+    c2 = cos(q2)
+    t9 = t7*c2
+    t10 = q3 + t4
+    t11 = s2*t10 + c2*t1
+    t12 = t3*t5 - (t8*t9 - t10*t1)
+    t13 = t1*t1
+    t14 = t6*t6 + (t13 + t11*t11)
+    t15 = t6*t5 - (t11*t9 + t2*t1)
+    t16 = t8*t11 + t6*t3
+    t17 = t5*t5 + (t2*t2 + (t9*t9 + t10*t10))
+    t18 = t17*t14 - t15*t15
+    t19 = t12*(t12*t14 - t15*(2.0*t16)) - (t18 - t17*(t16*t16))
+    return (
+        sqrt(absolute(t18*(t3*t3 + (t13 + t8*t8)) - t19)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c2 = cos(q2)
+    t1 = c2*c2
+    c4 = cos(q4)
+    t2 = c4*(t1*c4)
+    s2 = sin(q2)
+    t3 = s2*(c2*c4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t4 = t3 - s5*c5
+    t5 = s5*s5
+    t6 = t5 - (2.0 + t1)
+    t7 = t5 + (1.0 - t2)
+    t8 = t4*t4 + t6*t7
+    t9 = (t1 - t2)*(t4*(2.0*t3) + (t7*(s2*s2) - (t8 + t2*t6)))
+    return (
+        sqrt(absolute(t9 + 2.0*t8)),
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    s5 = sin(q5)
+    t1 = q3*q3
+    t2 = s5*t1
+    s2 = sin(q2)
+    t3 = sign(t2*s2)
+    c2 = cos(q2)
+    t4 = s2*t3
+    c5 = cos(q5)
+    return (
+        0.0, t3*(c2*t2), t4*(q3*(2.0*s5)), 0.0, c5*(t1*t4), 0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_d2, p_d6 = p
     t1 = p_d2*p_d2
-    t2 = t1 + p_d6*p_d6
+    t2 = p_d6*p_d6 + t1
     return (
         p_d6, p_d2, t1, t2,
     )
@@ -1065,6 +1266,17 @@ jacobian_dot = _function(
         0, 1,
     ),
 )
+jacobian_hessian = _function(
+    "jacobian_hessian",
+    arguments=("q",),
+    output="H",
+    shape=(6, 6, 6),
+    kernel=_jacobian_hessian,
+    hoisted=_jacobian_hessian_constants,
+    needs=(
+        0, 1,
+    ),
+)
 analytic_jacobian_rpy = _function(
     "analytic_jacobian_rpy",
     arguments=("q",),
@@ -1086,6 +1298,38 @@ analytic_jacobian_zyz = _function(
     needs=(
         0, 1,
     ),
+)
+manipulability = _function(
+    "manipulability",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability,
+)
+manipulability_position = _function(
+    "manipulability_position",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_position,
+    hoisted=_manipulability_position_constants,
+    needs=(
+        0, 1,
+    ),
+)
+manipulability_orientation = _function(
+    "manipulability_orientation",
+    arguments=("q",),
+    output="w",
+    shape=(),
+    kernel=_manipulability_orientation,
+)
+manipulability_dq = _function(
+    "manipulability_dq",
+    arguments=("q",),
+    output="dw/dq",
+    shape=(6,),
+    kernel=_manipulability_dq,
 )
 
 

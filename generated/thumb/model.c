@@ -22,6 +22,11 @@
 #define KERNEL static inline
 #endif
 
+KERNEL double sign(double x)
+{
+    return isgreater(x, 0.0) ? 1.0 : isless(x, 0.0) ? -1.0 : x;
+}
+
 /* Rows of `width` entries into lanes; lanes without a row repeat the last one. */
 KERNEL void load(size_t width, const double *restrict rows, size_t count, double *restrict block, size_t lanes)
 {
@@ -818,6 +823,286 @@ void thumb_jacobian_dot_batch(size_t count, const double *restrict q, const doub
     }
 }
 
+/* jacobian_hessian */
+enum { jacobian_hessian_lanes = 16 };
+
+void thumb_jacobian_hessian_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void jacobian_hessian_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q4 + q5;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void jacobian_hessian_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*ca5;
+    const double t2 = k1*sa5;
+    const double t3 = t1 + k2*c4;
+    const double t4 = k3 + c3*t3;
+    const double t5 = t2 + k2*s4;
+    const double t6 = c2*t4 - s2*t5;
+    const double t7 = s1*t6;
+    const double t8 = t6*c1;
+    const double t9 = c1*s3;
+    const double t10 = t4*s2 + c2*t5;
+    const double t11 = c1*t10;
+    const double t12 = s1*t10;
+    const double t13 = c2*c1;
+    const double t14 = s1*c3 + s3*t13;
+    const double t15 = t3*t14;
+    const double t16 = s1*s3;
+    const double t17 = t16 - c3*t13;
+    const double t18 = s2*c1;
+    const double t19 = t5*t17 - t3*t18;
+    const double t20 = t2*t17 - t1*t18;
+    const double t21 = s2*s3;
+    const double t22 = s1*t21;
+    const double t23 = c1*t21;
+    const double t24 = t3*t21;
+    const double t25 = s1*t24;
+    const double t26 = c1*t24;
+    const double t27 = c3*s2;
+    const double t28 = s1*s2;
+    const double t29 = t5*t27 - c2*t3;
+    const double t30 = s1*t29;
+    const double t31 = c1*t29;
+    const double t32 = t2*t27 - c2*t1;
+    const double t33 = s1*t32;
+    const double t34 = c1*t32;
+    const double t35 = t18*t29 - c2*t19;
+    const double t36 = t18*t32 - c2*t20;
+    const double t37 = t14*t32 + t20*t21;
+    const double t38 = s1*c2;
+    const double t39 = c3*c1 - s3*t38;
+    const double t40 = t9 + c3*t38;
+    const double t41 = t2*t40 + t1*t28;
+    const double t42 = t3*t39;
+    const double t43 = t5*t40 + t3*t28;
+    const double t44 = c2*t43 + t29*t28;
+    const double t45 = c2*t41 + t32*t28;
+    const double t46 = t21*t41 + t32*t39;
+    const double t47 = c1*t15 - s1*t42;
+    const double t48 = c1*t19 - s1*t43;
+    const double t49 = c1*t20 - s1*t41;
+    const double t50 = c1*t14 - s1*t39;
+    const double t51 = t19*t28 + t18*t43;
+    const double t52 = t20*t28 + t18*t41;
+    const double t53 = t20*t39 - t14*t41;
+    result[0] = t7 + t3*t9;
+    result[lanes] = t11;
+    result[2 * lanes] = t15;
+    result[3 * lanes] = -t19;
+    result[4 * lanes] = -t20;
+    result[5 * lanes] = t11;
+    result[6 * lanes] = t7;
+    result[7 * lanes] = -t25;
+    result[8 * lanes] = -t30;
+    result[9 * lanes] = -t33;
+    result[10 * lanes] = t15;
+    result[11 * lanes] = -t25;
+    result[12 * lanes] = t18*t24 + c2*t15;
+    result[13 * lanes] = t35;
+    result[14 * lanes] = t36;
+    result[15 * lanes] = -t19;
+    result[16 * lanes] = -t30;
+    result[17 * lanes] = t35;
+    result[18 * lanes] = -(t14*t29 + t19*t21);
+    result[19 * lanes] = -t37;
+    result[20 * lanes] = -t20;
+    result[21 * lanes] = -t33;
+    result[22 * lanes] = t36;
+    result[23 * lanes] = -t37;
+    result[24 * lanes] = -t37;
+    result[25 * lanes] = t3*t16 - t8;
+    result[26 * lanes] = t12;
+    result[27 * lanes] = -t42;
+    result[28 * lanes] = t43;
+    result[29 * lanes] = t41;
+    result[30 * lanes] = t12;
+    result[31 * lanes] = -t8;
+    result[32 * lanes] = t26;
+    result[33 * lanes] = t31;
+    result[34 * lanes] = t34;
+    result[35 * lanes] = -t42;
+    result[36 * lanes] = t26;
+    result[37 * lanes] = t24*t28 - c2*t42;
+    result[38 * lanes] = t44;
+    result[39 * lanes] = t45;
+    result[40 * lanes] = t43;
+    result[41 * lanes] = t31;
+    result[42 * lanes] = t44;
+    result[43 * lanes] = t21*t43 + t29*t39;
+    result[44 * lanes] = t46;
+    result[45 * lanes] = t41;
+    result[46 * lanes] = t34;
+    result[47 * lanes] = t45;
+    result[48 * lanes] = t46;
+    result[49 * lanes] = t46;
+    result[50 * lanes] = 0.0;
+    result[51 * lanes] = 0.0;
+    result[52 * lanes] = 0.0;
+    result[53 * lanes] = 0.0;
+    result[54 * lanes] = 0.0;
+    result[55 * lanes] = 0.0;
+    result[56 * lanes] = t10;
+    result[57 * lanes] = t47;
+    result[58 * lanes] = -t48;
+    result[59 * lanes] = -t49;
+    result[60 * lanes] = 0.0;
+    result[61 * lanes] = t47;
+    result[62 * lanes] = t15*t28 + t18*t42;
+    result[63 * lanes] = -t51;
+    result[64 * lanes] = -t52;
+    result[65 * lanes] = 0.0;
+    result[66 * lanes] = -t48;
+    result[67 * lanes] = -t51;
+    result[68 * lanes] = t14*t43 - t19*t39;
+    result[69 * lanes] = -t53;
+    result[70 * lanes] = 0.0;
+    result[71 * lanes] = -t49;
+    result[72 * lanes] = -t52;
+    result[73 * lanes] = -t53;
+    result[74 * lanes] = -t53;
+    result[75 * lanes] = 0.0;
+    result[76 * lanes] = 0.0;
+    result[77 * lanes] = 0.0;
+    result[78 * lanes] = 0.0;
+    result[79 * lanes] = 0.0;
+    result[80 * lanes] = s1;
+    result[81 * lanes] = 0.0;
+    result[82 * lanes] = 0.0;
+    result[83 * lanes] = 0.0;
+    result[84 * lanes] = 0.0;
+    result[85 * lanes] = -t18;
+    result[86 * lanes] = -t38;
+    result[87 * lanes] = 0.0;
+    result[88 * lanes] = 0.0;
+    result[89 * lanes] = 0.0;
+    result[90 * lanes] = t14;
+    result[91 * lanes] = -t22;
+    result[92 * lanes] = t40;
+    result[93 * lanes] = 0.0;
+    result[94 * lanes] = 0.0;
+    result[95 * lanes] = t14;
+    result[96 * lanes] = -t22;
+    result[97 * lanes] = t40;
+    result[98 * lanes] = 0.0;
+    result[99 * lanes] = 0.0;
+    result[100 * lanes] = 0.0;
+    result[101 * lanes] = 0.0;
+    result[102 * lanes] = 0.0;
+    result[103 * lanes] = 0.0;
+    result[104 * lanes] = 0.0;
+    result[105 * lanes] = -c1;
+    result[106 * lanes] = 0.0;
+    result[107 * lanes] = 0.0;
+    result[108 * lanes] = 0.0;
+    result[109 * lanes] = 0.0;
+    result[110 * lanes] = -t28;
+    result[111 * lanes] = t13;
+    result[112 * lanes] = 0.0;
+    result[113 * lanes] = 0.0;
+    result[114 * lanes] = 0.0;
+    result[115 * lanes] = -t39;
+    result[116 * lanes] = t23;
+    result[117 * lanes] = t17;
+    result[118 * lanes] = 0.0;
+    result[119 * lanes] = 0.0;
+    result[120 * lanes] = -t39;
+    result[121 * lanes] = t23;
+    result[122 * lanes] = t17;
+    result[123 * lanes] = 0.0;
+    result[124 * lanes] = 0.0;
+    result[125 * lanes] = 0.0;
+    result[126 * lanes] = 0.0;
+    result[127 * lanes] = 0.0;
+    result[128 * lanes] = 0.0;
+    result[129 * lanes] = 0.0;
+    result[130 * lanes] = 0.0;
+    result[131 * lanes] = 0.0;
+    result[132 * lanes] = 0.0;
+    result[133 * lanes] = 0.0;
+    result[134 * lanes] = 0.0;
+    result[135 * lanes] = 0.0;
+    result[136 * lanes] = -s2;
+    result[137 * lanes] = 0.0;
+    result[138 * lanes] = 0.0;
+    result[139 * lanes] = 0.0;
+    result[140 * lanes] = 0.0;
+    result[141 * lanes] = t50;
+    result[142 * lanes] = t27;
+    result[143 * lanes] = 0.0;
+    result[144 * lanes] = 0.0;
+    result[145 * lanes] = 0.0;
+    result[146 * lanes] = t50;
+    result[147 * lanes] = t27;
+    result[148 * lanes] = 0.0;
+    result[149 * lanes] = 0.0;
+}
+
+void thumb_jacobian_hessian(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    jacobian_hessian_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    jacobian_hessian_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void jacobian_hessian_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[5 * jacobian_hessian_lanes], sines[5 * jacobian_hessian_lanes], cosines[5 * jacobian_hessian_lanes];
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_angles(q + i, angles + i, jacobian_hessian_lanes);
+    sines_cosines(5 * jacobian_hessian_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < jacobian_hessian_lanes; ++i)
+        jacobian_hessian_lane(sines + i, cosines + i, k, result + i, jacobian_hessian_lanes, 1);
+}
+
+void thumb_jacobian_hessian_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += jacobian_hessian_lanes) {
+        const size_t rows = count - start < jacobian_hessian_lanes ? count - start : jacobian_hessian_lanes;
+        double q_block[5 * jacobian_hessian_lanes], result_block[150 * jacobian_hessian_lanes];
+        load(5, q + 5 * start, rows, q_block, jacobian_hessian_lanes);
+        jacobian_hessian_block(q_block, k, result_block);
+        store(150, result_block, jacobian_hessian_lanes, result + 150 * start, rows);
+    }
+}
+
 /* analytic_jacobian_rpy */
 enum { analytic_jacobian_rpy_lanes = 32 };
 
@@ -1087,6 +1372,385 @@ void thumb_analytic_jacobian_zyz_batch(size_t count, const double *restrict q, c
         load(5, q + 5 * start, rows, q_block, analytic_jacobian_zyz_lanes);
         analytic_jacobian_zyz_block(q_block, k, result_block);
         store(30, result_block, analytic_jacobian_zyz_lanes, result + 30 * start, rows);
+    }
+}
+
+/* manipulability */
+enum { manipulability_lanes = 32 };
+
+void thumb_manipulability_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*(c4*c5 - s4*s5);
+    const double t2 = k1*(c4*s5 + c5*s4);
+    const double t3 = t1 + k2*c4;
+    const double t4 = t2 + k2*s4;
+    const double t5 = t3 + k3*c3;
+    const double t6 = c3*s2;
+    const double t7 = c2*t5 - t6*t4;
+    const double t8 = t3*t3;
+    const double t9 = s2*s3;
+    const double t10 = t4*s3;
+    const double t11 = t7*t7 + (t8 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = k3*s3;
+    const double t14 = c2*t13 - t4*t9;
+    const double t15 = t5*t9 - t6*t13;
+    const double t16 = s3*t13 + c3*t5;
+    const double t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12));
+    const double t18 = t10*t12 - t7*t14;
+    const double t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12));
+    const double t20 = t7*t15 + t10*t16;
+    const double t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18);
+    const double t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)));
+    result[0] = sqrt(fabs(t22));
+}
+
+void thumb_manipulability(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_lanes], sines[4 * manipulability_lanes], cosines[4 * manipulability_lanes];
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_angles(q + i, angles + i, manipulability_lanes);
+    sines_cosines(4 * manipulability_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_lanes; ++i)
+        manipulability_lane(sines + i, cosines + i, k, result + i, manipulability_lanes, 1);
+}
+
+void thumb_manipulability_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_lanes) {
+        const size_t rows = count - start < manipulability_lanes ? count - start : manipulability_lanes;
+        double q_block[5 * manipulability_lanes], result_block[1 * manipulability_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_lanes);
+        manipulability_block(q_block, k, result_block);
+        store(1, result_block, manipulability_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_position */
+enum { manipulability_position_lanes = 32 };
+
+void thumb_manipulability_position_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_position_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_position_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1*(c4*c5 - s4*s5);
+    const double t2 = k1*(c4*s5 + c5*s4);
+    const double t3 = t1 + k2*c4;
+    const double t4 = t2 + k2*s4;
+    const double t5 = t3 + k3*c3;
+    const double t6 = c3*s2;
+    const double t7 = c2*t5 - t6*t4;
+    const double t8 = t3*t3;
+    const double t9 = s2*s3;
+    const double t10 = t4*s3;
+    const double t11 = t7*t7 + (t8 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = k3*s3;
+    const double t14 = c2*t13 - t4*t9;
+    const double t15 = t5*t9 - t6*t13;
+    const double t16 = s3*t13 + c3*t5;
+    const double t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12));
+    const double t18 = t10*t12 - t7*t14;
+    const double t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12));
+    const double t20 = t7*t15 + t10*t16;
+    const double t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18);
+    const double t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)));
+    result[0] = sqrt(fabs(t22));
+}
+
+void thumb_manipulability_position(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_position_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_position_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_position_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_position_lanes], sines[4 * manipulability_position_lanes], cosines[4 * manipulability_position_lanes];
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_angles(q + i, angles + i, manipulability_position_lanes);
+    sines_cosines(4 * manipulability_position_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_position_lanes; ++i)
+        manipulability_position_lane(sines + i, cosines + i, k, result + i, manipulability_position_lanes, 1);
+}
+
+void thumb_manipulability_position_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_position_lanes) {
+        const size_t rows = count - start < manipulability_position_lanes ? count - start : manipulability_position_lanes;
+        double q_block[5 * manipulability_position_lanes], result_block[1 * manipulability_position_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_position_lanes);
+        manipulability_position_block(q_block, k, result_block);
+        store(1, result_block, manipulability_position_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_orientation */
+enum { manipulability_orientation_lanes = 32 };
+
+KERNEL void manipulability_orientation_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+}
+
+KERNEL void manipulability_orientation_lane(const double *restrict sines, double *restrict result, const size_t lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double t1 = s2*s2;
+    const double t2 = s3*s3;
+    const double t3 = 2.0*t2;
+    const double t4 = 2.0 - t1;
+    const double t5 = t4*(4.0*t2);
+    const double t6 = (3.0 - t3)*(t4*(t1 + t3) - (t1 - t1*t1)) - (t5 - t2*t5);
+    result[0] = sqrt(fabs(t6));
+}
+
+void thumb_manipulability_orientation(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2];
+    manipulability_orientation_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    manipulability_orientation_lane(sines, result, 1);
+}
+
+static void manipulability_orientation_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * manipulability_orientation_lanes], sines[2 * manipulability_orientation_lanes], cosines[2 * manipulability_orientation_lanes];
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_angles(q + i, angles + i, manipulability_orientation_lanes);
+    sines_cosines(2 * manipulability_orientation_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_orientation_lanes; ++i)
+        manipulability_orientation_lane(sines + i, result + i, manipulability_orientation_lanes);
+}
+
+void thumb_manipulability_orientation_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_orientation_lanes) {
+        const size_t rows = count - start < manipulability_orientation_lanes ? count - start : manipulability_orientation_lanes;
+        double q_block[5 * manipulability_orientation_lanes], result_block[1 * manipulability_orientation_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_orientation_lanes);
+        manipulability_orientation_block(q_block, result_block);
+        store(1, result_block, manipulability_orientation_lanes, result + 1 * start, rows);
+    }
+}
+
+/* manipulability_dq */
+enum { manipulability_dq_lanes = 32 };
+
+void thumb_manipulability_dq_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void manipulability_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void manipulability_dq_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k2*c4;
+    const double t2 = t1 - k1*(s4*s5 - c4*c5);
+    const double t3 = k2*s4;
+    const double t4 = t3 + k1*(c4*s5 + s4*c5);
+    const double t5 = k3*c3;
+    const double t6 = t2 + t5;
+    const double t7 = s2*c3;
+    const double t8 = c2*t6 - t7*t4;
+    const double t9 = t2*t2;
+    const double t10 = s3*t4;
+    const double t11 = t8*t8 + (t9 + t10*t10);
+    const double t12 = c3*t4;
+    const double t13 = s2*s3;
+    const double t14 = k3*s3;
+    const double t15 = t4*t13 - t14*c2;
+    const double t16 = t3 - t4;
+    const double t17 = t16*t16 + (t15*t15 + (t4*t4 + t12*t12));
+    const double t18 = t12*t10 + t8*t15;
+    const double t19 = t17*t11 - t18*t18;
+    const double t20 = t14*t7 - t6*t13;
+    const double t21 = s3*t14 + c3*t6;
+    const double t22 = t1 - t2;
+    const double t23 = t22*t22 + (t21*t21 + (t9 + t20*t20));
+    const double t24 = t16*t22 + (t2*t4 - (t15*t20 - t12*t21));
+    const double t25 = t8*t20 - t21*t10;
+    const double t26 = t24*t11 + t25*t18;
+    const double t27 = t24*t18 + t25*t17;
+    const double t28 = t25*t27 - (t23*t19 - t24*t26);
+    const double t29 = 1.0/(2.0*sqrt(fabs(t28)))*sign(t28);
+    const double t30 = t23*t29;
+    const double t31 = t19*t29;
+    const double t32 = t25*t29;
+    const double t33 = t24*t29;
+    const double t34 = 2.0*t30;
+    const double t35 = t24*t33 - t17*t30;
+    const double t36 = t18*t34 + (t24*t32 + t25*t33);
+    const double t37 = t18*t33 + (t27*t29 + t17*t32);
+    const double t38 = t32*(2.0*t25) - t11*t34;
+    const double t39 = t11*t33 + (t18*t32 + t26*t29);
+    const double t40 = 2.0*t35;
+    const double t41 = 2.0*t31;
+    const double t42 = t8*t40 + (t15*t36 + t20*t37);
+    const double t43 = t16*t38 + t22*t39;
+    const double t44 = t15*t38 + (t8*t36 - t20*t39);
+    const double t45 = t20*t41 - (t8*t37 - t15*t39);
+    const double t46 = t10*t40 - (t21*t37 - t12*t36);
+    const double t47 = t12*t38 + (t21*t39 + t10*t36);
+    const double t48 = t21*t41 + (t10*t37 - t12*t39);
+    const double t49 = c3*t47 + (s3*t46 + (t13*t44 - (t7*t42 + (t43 - t2*t39))));
+    const double t50 = t4*t38 + t49;
+    const double t51 = c3*t48;
+    const double t52 = s3*t48;
+    const double t53 = c2*t42 - (t51 - t13*t45);
+    const double t54 = (t35 - t31)*(2.0*t2) + (t53 + t4*t39);
+    const double t55 = t22*t50 - t16*(t22*t41 + (t54 - t16*t39));
+    const double t56 = t6*t45 + t4*t44;
+    const double t57 = t14*t45 + t4*t42;
+    const double t58 = t5*(t7*t45 + (t52 + c2*t44)) - (t7*t56 + (t12*t46 - (t10*t47 - t13*t57)));
+    result[0] = 0.0;
+    result[lanes] = s2*(t14*t44 - t6*t42) - c2*(c3*t57 - s3*t56);
+    result[2 * lanes] = t6*t52 - (t14*(t51 + t53) + t58);
+    result[3 * lanes] = t1*(t43 + t50) - (t55 + t3*t54);
+    result[4 * lanes] = -t55;
+}
+
+void thumb_manipulability_dq(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    manipulability_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    manipulability_dq_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void manipulability_dq_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[4 * manipulability_dq_lanes], sines[4 * manipulability_dq_lanes], cosines[4 * manipulability_dq_lanes];
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_angles(q + i, angles + i, manipulability_dq_lanes);
+    sines_cosines(4 * manipulability_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < manipulability_dq_lanes; ++i)
+        manipulability_dq_lane(sines + i, cosines + i, k, result + i, manipulability_dq_lanes, 1);
+}
+
+void thumb_manipulability_dq_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += manipulability_dq_lanes) {
+        const size_t rows = count - start < manipulability_dq_lanes ? count - start : manipulability_dq_lanes;
+        double q_block[5 * manipulability_dq_lanes], result_block[5 * manipulability_dq_lanes];
+        load(5, q + 5 * start, rows, q_block, manipulability_dq_lanes);
+        manipulability_dq_block(q_block, k, result_block);
+        store(5, result_block, manipulability_dq_lanes, result + 5 * start, rows);
     }
 }
 

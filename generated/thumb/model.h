@@ -48,8 +48,12 @@ enum {
     thumb_jacobian_constant_count = 3,
     thumb_jacobian_end_constant_count = 3,
     thumb_jacobian_dot_constant_count = 3,
+    thumb_jacobian_hessian_constant_count = 3,
     thumb_analytic_jacobian_rpy_constant_count = 3,
     thumb_analytic_jacobian_zyz_constant_count = 3,
+    thumb_manipulability_constant_count = 3,
+    thumb_manipulability_position_constant_count = 3,
+    thumb_manipulability_dq_constant_count = 3,
     thumb_inverse_kinematics_constant_count = 14,
     thumb_branches = 4, /**< Branches of inverse kinematics. */
     thumb_none = 0, /**< The branch does not exist. */
@@ -145,6 +149,23 @@ void thumb_jacobian_dot_batch(size_t count, const double *q, const double *qd, c
 void thumb_jacobian_dot_constants(const double *params, double *k);
 
 /**
+ * Derivatives of the geometric Jacobian with respect to q, in the world frame.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from jacobian_hessian_constants().
+ * @param[out] result  H, 6 x 5 x 5, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+ *
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 90 mul, 37 add, 5 sin, 5 cos.
+ */
+void thumb_jacobian_hessian(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_jacobian_hessian_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of thumb_jacobian_hessian, 3, from the parameters, 3. */
+void thumb_jacobian_hessian_constants(const double *params, double *k);
+
+/**
  * Analytic Jacobian for roll, pitch, yaw.
  *
  * @param[in]  q       joint variables [rad, m], one entry per joint.
@@ -177,6 +198,70 @@ void thumb_analytic_jacobian_zyz_batch(size_t count, const double *q, const doub
 
 /** The constants of thumb_analytic_jacobian_zyz, 3, from the parameters, 3. */
 void thumb_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from manipulability_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 49 mul, 26 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void thumb_manipulability(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_manipulability_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of thumb_manipulability, 3, from the parameters, 3. */
+void thumb_manipulability_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the position.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from manipulability_position_constants().
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 3: 49 mul, 26 add, 4 sin, 4 cos, 1 sqrt.
+ */
+void thumb_manipulability_position(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of thumb_manipulability_position, 3, from the parameters, 3. */
+void thumb_manipulability_position_constants(const double *params, double *k);
+
+/**
+ * Manipulability of the orientation.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+ *
+ * Volume of rows in joint frame 2: 9 mul, 7 add, 2 sin, 1 sqrt.
+ */
+void thumb_manipulability_orientation(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void thumb_manipulability_orientation_batch(size_t count, const double *q, double *result);
+
+/**
+ * Gradient of the manipulability of the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       3 constants from manipulability_dq_constants().
+ * @param[out] result  dw/dq, 5: d w / d q_j; where w = 0 of an oblong J no finite numbers.
+ *
+ * Volume of rows in joint frame 3, differentiated backwards: 130 mul, 81 add, 1 div, 4 sin, 4 cos, 1 sqrt.
+ */
+void thumb_manipulability_dq(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_manipulability_dq_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of thumb_manipulability_dq, 3, from the parameters, 3. */
+void thumb_manipulability_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

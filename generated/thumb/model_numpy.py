@@ -42,8 +42,13 @@ OPERATIONS = {
     "jacobian": {"mul": 44, "add": 18, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "jacobian_end": {"mul": 32, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "jacobian_dot": {"mul": 111, "add": 67, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "jacobian_hessian": {"mul": 90, "add": 37, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 76, "add": 29, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 54, "add": 20, "div": 2, "sin": 5, "cos": 5, "sqrt": 1},
+    "manipulability": {"mul": 49, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_position": {"mul": 49, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
+    "manipulability_orientation": {"mul": 9, "add": 7, "div": 0, "sin": 2, "cos": 0, "sqrt": 1},
+    "manipulability_dq": {"mul": 130, "add": 81, "div": 1, "sin": 4, "cos": 4, "sqrt": 1},
     "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 164},
 }
 GIVEN = ()
@@ -64,8 +69,13 @@ __all__ = [
     "jacobian",
     "jacobian_end",
     "jacobian_dot",
+    "jacobian_hessian",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "manipulability",
+    "manipulability_position",
+    "manipulability_orientation",
+    "manipulability_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -163,6 +173,23 @@ def jacobian_dot(q, qd, params=None, out=None):
     return _FUNCTIONS["jacobian_dot"]((q, qd), params, out)
 
 
+def jacobian_hessian(q, params=None, out=None):
+    """Derivatives of the geometric Jacobian with respect to q, in the world frame.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        H, (..., 6, 5, 5):
+        entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
+
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 90 mul, 37 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
+
+
 def analytic_jacobian_rpy(q, params=None, out=None):
     """Analytic Jacobian for roll, pitch, yaw.
 
@@ -195,6 +222,74 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 54 mul, 20 add, 2 div, 5 sin, 5 cos, 1 sqrt.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def manipulability(q, params=None, out=None):
+    """Manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 49 mul, 26 add, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability"]((q,), params, out)
+
+
+def manipulability_position(q, params=None, out=None):
+    """Manipulability of the position.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 3: 49 mul, 26 add, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_position"]((q,), params, out)
+
+
+def manipulability_orientation(q, params=None, out=None):
+    """Manipulability of the orientation.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        w, (...):
+        volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
+
+    Volume of rows in joint frame 2: 9 mul, 7 add, 2 sin, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_orientation"]((q,), params, out)
+
+
+def manipulability_dq(q, params=None, out=None):
+    """Gradient of the manipulability of the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dw/dq, (..., 5):
+        d w / d q_j; where w = 0 of an oblong J no finite numbers.
+
+    Volume of rows in joint frame 3, differentiated backwards: 130 mul, 81 add, 1 div, 4 sin, 4 cos, 1 sqrt.
+    """
+    return _FUNCTIONS["manipulability_dq"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -559,6 +654,115 @@ def _jacobian_dot(functions, k, q, qd):
     )
 
 
+def _jacobian_hessian_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _jacobian_hessian(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI3, p_lI2, p_lI1 = k
+    t1 = q4 + q5
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_lI3*t2
+    t5 = p_lI3*t3
+    c4 = cos(q4)
+    t6 = t4 + p_lI2*c4
+    c3 = cos(q3)
+    t7 = p_lI1 + c3*t6
+    c2 = cos(q2)
+    s4 = sin(q4)
+    t8 = t5 + p_lI2*s4
+    s2 = sin(q2)
+    t9 = c2*t7 - s2*t8
+    s1 = sin(q1)
+    t10 = s1*t9
+    c1 = cos(q1)
+    t11 = t9*c1
+    s3 = sin(q3)
+    t12 = c1*s3
+    t13 = t7*s2 + c2*t8
+    t14 = c1*t13
+    t15 = s1*t13
+    t16 = c2*c1
+    t17 = s1*c3 + s3*t16
+    t18 = t6*t17
+    t19 = s1*s3
+    t20 = t19 - c3*t16
+    t21 = s2*c1
+    t22 = t8*t20 - t6*t21
+    t23 = t5*t20 - t4*t21
+    t24 = s2*s3
+    t25 = s1*t24
+    t26 = c1*t24
+    t27 = t6*t24
+    t28 = s1*t27
+    t29 = c1*t27
+    t30 = c3*s2
+    t31 = s1*s2
+    t32 = t8*t30 - c2*t6
+    t33 = s1*t32
+    t34 = c1*t32
+    t35 = t5*t30 - c2*t4
+    t36 = s1*t35
+    t37 = c1*t35
+    t38 = t21*t32 - c2*t22
+    t39 = t21*t35 - c2*t23
+    t40 = t17*t35 + t23*t24
+    t41 = s1*c2
+    t42 = c3*c1 - s3*t41
+    t43 = t12 + c3*t41
+    t44 = t5*t43 + t4*t31
+    t45 = t6*t42
+    t46 = t8*t43 + t6*t31
+    t47 = c2*t46 + t32*t31
+    t48 = c2*t44 + t35*t31
+    t49 = t24*t44 + t35*t42
+    t50 = c1*t18 - s1*t45
+    t51 = c1*t22 - s1*t46
+    t52 = c1*t23 - s1*t44
+    t53 = c1*t17 - s1*t42
+    t54 = t22*t31 + t21*t46
+    t55 = t23*t31 + t21*t44
+    t56 = t23*t42 - t17*t44
+    return (
+        t10 + t6*t12, t14, t18, -t22, -t23,
+        t14, t10, -t28, -t33, -t36,
+        t18, -t28, t21*t27 + c2*t18, t38, t39,
+        -t22, -t33, t38, -(t17*t32 + t22*t24), -t40,
+        -t23, -t36, t39, -t40, -t40,
+        t6*t19 - t11, t15, -t45, t46, t44,
+        t15, -t11, t29, t34, t37,
+        -t45, t29, t27*t31 - c2*t45, t47, t48,
+        t46, t34, t47, t24*t46 + t32*t42, t49,
+        t44, t37, t48, t49, t49,
+        0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, t13, t50, -t51, -t52,
+        0.0, t50, t18*t31 + t21*t45, -t54, -t55,
+        0.0, -t51, -t54, t17*t46 - t22*t42, -t56,
+        0.0, -t52, -t55, -t56, -t56,
+        0.0, 0.0, 0.0, 0.0, 0.0,
+        s1, 0.0, 0.0, 0.0, 0.0,
+        -t21, -t41, 0.0, 0.0, 0.0,
+        t17, -t25, t43, 0.0, 0.0,
+        t17, -t25, t43, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0,
+        -c1, 0.0, 0.0, 0.0, 0.0,
+        -t31, t16, 0.0, 0.0, 0.0,
+        -t42, t26, t20, 0.0, 0.0,
+        -t42, t26, t20, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, -s2, 0.0, 0.0, 0.0,
+        0.0, t53, t30, 0.0, 0.0,
+        0.0, t53, t30, 0.0, 0.0,
+    )
+
+
 def _analytic_jacobian_rpy_constants(functions, p):
     p_lI1, p_lI2, p_lI3 = p
     return (
@@ -678,6 +882,197 @@ def _analytic_jacobian_zyz(functions, k, q):
         1.0, -t20*t25, t26, 0.0, 0.0,
         0.0, (s1*t13 - c1*t18)*t27, -t22*t27, 0.0, 0.0,
         0.0, t25, -t20*t26, 1.0, 1.0,
+    )
+
+
+def _manipulability_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _manipulability(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI3, p_lI2, p_lI1 = k
+    c4 = cos(q4)
+    c5 = cos(q5)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t1 = p_lI3*(c4*c5 - s4*s5)
+    t2 = p_lI3*(c4*s5 + c5*s4)
+    t3 = t1 + p_lI2*c4
+    t4 = t2 + p_lI2*s4
+    c3 = cos(q3)
+    t5 = t3 + p_lI1*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t6 = c3*s2
+    t7 = c2*t5 - t6*t4
+    t8 = t3*t3
+    s3 = sin(q3)
+    t9 = s2*s3
+    t10 = t4*s3
+    t11 = t7*t7 + (t8 + t10*t10)
+    t12 = c3*t4
+    t13 = p_lI1*s3
+    t14 = c2*t13 - t4*t9
+    t15 = t5*t9 - t6*t13
+    t16 = s3*t13 + c3*t5
+    t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12))
+    t18 = t10*t12 - t7*t14
+    t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12))
+    t20 = t7*t15 + t10*t16
+    t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18)
+    t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)))
+    return (
+        sqrt(absolute(t22)),
+    )
+
+
+def _manipulability_position_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _manipulability_position(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI3, p_lI2, p_lI1 = k
+    c4 = cos(q4)
+    c5 = cos(q5)
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t1 = p_lI3*(c4*c5 - s4*s5)
+    t2 = p_lI3*(c4*s5 + c5*s4)
+    t3 = t1 + p_lI2*c4
+    t4 = t2 + p_lI2*s4
+    c3 = cos(q3)
+    t5 = t3 + p_lI1*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t6 = c3*s2
+    t7 = c2*t5 - t6*t4
+    t8 = t3*t3
+    s3 = sin(q3)
+    t9 = s2*s3
+    t10 = t4*s3
+    t11 = t7*t7 + (t8 + t10*t10)
+    t12 = c3*t4
+    t13 = p_lI1*s3
+    t14 = c2*t13 - t4*t9
+    t15 = t5*t9 - t6*t13
+    t16 = s3*t13 + c3*t5
+    t17 = t2*t2 + (t14*t14 + (t4*t4 + t12*t12))
+    t18 = t10*t12 - t7*t14
+    t19 = t3*t4 + (t1*t2 - (t15*t14 - t16*t12))
+    t20 = t7*t15 + t10*t16
+    t21 = (t1*t1 + (t16*t16 + (t8 + t15*t15)))*(t17*t11 - t18*t18)
+    t22 = t21 - (t17*(t20*t20) + t19*(t19*t11 - t18*(2.0*t20)))
+    return (
+        sqrt(absolute(t22)),
+    )
+
+
+def _manipulability_orientation(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    s2 = sin(q2)
+    t1 = s2*s2
+    s3 = sin(q3)
+    t2 = s3*s3
+    t3 = 2.0*t2
+    t4 = 2.0 - t1
+    t5 = t4*(4.0*t2)
+    t6 = (3.0 - t3)*(t4*(t1 + t3) - (t1 - t1*t1)) - (t5 - t2*t5)
+    return (
+        sqrt(absolute(t6)),
+    )
+
+
+def _manipulability_dq_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _manipulability_dq(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    p_lI3, p_lI2, p_lI1 = k
+    s4 = sin(q4)
+    s5 = sin(q5)
+    c4 = cos(q4)
+    c5 = cos(q5)
+    t1 = p_lI2*c4
+    t2 = t1 - p_lI3*(s4*s5 - c4*c5)
+    t3 = p_lI2*s4
+    t4 = t3 + p_lI3*(c4*s5 + s4*c5)
+    c3 = cos(q3)
+    t5 = p_lI1*c3
+    t6 = t2 + t5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t7 = s2*c3
+    t8 = c2*t6 - t7*t4
+    t9 = t2*t2
+    s3 = sin(q3)
+    t10 = s3*t4
+    t11 = t8*t8 + (t9 + t10*t10)
+    t12 = c3*t4
+    t13 = s2*s3
+    t14 = p_lI1*s3
+    t15 = t4*t13 - t14*c2
+    t16 = t3 - t4
+    t17 = t16*t16 + (t15*t15 + (t4*t4 + t12*t12))
+    t18 = t12*t10 + t8*t15
+    t19 = t17*t11 - t18*t18
+    t20 = t14*t7 - t6*t13
+    t21 = s3*t14 + c3*t6
+    t22 = t1 - t2
+    t23 = t22*t22 + (t21*t21 + (t9 + t20*t20))
+    t24 = t16*t22 + (t2*t4 - (t15*t20 - t12*t21))
+    t25 = t8*t20 - t21*t10
+    t26 = t24*t11 + t25*t18
+    t27 = t24*t18 + t25*t17
+    t28 = t25*t27 - (t23*t19 - t24*t26)
+    t29 = 1.0/(2.0*sqrt(absolute(t28)))*sign(t28)
+    t30 = t23*t29
+    t31 = t19*t29
+    t32 = t25*t29
+    t33 = t24*t29
+    t34 = 2.0*t30
+    t35 = t24*t33 - t17*t30
+    t36 = t18*t34 + (t24*t32 + t25*t33)
+    t37 = t18*t33 + (t27*t29 + t17*t32)
+    t38 = t32*(2.0*t25) - t11*t34
+    t39 = t11*t33 + (t18*t32 + t26*t29)
+    t40 = 2.0*t35
+    t41 = 2.0*t31
+    t42 = t8*t40 + (t15*t36 + t20*t37)
+    t43 = t16*t38 + t22*t39
+    t44 = t15*t38 + (t8*t36 - t20*t39)
+    t45 = t20*t41 - (t8*t37 - t15*t39)
+    t46 = t10*t40 - (t21*t37 - t12*t36)
+    t47 = t12*t38 + (t21*t39 + t10*t36)
+    t48 = t21*t41 + (t10*t37 - t12*t39)
+    t49 = c3*t47 + (s3*t46 + (t13*t44 - (t7*t42 + (t43 - t2*t39))))
+    t50 = t4*t38 + t49
+    t51 = c3*t48
+    t52 = s3*t48
+    t53 = c2*t42 - (t51 - t13*t45)
+    t54 = (t35 - t31)*(2.0*t2) + (t53 + t4*t39)
+    t55 = t22*t50 - t16*(t22*t41 + (t54 - t16*t39))
+    t56 = t6*t45 + t4*t44
+    t57 = t14*t45 + t4*t42
+    t58 = t5*(t7*t45 + (t52 + c2*t44)) - (t7*t56 + (t12*t46 - (t10*t47 - t13*t57)))
+    return (
+        0.0, s2*(t14*t44 - t6*t42) - c2*(c3*t57 - s3*t56), t6*t52 - (t14*(t51 + t53) + t58),
+        t1*(t43 + t50) - (t55 + t3*t54), -t55,
     )
 
 
@@ -2461,6 +2856,16 @@ _FUNCTIONS = {
             0, 1, 2,
         ),
     ),
+    "jacobian_hessian": _Function(
+        name="jacobian_hessian",
+        arguments=("q",),
+        shape=(6, 5, 5),
+        kernel=_jacobian_hessian,
+        hoisted=_jacobian_hessian_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
     "analytic_jacobian_rpy": _Function(
         name="analytic_jacobian_rpy",
         arguments=("q",),
@@ -2477,6 +2882,42 @@ _FUNCTIONS = {
         shape=(6, 5),
         kernel=_analytic_jacobian_zyz,
         hoisted=_analytic_jacobian_zyz_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "manipulability": _Function(
+        name="manipulability",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability,
+        hoisted=_manipulability_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "manipulability_position": _Function(
+        name="manipulability_position",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_position,
+        hoisted=_manipulability_position_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "manipulability_orientation": _Function(
+        name="manipulability_orientation",
+        arguments=("q",),
+        shape=(),
+        kernel=_manipulability_orientation,
+    ),
+    "manipulability_dq": _Function(
+        name="manipulability_dq",
+        arguments=("q",),
+        shape=(5,),
+        kernel=_manipulability_dq,
+        hoisted=_manipulability_dq_constants,
         needs=(
             0, 1, 2,
         ),

@@ -205,7 +205,7 @@ def test_of_a_latex_file_the_displays_are_compared_and_the_rest_is_listed(folder
         (["notes.md", "--section", "Tables"], "notes.md has no section 'Tables'; allowed: 'Arm'"),
         (["x = 1", "--lines", "3"], "--lines and --section choose a part of a document; give a file"),
         (["notes.md", "--lines", "b-3"], "'b-3' is not a range of lines such as 20-80"),
-        (["notes.pdf"], "notes.pdf is a PDF; derive check reads .tex, .md, .rst, .markdown, .ipynb, .txt; give its source"),
+        (["notes.pdf"], "notes.pdf is a PDF; derive check reads .tex, .md, .rst, .markdown, .ipynb, .txt; give its"),
         (["empty.md"], "empty.md:1:1: no mathematics between $ signs"),
     ],
 )

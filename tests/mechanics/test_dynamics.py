@@ -16,12 +16,13 @@ from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.mechanics.exact_kinematics import Kinematics
-from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
+from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics, mobility
 from derive.mechanics.forward_kinematics import (
     TILTED,
     analytic_jacobian,
     forward_kinematics,
     jacobian,
+    jacobian_hessian,
     jacobian_rate,
     link_transforms,
 )
@@ -81,6 +82,12 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
     found = forward_dynamics(inertia_matrix(chain), inverse_dynamics(chain, qd, still), torques)
     assert_close(found, wanted, tolerance)
     assert_close(articulated_accelerations(chain, qd, torques), wanted, tolerance)
+
+
+def test_inertia_is_carried_into_the_task(arm: Arm) -> None:
+    rows, inertia = np.array(jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
+    wanted = rows @ np.linalg.solve(inertia, rows.T)
+    assert_close(mobility(rows.tolist(), inertia.tolist(), 0.0), wanted, 1e-13 * np.linalg.cond(inertia))
 
 
 def test_derivatives_of_torques(arm: Arm) -> None:
@@ -162,6 +169,8 @@ def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:
     assert_close(forward_kinematics(chain).rows(0.0, 1.0), arm.expected("forward_kinematics"))
     assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], arm.expected("link_transforms"))
     assert_close(jacobian(chain), arm.expected("jacobian"))
+    slopes = np.reshape(jacobian_hessian(jacobian(chain), 0.0), (6, chain.n, chain.n))
+    assert_close(slopes, arm.expected("jacobian_hessian"))
     assert_close(jacobian_rate(chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
 
 

@@ -22,6 +22,7 @@ from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.load import catalogue_names
 from derive.robot.names import number_of, robot_symbols
 from derive.robot.robot import Robot
+from derive.verification.oracle import rates
 from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, rotor_jacobians
 from tests.evaluate import evaluate
@@ -62,9 +63,13 @@ def close(ours: Any, theirs: Any) -> None:
 
 def check_kinematics(n: Numbers) -> None:
     pose, jacobian = n.check("forward_kinematics", n.model.T), n.check("jacobian", n.model.J)
-    links = n.oracle.evaluate("link_transforms", n.q)
+    links, slopes = n.oracle.evaluate("link_transforms", n.q), rates.jacobian_hessian(n.oracle.arm, n.q)
     for i in range(1, n.model.n + 1):
         close(n.value(n.model.frame(i)), links[i - 1])
+        close(n.value(n.model.hessian(i)), slopes[..., i - 1])
+    if n.model.n <= 6:
+        w = n.oracle.evaluate("manipulability", n.q)
+        close(n.value(n.model.quantity("manipulability")) ** 2, w**2)
     turned = pose[:3, :3].T
     close(n.value(n.model.J_end), np.vstack([turned @ jacobian[:3], turned @ jacobian[3:]]))
 

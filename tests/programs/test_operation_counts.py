@@ -13,6 +13,7 @@ from bench.results import read_json
 from bench.robots import COUNTED, load
 from derive.programs.build import build_program
 from derive.programs.program import Program
+from derive.robot.task_rows import task_rows
 
 RESULTS = read_json("operations")["robots"]
 USUAL = ("scara-symbolic", "planar-2r-symbolic")
@@ -53,3 +54,18 @@ def test_every_other_tool_needs_more(name: str, symbol: str) -> None:
 def test_gravity_along_the_first_axis_needs_no_first_angle(name: str, function: str) -> None:
     sources = [node.source for node in program_of(name)[function].tape.nodes if node.source is not None]
     assert all((source.kind, source.index) != ("q", 0) for source in sources)
+
+
+@pytest.mark.parametrize("name", ["scara-symbolic", *(pytest.param(name, marks=pytest.mark.sweep) for name in LONG)])
+def test_what_follows_from_others_needs_less_than_these_and_the_rest_by_hand(name: str) -> None:
+    """Eliminations and products of full matrices, as a library does them."""
+    program = program_of(name)
+    cost = {function.name: function.operations.total for function in program}
+    n, m = program["jacobian"].shape[1], len(task_rows(load(name).robot))
+    square, elimination = 2 * m * m * n, 2 * m**3 // 3
+    assert cost["jacobian_hessian"] < n * cost["jacobian_dot"]
+    assert cost["manipulability"] < cost["jacobian"] + (elimination if m == n else square + elimination)
+    by_hand = cost["jacobian"] + cost["jacobian_hessian"] + square + 3 * elimination + n * (square + 2 * m * m)
+    assert cost["manipulability_dq"] < by_hand
+    by_hand = cost["jacobian"] + cost["inertia_matrix"] + 2 * n**3 // 3 + 2 * n * n * m + square + 2 * m**3
+    assert cost["task_inertia"] < by_hand

@@ -2,17 +2,23 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import combinations
 
+from derive.algebra.ring import determinant
 from derive.mechanics import forward_kinematics as recursion
-from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_rate
+from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_hessian, jacobian_rate
 from derive.mechanics.vectors import Frame, column, multiply, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, flat
 from derive.programs.optimise.improve import improved_values
-from derive.programs.tape.derivative import derivative
+from derive.programs.optimise.search_policy import POLICY
+from derive.programs.tape.derivative import derivative, gradient
+from derive.programs.tape.graph import ZERO
 from derive.programs.tape.scalars import QD, Q
 from derive.programs.tape.value import Value
+from derive.robot.options.inverse import POSE
+from derive.robot.task_rows import PARTS, task_rows
 
 Matrix = list[list[Value]]
 
@@ -70,6 +76,51 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
             return derivative(improved_values(flat(matrix())), rates)
 
         yield Formulation(f"{words}, differentiated in time", _in_time)
+
+
+def hessians(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of dJ/dq."""
+    for words, matrix, _ in _pairs(trace):
+        entries = lambda matrix=matrix: flat(jacobian_hessian(matrix(), trace.chain.zero))  # noqa: E731
+        yield Formulation(f"products of columns of the {words}", entries)
+
+
+def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of w, whose value is the same about any point of the last link and in any axes."""
+    rows, n = task_rows(trace.robot, part), trace.n
+    if part == "all" and trace.robot.inverse.task != POSE:
+        yield Formulation("volume of rows in the world", lambda: _volume(recursion.jacobian(trace.chain), rows))
+        return
+    at_end = set(rows) <= set(PARTS["position"])
+    for k in range(1, n + 1) if n <= POLICY.most_stations else (n // 2,):
+        seen = recursion.jacobian_from(trace.chain, k, at_end=at_end)
+        yield Formulation(f"volume of rows in joint frame {k}", partial(_volume, seen, rows))
+
+
+def manipulability_gradients(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of dw/dq."""
+    least = min(manipulabilities("all", trace), key=lambda f: trace.choice.price([f.trace()[0].ref]).body)
+    words = f"{least.words}, differentiated backwards"
+    yield Formulation(words, lambda: gradient(least.trace()[0], trace.arguments(Q)))
+
+
+def _volume(jacobian: Matrix, rows: Sequence[int]) -> list[Value]:
+    """The root of det(J J^T) of some rows of J, of det(J^T J) of more rows than columns.
+
+    It is the sum of the squares of the largest minors (Cauchy, Binet), which are few up to one joint too many.
+    """
+    matrix, zero = [jacobian[row] for row in rows], 0 * jacobian[0][0]
+    if len(rows) > len(jacobian[0]):
+        matrix = [list(column) for column in zip(*matrix, strict=True)]
+    # minors begin with the last rows, which are to be sparse
+    matrix = sorted(matrix, key=lambda row: sum(value.ref != ZERO for value in row))[::-1]
+    size, length = len(matrix), len(matrix[0]) if matrix else 2
+    if length > size + 1:
+        products = [[sum((x * y for x, y in zip(a, b, strict=True)), zero) for b in matrix] for a in matrix]
+        return [abs(determinant(products)).sqrt() if products else zero]
+    chosen = combinations(range(length), size)
+    minors = [determinant([[row[j] for j in places] for row in matrix]) for places in chosen]
+    return [abs(minors[0]) if size == length else sum((minor * minor for minor in minors), zero).sqrt()]
 
 
 def analytic_jacobians(kind: str, trace: Trace) -> Iterator[Formulation]:

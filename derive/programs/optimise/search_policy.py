@@ -93,6 +93,9 @@ class Policy:
     # Joints up to which torques are also differentiated operation by operation, which grows with the cube as well. At
     # nine it saved 123 of 3,655 operations of one arm; of ten and twelve it never won.
     most_differentiated: int = 9
+    # Joints up to which the derivatives of J are generated, whose entries grow with the cube: at 21 they would take a
+    # sixth of the time of a build.
+    most_derivatives: int = 16
     # Runs of parallel axes up to which all ways of a vector to the world frame are tried; their number grows with the
     # cube. Twice as many would save up to 49 operations of the pose of 12 joints in six times the time.
     most_stations: int = 7

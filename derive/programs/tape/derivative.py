@@ -35,6 +35,17 @@ def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Va
     return [Value(graph, signed(tangents.get(node_of(ref), ZERO), is_negative(ref))) for ref in refs]
 
 
+def gradient(value: Value, inputs: Sequence[Value]) -> list[Value]:
+    """The partial derivatives of one value (reverse mode): each node costs a few operations, however many inputs."""
+    graph = value.graph
+    adjoints = {node_of(value.ref): signed(ONE, is_negative(value.ref))}
+    for i in reversed(reachable(graph, [value.ref])):
+        for k in set(graph.operands[i]) if i in adjoints else ():
+            share = graph.multiply(adjoints[i], _tangent(graph, i, {k: ONE}))
+            adjoints[k] = graph.add(adjoints.get(k, ZERO), share)
+    return [Value(graph, signed(adjoints.get(node_of(x.ref), ZERO), is_negative(x.ref))) for x in inputs]
+
+
 def gradient_columns(values: Sequence[Value], inputs: Sequence[Value]) -> list[list[Value]]:
     """The matrix of partial derivatives."""
     if not values:

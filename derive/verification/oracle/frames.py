@@ -18,6 +18,7 @@ from derive.robot.description import Convention, Link, Motor
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
+from derive.robot.task_rows import PARTS, is_in_world, task_rows
 
 Array = npt.NDArray[Any]
 
@@ -45,6 +46,8 @@ class NumericArm:
     armature: Array  # (n,) reflected inertias, on the diagonal of B only
     viscous: Array  # (n,) joint-side viscous friction
     coulomb: Array  # (n,) joint-side Coulomb friction
+    rows: Mapping[str, tuple[int, ...]]  # of the Jacobian, by part; ``all`` is the task's
+    in_world: bool  # whether the rows of the task are those of the world
 
     @property
     def n(self) -> int:
@@ -90,6 +93,8 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         armature=numbers(link.armature for link in links),
         viscous=numbers(link.viscous for link in links),
         coulomb=numbers(link.coulomb for link in links),
+        rows={part: task_rows(robot, part) for part in ("all", *PARTS)},
+        in_world=is_in_world(robot),
     )
 
 

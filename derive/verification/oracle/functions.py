@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from math import inf
 from types import MappingProxyType
 
 import numpy as np
@@ -25,8 +27,9 @@ class Definition:
     dynamic: bool  # whether it needs link parameters
     function: Callable[..., Array]  # its independent evaluation, from an arm and the arguments
     # Axes of its value for one configuration: 0 for a scalar, 1 for a vector, 2 for a matrix, 3 for one matrix a
-    # link.
+    # link or row.
     axes: int = 2
+    most: float = inf  # joints up to which arms have it
     # Whether it needs to know which parameters are base parameters: its first argument is then an `Identification`.
     identifies: bool = False
 
@@ -44,6 +47,7 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "jacobian": Definition(("q",), False, frames.jacobian),
         "jacobian_end": Definition(("q",), False, frames.jacobian_end),
         "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
+        "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16),
         "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
         "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
         "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
@@ -59,6 +63,13 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
         "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
         "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
+        "manipulability": Definition(("q",), False, rates.manipulability, axes=0),
+        **{
+            f"manipulability_{part}": Definition(("q",), False, partial(rates.manipulability, part=part), axes=0)
+            for part in ("position", "orientation")
+        },
+        "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
+        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.mobility(arm, q)), most=16),
     }
 )
 
@@ -95,7 +106,8 @@ class Oracle:
             elif definition.identifies:
                 present = self.identification is not None
             else:
-                present = self.dynamic or not definition.dynamic
+                present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= name != "task_inertia" or len(self.arm.rows["all"]) <= self.arm.n
             names += [name] * present
         return tuple(names)
 

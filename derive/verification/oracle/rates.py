@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian, row_transform
+from derive.verification.oracle.lagrange import inertia_matrix
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
@@ -19,6 +20,48 @@ TILTED = {"rpy": 0, "zyz": 2}  # column of R whose first two entries vanish wher
 def jacobian_dot(arm: NumericArm, q: Array, qd: Array) -> Array:
     """dJ/dt along qd."""
     return jacobian(arm, q + 1j * STEP * qd).imag / STEP
+
+
+def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
+    """Entry r, i, j: d J_ri / d q_j."""
+    slopes: Array = jacobian(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
+    return np.moveaxis(slopes, -3, -1)
+
+
+def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
+    """Rows of a part of J, (..., m, n), in the world, or in the axes of the base before joint 1."""
+    matrix = jacobian(arm, q)
+    if part != "all" or not arm.in_world:
+        before = np.eye(4) if arm.standard else row_transform(replace(arm, theta=0 * arm.theta), 0, np.zeros(()))
+        back = (arm.base @ before)[:3, :3].T
+        matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
+    return matrix[..., arm.rows[part], :]
+
+
+def mobility(arm: NumericArm, q: Array) -> Array:
+    """J B^-1 J^T of the rows of the task, the inverse of its inertia."""
+    rows = task_jacobian(arm, q)
+    return np.asarray(rows @ np.linalg.pinv(inertia_matrix(arm, q)) @ np.swapaxes(rows, -1, -2))
+
+
+def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:
+    """det(J J^T) of a part of J, or det(J^T J) of more rows than joints."""
+    rows = task_jacobian(arm, q, part)
+    turned = np.swapaxes(rows, -1, -2)
+    product = rows @ turned if rows.shape[-2] <= arm.n else turned @ rows
+    return np.asarray(np.linalg.det(product) * (rows.shape[-2] > 0))
+
+
+def manipulability(arm: NumericArm, q: Array, part: str = "all") -> Array:
+    """The volume to which a part of J takes unit rates of the joints."""
+    return np.asarray(np.sqrt(np.abs(gram_determinant(arm, q, part))))
+
+
+def manipulability_dq(arm: NumericArm, q: Array) -> Array:
+    """d w / d q_j, half of that of w^2 over w."""
+    slopes = gram_determinant(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(slopes / (2 * manipulability(arm, q)[..., None]))
 
 
 def analytic_jacobian_rpy(arm: NumericArm, q: Array) -> Array:

@@ -6,6 +6,7 @@ before, with the coordinate ratio*q_i; the arm's own quantities then follow from
 B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from derive.robot.robot import Robot
+from derive.robot.task_rows import PARTS, is_in_world, task_rows
 from tests.random_robots import JointNumbers, LinkNumbers, RandomRobot
 
 Array = npt.NDArray[np.float64]
@@ -37,6 +40,9 @@ class Reference:
     map: Array  # (nv, n) the constant map G of velocities
     viscous: Array  # (n,) joint-side friction
     coulomb: Array
+    task_rows: Mapping[str, tuple[int, ...]]  # rows of J, by part
+    in_world: bool  # whether those of the task are the world's
+    level: Array  # axes of the base before joint 1
 
     @property
     def data(self) -> Any:
@@ -107,6 +113,36 @@ class Reference:
         linear = rate[:3] - pin.skew(jacobian[:3] @ qd) @ jacobian[3:] - pin.skew(place) @ rate[3:]
         return np.vstack([linear, rate[3:]])
 
+    def jacobian_hessian(self, q: Array) -> Array:
+        return np.stack([self.jacobian_dot(q, e) for e in np.eye(len(q))], axis=-1)
+
+    def rows(self, part: str, matrix: Array) -> Array:
+        """Those of a part, in the axes of the base before joint 1 unless they are as well those of the world."""
+        turn = np.eye(3) if part == "all" and self.in_world else self.level
+        turned = np.einsum("ji,kj...->ki...", turn, matrix.reshape(2, 3, *matrix.shape[1:]))
+        return turned.reshape(matrix.shape)[list(self.task_rows[part])]
+
+    def task_inertia(self, q: Array) -> Array:
+        rows = self.rows("all", self.jacobian(q))
+        return np.array(np.linalg.pinv(rows @ np.linalg.inv(self.inertia_matrix(q)) @ rows.T))
+
+    def manipulability(self, q: Array, part: str = "all") -> Array:
+        """The product of the singular values, 0 where no row moves."""
+        lengths = np.linalg.svd(self.rows(part, self.jacobian(q)), compute_uv=False)
+        return np.array(np.prod(lengths) if len(lengths) else 0.0)
+
+    def manipulability_position(self, q: Array) -> Array:
+        return self.manipulability(q, "position")
+
+    def manipulability_orientation(self, q: Array) -> Array:
+        return self.manipulability(q, "orientation")
+
+    def manipulability_dq(self, q: Array) -> Array:
+        """w tr(J^+ dJ / dq_j)."""
+        slopes = self.rows("all", self.jacobian_hessian(q))
+        inverse = np.linalg.pinv(self.rows("all", self.jacobian(q)))
+        return np.array(self.manipulability(q) * np.einsum("ir,rij->j", inverse, slopes))
+
     def analytic_jacobian_rpy(self, q: Array) -> Array:
         _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
         turned = pin.utils.rotate("z", yaw)
@@ -174,6 +210,9 @@ class _Builder:
             map=mapping,
             viscous=np.array([link.viscous for link in robot.links]),
             coulomb=np.array([link.coulomb for link in robot.links]),
+            task_rows={part: task_rows(Robot.from_text(robot.text), part) for part in ("all", *PARTS)},
+            in_world=is_in_world(Robot.from_text(robot.text)),
+            level=self.axis(0).rotation,
         )
 
     def end(self, row: JointNumbers) -> Any:
