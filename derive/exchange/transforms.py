@@ -208,7 +208,10 @@ def _table(product: Sequence[Elementary], name: str) -> Description:
         words[-1] += before
         moving.append(part)
         words.append([replace(turn, cell=tree.negate(turn.cell)) for turn in before])
-    base, behind = _leaving(words[0])
+    # the constants before the first joint, and the motions along its axis at their end
+    count = next((i for i, part in enumerate(reversed(words[0])) if part.axis != Z), len(words[0]))
+    base, along = words[0][: len(words[0]) - count], words[0][len(words[0]) - count :]
+    behind = _Split(twist=_sum(along, turns=True), beyond=_sum(along, turns=False))
     end, tool = _last(words[-1])
     rows = [*map(_split, words[1:-1]), end]
     joints = []
@@ -222,13 +225,6 @@ def _table(product: Sequence[Elementary], name: str) -> Description:
     cells = Cells(Robot.of(table), _atoms([*base, *tool]))
     first, last = (cells.matrix(_product(word, cells.domain), IDENTITY) for word in (base, tool))
     return replace(table, base=first, tool=last)
-
-
-def _leaving(word: Sequence[Elementary]) -> tuple[list[Elementary], _Split]:
-    """The constants before the first joint, without the motions along its axis at their end, and these."""
-    count = next((i for i, part in enumerate(reversed(word)) if part.axis != Z), len(word))
-    kept, along = word[: len(word) - count], word[len(word) - count :]
-    return list(kept), _Split(twist=_sum(along, turns=True), beyond=_sum(along, turns=False))
 
 
 def _last(word: Sequence[Elementary]) -> tuple[_Split, list[Elementary]]:

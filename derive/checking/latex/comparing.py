@@ -123,7 +123,7 @@ class Comparing:
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
             if first.is_branch and not found.verdict.equal:
                 raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
-            found = self._rounded(self._turned(found, first.value, side.value), first.value, side.value, left, right)
+            found = self._rounded(found, first.value, side.value, left, right)
             if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             is_constraint = not found.verdict.equal and self._constrains(first.value, side.value)
@@ -132,16 +132,6 @@ class Comparing:
             if is_constraint or (not found.verdict.equal and is_constant(first.value) != is_constant(side.value)):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
-
-    def _turned(self, found: Finding, one: Expression, other: Expression) -> Finding:
-        """Angles are equal up to full turns."""
-        is_angle = isinstance(one, Name) and one.name in self.joints and self.joints[one.name].is_revolute
-        for turns in (-2, 2) if self.document and is_angle and found.question and not found.verdict.equal else ():
-            if compare(self.robot, one, add(other, multiply(number(turns), Pi()))).equal:
-                return replace(
-                    found, verdict=Verdict(equal=True, exact=True), note=", up to a full turn", question=None
-                )
-        return found
 
     def _constrains(self, one: Expression, other: Expression) -> bool:
         """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
@@ -180,7 +170,13 @@ class Comparing:
         yield from found
 
     def _rounded(self, found: Finding, one: Expression, other: Expression, left: str, right: str) -> Finding:
-        """Numbers of a document agree to a few units of the last printed digit; beyond that it is uncertain."""
+        """Angles are equal up to full turns, numbers to a few units of the last printed digit; more is uncertain."""
+        is_angle = isinstance(one, Name) and one.name in self.joints and self.joints[one.name].is_revolute
+        for turns in (-2, 2) if self.document and is_angle and found.question and not found.verdict.equal else ():
+            if compare(self.robot, one, add(other, multiply(number(turns), Pi()))).equal:
+                return replace(
+                    found, verdict=Verdict(equal=True, exact=True), note=", up to a full turn", question=None
+                )
         if found.verdict.equal or not (self.document and is_constant(one) and is_constant(other)):
             return found
         gap = abs(float_value(one, {}) - float_value(other, {}))

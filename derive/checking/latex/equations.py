@@ -146,13 +146,12 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
         sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
         # spaces and words that part nothing are blank; commas stay, for a formula must not have one
-        plain = [_SEPARATOR.sub(_parting_or_blank, side.text) for side in sides]
+        plain = [
+            _SEPARATOR.sub(lambda m: m[0] if m["mark"] or ALTERNATIVE.fullmatch(m[0]) else " " * len(m[0]), side.text)
+            for side in sides
+        ]
         if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
             yield from _unmerged(found)
-
-
-def _parting_or_blank(match: re.Match[str]) -> str:
-    return match[0] if match["mark"] or ALTERNATIVE.fullmatch(match[0]) else " " * len(match[0])
 
 
 def _unbracketed(text: str) -> str:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 
 import sympy
 
@@ -175,7 +175,7 @@ class Meanings:
     def _derived(self, target: Target) -> Right:
         if target.entry or target.by:
             whole = self._derived(replace(target, entry=(), by=()))
-            value = reduce(self._slope, target.by, whole.value)
+            value = reduce(partial(slope, self.robot), target.by, whole.value)
             if not target.entry:
                 rows, columns = _whole("", value).rows if whole.rows == (0,) else whole.rows, whole.columns
                 return Right(f"derivative of {whole.quantity}", value, rows, columns)
@@ -201,13 +201,6 @@ class Meanings:
         elif whole.columns == (0,):
             columns = (0,)
         return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
-
-    def _slope(self, value: Matrix, by: str) -> Matrix:
-        """The derivative of a matrix, or of one formula by all joint variables or velocities."""
-        if by not in ("q", "qd"):
-            return sympy.ImmutableMatrix(slope(self.robot, value, by))
-        moving = [j.variable if by == "q" else velocity_name(j.variable) for j in self.robot.joints]
-        return sympy.ImmutableMatrix([slope(self.robot, value[0, 0], name) for name in moving])
 
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""

@@ -63,9 +63,15 @@ def _centre(robot: Robot, link: int) -> Matrix:
 
 
 def slope(robot: Robot, value: Expr | Matrix, by: str) -> Any:
-    """The derivative of a formula or a matrix by a joint variable, a velocity, or "t", which gives accelerations."""
+    """The derivative of a formula or a matrix by a joint variable, a velocity, or "t", which gives accelerations.
+
+    By "q" or "qd" it is the column of the derivatives of one formula by all variables or velocities.
+    """
+    joints = [joint.variable for joint in robot.joints]
+    if by in ("q", "qd") and by not in joints:
+        moving = joints if by == "q" else map(velocity_name, joints)
+        return sympy.Matrix([value[0, 0].diff(sympy.Symbol(name)) for name in moving])
     if by != "t":
         return value.diff(sympy.Symbol(by))
-    joints = [joint.variable for joint in robot.joints]
     rates = {q: velocity_name(q) for q in joints} | {velocity_name(q): acceleration_name(q) for q in joints}
     return sum((value.diff(sympy.Symbol(name)) * sympy.Symbol(rate) for name, rate in rates.items()), 0 * value)

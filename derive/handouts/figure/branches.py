@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from derive.arrays import Array
 from derive.handouts.figure.arm import HEIGHT, arm_view
 from derive.handouts.figure.drawing import Color, Drawing, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, moved
@@ -37,7 +36,12 @@ def branches_drawing(
 ) -> Drawing | None:
     """The drawing of an arm with frames (configurations, n + 2, 4, 4) [m]; None where its links cover each other."""
     scenes = [arm_scene(robot, own) for own in frames]
-    lines = [_line(scene) for scene in scenes]
+    lines = []  # the links of each, as one line from the base to the end effector
+    for scene in scenes:
+        line = [scene.places[0]]
+        for segment in scene.segments:
+            line += [p for p in (segment.start, segment.end) if np.linalg.norm(p - line[-1]) > _SAME * scene.size]
+        lines.append(line)
     size = max(scene.size for scene in scenes)
     groups: list[list[int]] = []
     for k, line in enumerate(lines):
@@ -92,14 +96,6 @@ def _draw_arms(
         middle = np.mean(np.array([*places, *others]), axis=0)
         direction = float(place[0] - middle[0]), float(place[1] - middle[1])
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
-
-
-def _line(scene: Scene) -> list[Array]:
-    """The links as one line from the base to the end effector."""
-    points = [scene.places[0]]
-    for segment in scene.segments:
-        points += [p for p in (segment.start, segment.end) if np.linalg.norm(p - points[-1]) > _SAME * scene.size]
-    return points
 
 
 def _draw_ends(

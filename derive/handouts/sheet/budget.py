@@ -84,7 +84,10 @@ def _pieces(block: Block) -> Iterator[float]:
         case Paragraph(text):
             yield _words(text)
         case Rows(lines, landscape):
-            drawn = [_DISPLAY, *map(_row, lines)]  # a page may end between any two rows of a display
+            heights = (
+                _LINE * line.count("\\\\") * ("bmatrix" in line) + _FRACTION * ("\\frac" in line) for line in lines
+            )
+            drawn = [_DISPLAY, *(_ROW + height for height in heights)]  # a page may end between any two rows of it
             yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
         case SheetFormula():
             for rows in block.rows:
@@ -108,11 +111,6 @@ def _pieces(block: Block) -> Iterator[float]:
 
 def _words(text: str) -> float:
     return _LINE * ceil(len(_MARKUP.sub("", text)) / _LETTERS) + 4.0 if text else 0.0
-
-
-def _row(line: str) -> float:
-    rows = line.count("\\\\") + 1 if "bmatrix" in line else 1
-    return _ROW + _LINE * (rows - 1) + (_FRACTION if "\\frac" in line else 0.0)
 
 
 # -- leaving out

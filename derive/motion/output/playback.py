@@ -7,7 +7,6 @@ from math import ceil
 import numpy as np
 from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 
-from derive.arrays import Array
 from derive.handouts.page.player import (
     REGRESSOR,
     TORQUE,
@@ -74,7 +73,11 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         base=base,
         base_rates=base_rates,
         base_torques=base_torques,
-        bounds={what: _pairs(*ends) for what, ends in near.items() if np.isfinite(ends).any()},
+        bounds={
+            what: tuple(zip(*([x if np.isfinite(x) else None for x in end.tolist()] for end in ends), strict=True))
+            for what, ends in near.items()
+            if np.isfinite(ends).any()
+        },
         exceeded=tuple(
             Exceeded(item.what, item.joint, item.time, item.value)
             for item in violations
@@ -114,11 +117,6 @@ def _base_of(
     return transform, (rate[:3], bend[:3]) if written else (), written
 
 
-def _pairs(low: Array, high: Array) -> tuple[tuple[float | None, float | None], ...]:
-    ends = [[value if np.isfinite(value) else None for value in bound.tolist()] for bound in (low, high)]
-    return tuple(zip(*ends, strict=True))
-
-
 def _played_run(motion: Motion, run: Run) -> PlayedRun:
     """Its rows, or as many as a page should hold, the last one among them."""
     step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / (MOST_NUMBERS // 2))
@@ -127,10 +125,10 @@ def _played_run(motion: Motion, run: Run) -> PlayedRun:
     if kept.size == 1:  # given up before the second row
         kept, times = np.zeros(2, dtype=int), np.append(times, times + motion.sample)
 
-    def _rows(values: Array) -> tuple[tuple[float, ...], ...]:
-        return tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
-
-    q, qd, tau = map(_rows, (run.q, run.qd, run.tau))
+    q, qd, tau = (
+        tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
+        for values in (run.q, run.qd, run.tau)
+    )
     return PlayedRun(tuple(times.tolist()), q, qd, tau, motion.plan.control.law, motion.plan.friction, run.reached)
 
 
