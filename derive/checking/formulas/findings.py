@@ -135,7 +135,10 @@ def compared(
     verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
     if not verdict.equal and any(has_branches(side, roots=role is Role.IDENTITY) for side in sides):
-        seen = branches(robot, *sides)
+        seen, numbers = branches(robot, *sides), dict(robot.parameters)
+        if not seen.alike and numbers:  # the page has numbers where the file has symbols
+            one, other = (substitute(side, numbers) for side in sides)
+            seen = branches(robot, one, other)
         if only_points and not seen.points:
             if branches(robot, question.right, question.right).points:
                 nowhere = Verdict(equal=False, exact=False)

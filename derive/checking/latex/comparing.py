@@ -195,15 +195,7 @@ class Comparing:
             return
         # a letter means several things: the candidate that the printed formula equals decides, else the likeliest
         chosen: tuple[Finding, ...] = ()
-        rights = tuple(self._meant(name))
-        fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
-        is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
-        is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)
-        if is_jacobian and (by_rows := self.meanings.jacobian_by_rows(table)) is not None:
-            self.scope.readings.append(f"a Jacobian is read as the rows {', '.join(map(str, by_rows.rows))} of ours")
-            rights, fits = (by_rows,), [(by_rows, table)]
-        if len(fits) > 1 and table.shape != (1, 1):
-            fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
+        rights, fits = self._fitting(name, table)
         self._refuse_vague(name, table, fits)
         for right, fitting in fits:
             found = tuple(self._entries(right, fitting, offset))
@@ -212,7 +204,12 @@ class Comparing:
                 break
             chosen = chosen or found
         is_right = bool(chosen) and all(finding.verdict.equal for finding in chosen)
-        if chosen and not is_right and (exchanged := self._exchanged(name, table)) is not None:
+        exchanged = self._exchanged(name, table) if chosen and not is_right else None
+        if exchanged is not None and name.left is not None and name.left.head in "pPrdo":
+            # vectors may be written otherwise than transforms: p_E^S beside T_S^E
+            chosen = tuple(self._entries(exchanged, exchanged.fitting(table) or table, offset))
+            is_right, exchanged = True, None
+        if exchanged is not None:
             text, where = self._typed(name.piece), self.plain.location(name.piece.start)
             repair = Repair((), f"the frames exchanged: the matrix is {exchanged.quantity}", ZERO)
             quantity = chosen[0].quantity
@@ -238,6 +235,19 @@ class Comparing:
             self.loose |= dict.fromkeys(chosen, name.left.head)
         yield from chosen
 
+    def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
+        """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""
+        rights = tuple(self._meant(name))
+        fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
+        is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
+        is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)
+        if is_jacobian and (by_rows := self.meanings.jacobian_by_rows(table)) is not None:
+            self.scope.readings.append(f"a Jacobian is read as the rows {', '.join(map(str, by_rows.rows))} of ours")
+            return (by_rows,), [(by_rows, table)]
+        if len(fits) > 1 and table.shape != (1, 1):
+            fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
+        return rights, fits
+
     def _unfit(self, name: Side, rights: tuple[Right, ...], table: Table, offset: int) -> CheckError:
         """Of what is printed in a shape that nothing has which is meant."""
         if not rights:
@@ -250,10 +260,13 @@ class Comparing:
 
     def _refuse_vague(self, name: Side, table: Table, fits: list[tuple[Right, Table]]) -> None:
         """A letter for anything names a matrix only if most entries fit; an energy is certain where something moves."""
+        used = {word for entry in table.entries for word in names(entry.formula)}
+        is_torque = fits and table.shape != (1, 1) and all(r.quantity == "Cqd" for r, _ in fits)
+        if is_torque and used and self.rates.isdisjoint(used):
+            raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} has no velocities")
+        is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         if name.left is None or not name.left.is_vague or not fits:
             return
-        used = {word for entry in table.entries for word in names(entry.formula)}
-        is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # the angle of a planar arm has all joints
         is_angle = name.left.head in ANGLES and isinstance(table.entries[0].formula, Sum) and used == self.joints.keys()
         if not (is_energy or is_angle) and all(right.likeness(fitting) < VAGUE for right, fitting in fits):

@@ -116,7 +116,7 @@ class LatexNames:
         # the Greek angle in c_{\alpha_1}; only of letters that are never lengths
         angle = text[1:]
         if text not in self.own and text[0].lower() in _ANGLE and _ANGLES.fullmatch(angle) and angle in self.own:
-            return Call(_ANGLE[text[0].lower()], (Name(angle),))
+            return Call(_ANGLE[text[0].lower()], (self.abbreviations.get(angle, Name(angle)),))
         if opposed:
             signs, labels = re.findall("[-+]", opposed[3]), re.findall("[0-9]+", text)
             sums = ((x, sum_of_angles(self.robot, x)) for x in labels)

@@ -221,6 +221,8 @@ def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
         yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
     if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:
         yield Target("J", pair[:1], pair[1:])
+        if pair[0] <= 3:  # J_31 of a J_omega
+            yield Target("J", (pair[0] + 3,), pair[1:])
 
 
 def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
