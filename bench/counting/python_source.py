@@ -36,7 +36,7 @@ def count_nodes(tree: ast.AST) -> Counts:
             counter.update(_binary(node))
         elif isinstance(node, ast.Call):
             calls.add(ast.unparse(node))
-    names = [_called(text) for text in calls]
+    names = [name for name in map(_called, calls) if name not in ("absolute", "sign")]  # free
     counter["trig"] = sum(name in _TRIGONOMETRIC for name in names)
     counter["other"] = len(names) - counter["trig"]
     return Counts(**counter)

@@ -49,7 +49,8 @@ def check_with_pinocchio(robot: RandomRobot, models: tuple[GeneratedModel, ...])
             got: Any = model.call(name, arguments, robot.values)
             wanted = getattr(outside, name)(*arguments)
             assert got.shape == wanted.shape
-            assert np.abs(got - wanted).max() < TOLERANCE * max(1.0, np.abs(wanted).max()), (model.target, name)
+            if outside.determines(name, q):
+                assert np.abs(got - wanted).max() < TOLERANCE * max(1.0, np.abs(wanted).max()), (model.target, name)
 
 
 def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed: int) -> None:

@@ -143,6 +143,12 @@ class Reference:
         inverse = np.linalg.pinv(self.rows("all", self.jacobian(q)))
         return np.array(self.manipulability(q) * np.einsum("ir,rij->j", inverse, slopes))
 
+    def determines(self, name: str, q: Array) -> bool:
+        """Whether the task's rows are far enough from dependent ones for a value."""
+        if name == "task_inertia":
+            return bool(np.linalg.cond(self.task_inertia(q)) < 1e4)
+        return not name.startswith("manip") or bool(getattr(self, name.removesuffix("_dq"))(q) > 1e-3)
+
     def analytic_jacobian_rpy(self, q: Array) -> Array:
         _, pitch, yaw = pin.rpy.matrixToRpy(self.forward_kinematics(q)[:3, :3])
         turned = pin.utils.rotate("z", yaw)
