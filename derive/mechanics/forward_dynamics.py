@@ -63,26 +63,6 @@ def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques:
     return qdd
 
 
-def mobility(rows: Sequence[Sequence[F]], matrix: Sequence[Sequence[F]], zero: F) -> list[list[F]]:
-    """J M^-1 J^T of rows J and a symmetric, positive definite M: less what eliminating M leaves of [[0, J], [J^T, M]].
-
-    Of B it is the inverse of the inertia Lambda that a force meets in a task, of that and rows of 1 Lambda itself
-    (Khatib, A unified approach for motion and force control of robot manipulators, IEEE Journal of Robotics and
-    Automation 3(1), 1987).
-    """
-    places = range(len(rows))
-    rest = [[zero for _ in range(i + 1)] for i in places]
-    rest += [
-        [*column, *row[: i + 1]] for i, (column, row) in enumerate(zip(zip(*rows, strict=True), matrix, strict=True))
-    ]
-    for k in range(len(rest) - 1, len(rows) - 1, -1):
-        factors = [entry / rest[k][k] for entry in rest[k][:k]]
-        for i in range(k):
-            for j in range(i + 1):
-                rest[i][j] = rest[i][j] - factors[i] * rest[k][j]
-    return [[-rest[max(i, j)][min(i, j)] for j in places] for i in places]
-
-
 @dataclass(frozen=True, slots=True)
 class _Articulated(Generic[F]):
     """How a link with joints beyond it answers: force = M a + H^T alpha + f, moment = H a + I alpha + n."""

@@ -16,7 +16,6 @@ from derive.programs.program import Column, Function, Inverse, InverseSearch, Pr
 from derive.programs.tape.cost import program_cost
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.robot.task_rows import task_rows
 
 if TYPE_CHECKING:
     from derive.programs.inverse import Solved
@@ -107,7 +106,7 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        sizes = {"n": self.trace.n, "p": len(self.columns), "m": len(task_rows(self.trace.robot))}
+        sizes = {"n": self.trace.n, "p": len(self.columns)}
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
         formulation, tape = chosen
         return Function(row.interface, shape, tape, formulation.words, self.columns)

@@ -17,7 +17,6 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column, Interface
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
-from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
 
@@ -246,6 +245,7 @@ ROWS = (
                 "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             ),
             partial(kinematics.manipulabilities, part),
+            exists=lambda robot: robot.n <= POLICY.most_derivatives,
             margin=1.0,
             search=False,
         )
@@ -257,17 +257,6 @@ ROWS = (
         kinematics.manipulability_gradients,
         exists=lambda robot: robot.n <= POLICY.most_derivatives,
         search=False,
-    ),
-    _row(
-        ("Lambda = task_inertia(q)", ("m", "m")),
-        (
-            "Inertia that a force on the end effector meets in the task.",
-            "(J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank",
-        ),
-        dynamics.task_inertias,
-        exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
-        search=False,
-        without_value=dynamics.no_task_inertia,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

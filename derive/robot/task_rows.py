@@ -35,8 +35,3 @@ def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
         meeting = robot.n == 3 and all(turns) and {joint.a for joint in inner} | {robot.joints[1].d} == {ZERO}
         part = "orientation" if meeting else "position"
     return tuple(row for row in moving if row in PARTS.get(part, moving))
-
-
-def is_in_world(robot: Robot) -> bool:
-    """Whether the rows of the task are as well those of the world, not only in the axes of the base before joint 1."""
-    return robot.inverse.task != POSE or task_rows(robot) in (tuple(range(6)), *PARTS.values())

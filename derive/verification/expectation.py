@@ -7,7 +7,7 @@ import numpy as np
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import fitting_states
-from derive.verification.oracle.rates import distance_from_singularity, mobility
+from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
 from derive.verification.tolerance import (
     FLOOR,
@@ -143,13 +143,6 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
-    if function == "task_inertia":
-        root = np.sqrt(np.maximum(np.diagonal(value, axis1=-2, axis2=-1), TINY))
-        moves, inertia = mobility(oracle.arm, *arguments), oracle.evaluate("inertia_matrix", *arguments)
-        regular = (_smallest(moves) * _smallest(inertia) > 0.1 * NEAR) & (np.linalg.eigvalsh(inertia)[..., 0] > 0)
-        rows = np.diagonal(moves, axis1=-2, axis2=-1)
-        regular &= (rows > NEAR**2 * rows.max(axis=tuple(range(rows.ndim - 1)))).all(axis=-1)
-        return PartialExpectation(oracle, arguments, value, root[..., None] * root[..., None, :], regular)
     if FUNCTIONS[function].identifies:
         assert oracle.identification is not None, "only robots with regressors have these functions"
         natural = regressor_size(limits, oracle.identification, function, arguments[1:])
@@ -177,19 +170,14 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=tuple(batch)), yardstick))
 
 
-def _smallest(matrix: Array) -> Array:
-    """The smallest eigenvalue of a symmetric matrix that is scaled to a unit diagonal."""
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
-    unit = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    return np.asarray(np.abs(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :]))).min(axis=-1))
-
-
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
     """Accelerations by solving with B, where it is regular."""
     q, qd, tau = arguments
     matrix = oracle.evaluate("inertia_matrix", q)
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
-    regular = (_smallest(matrix) > SINGULAR) & (diagonal > 0).all(axis=-1)
+    unit = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    smallest = np.abs(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :]))).min(axis=-1)
+    regular = (smallest > SINGULAR) & (diagonal > 0).all(axis=-1)
     regular &= (diagonal > MASSLESS * limits.inertia).all(axis=-1)
     solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))

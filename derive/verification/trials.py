@@ -16,7 +16,7 @@ BLOCK_ROWS = 8231
 # Samples times n^4 that may be spent on Christoffel symbols: all samples up to 14 joints, a few beyond.
 CHRISTOFFEL_BUDGET = 1_000_000
 # Functions without a value in some configurations: where B, J or the angles are singular.
-UNDETERMINED = frozenset({"forward_dynamics", "manipulability_dq", "task_inertia", *ANGLES})
+UNDETERMINED = frozenset({"forward_dynamics", "manipulability_dq", *ANGLES})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +72,7 @@ def _trial(
     numbers = sample_set.parameters
     call = partial(model.call, function)
     if way == "one":
-        run = partial(_one_by_one, model, function, arguments, sample_set)
+        run = partial(_one_by_one, model, function, arguments, numbers)
         return Trial("one configuration", run, arguments, sample_set)
     if way == "batch":  # (samples, n)
         return Trial("a batch", partial(call, read_only(arguments), numbers), arguments, sample_set)
@@ -87,17 +87,16 @@ def _trial(
     return Trial("a long batch", run, arguments, sample_set, BLOCK_ROWS)
 
 
-def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_set: SampleSet) -> Array:
+def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ...], numbers: Parameters) -> Array:
     """One configuration a call; what ends in a division by zero is not a number where that may be right."""
     values = []
     for row in zip(*arguments, strict=True):
         try:
-            values.append(model.call(function, read_only(row), sample_set.parameters))
+            values.append(model.call(function, read_only(row), numbers))
         except (ArithmeticError, np.linalg.LinAlgError):
             if function not in UNDETERMINED:
                 raise
-            alike = row[0] if function == "forward_dynamics" else sample_set.oracle.evaluate(function, *row)
-            values.append(np.full(alike.shape, np.nan))
+            values.append(np.full((6, len(row[0])) if function in ANGLES else row[0].shape, np.nan))
     return np.stack(values)
 
 

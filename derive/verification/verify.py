@@ -128,7 +128,7 @@ def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: 
         called += expected.called
         compared += expected.compared
         worst = max(worst, _worst_error(f"{function} of {model.file}", function, trial, expected))
-    singular = "angles" if function in ANGLES else "Jacobian" if "manip" in function else "inertia matrix"
+    singular = "angles" if function in ANGLES else "inertia matrix" if "dynamics" in function else "Jacobian"
     reason = f"singular {singular}"
     note = f"{called - compared} of {called} left out: {reason}" if compared < called else ""
     return VerifiedFunction(model.target, function, compared, worst, note)

@@ -71,8 +71,6 @@ enum {
     human_body_jacobian_dot_constant_count = 8,
     human_body_analytic_jacobian_rpy_constant_count = 8,
     human_body_analytic_jacobian_zyz_constant_count = 8,
-    human_body_manipulability_constant_count = 8,
-    human_body_manipulability_position_constant_count = 8,
 };
 
 /**
@@ -194,53 +192,6 @@ void human_body_analytic_jacobian_zyz_batch(size_t count, const double *q, const
 
 /** The constants of human_body_analytic_jacobian_zyz, 8, from the parameters, 8. */
 void human_body_analytic_jacobian_zyz_constants(const double *params, double *k);
-
-/**
- * Manipulability of the task.
- *
- * @param[in]  q       joint variables [rad, m], one entry per joint.
- * @param[in]  k       8 constants from manipulability_constants().
- * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
- *
- * Volume of rows in joint frame 10: 840 mul, 615 add, 19 sin, 19 cos, 1 sqrt.
- */
-void human_body_manipulability(const double *q, const double *k, double *result);
-
-/** The same for `count` configurations. */
-void human_body_manipulability_batch(size_t count, const double *q, const double *k, double *result);
-
-/** The constants of human_body_manipulability, 8, from the parameters, 8. */
-void human_body_manipulability_constants(const double *params, double *k);
-
-/**
- * Manipulability of the position.
- *
- * @param[in]  q       joint variables [rad, m], one entry per joint.
- * @param[in]  k       8 constants from manipulability_position_constants().
- * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
- *
- * Volume of rows in joint frame 10: 372 mul, 242 add, 17 sin, 17 cos, 1 sqrt.
- */
-void human_body_manipulability_position(const double *q, const double *k, double *result);
-
-/** The same for `count` configurations. */
-void human_body_manipulability_position_batch(size_t count, const double *q, const double *k, double *result);
-
-/** The constants of human_body_manipulability_position, 8, from the parameters, 8. */
-void human_body_manipulability_position_constants(const double *params, double *k);
-
-/**
- * Manipulability of the orientation.
- *
- * @param[in]  q       joint variables [rad, m], one entry per joint.
- * @param[out] result  w, scalar: volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square.
- *
- * Volume of rows in joint frame 10: 289 mul, 188 add, 19 sin, 19 cos, 1 sqrt.
- */
-void human_body_manipulability_orientation(const double *q, double *result);
-
-/** The same for `count` configurations. */
-void human_body_manipulability_orientation_batch(size_t count, const double *q, double *result);
 
 #ifdef __cplusplus
 }

@@ -38,9 +38,6 @@ Every function has a last input `params`, a column of the free parameters in the
     jacobian_dot(q, qd, params) -> dJ/dt
     analytic_jacobian_rpy(q, params) -> J_A
     analytic_jacobian_zyz(q, params) -> J_A
-    manipulability(q, params) -> w
-    manipulability_position(q, params) -> w
-    manipulability_orientation(q, params) -> w
 
 Self-check: `derive verify human-body` compares every function with an independent recursion.
 """
@@ -70,9 +67,6 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 753, "add": 496, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 453, "add": 234, "div": 2, "sin": 21, "cos": 21, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 432, "add": 224, "div": 2, "sin": 20, "cos": 20, "sqrt": 1},
-    "manipulability": {"mul": 840, "add": 615, "div": 0, "sin": 19, "cos": 19, "sqrt": 1},
-    "manipulability_position": {"mul": 372, "add": 242, "div": 0, "sin": 17, "cos": 17, "sqrt": 1},
-    "manipulability_orientation": {"mul": 289, "add": 188, "div": 0, "sin": 19, "cos": 19, "sqrt": 1},
 }
 
 __all__ = [
@@ -89,23 +83,9 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
-    "manipulability",
-    "manipulability_position",
-    "manipulability_orientation",
 ]
 
-_OPERATORS = (
-    casadi.sin,
-    casadi.cos,
-    casadi.sqrt,
-    casadi.sign,
-    casadi.atan2,
-    casadi.lt,
-    casadi.if_else,
-    casadi.fmax,
-    casadi.fmin,
-    casadi.fabs,
-)
+_OPERATORS = (casadi.sin, casadi.cos, casadi.sqrt, casadi.sign)
 
 
 def _forward_kinematics_constants(functions, p):
@@ -116,7 +96,7 @@ def _forward_kinematics_constants(functions, p):
 
 
 def _forward_kinematics(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s2 = sin(q2)
@@ -291,7 +271,7 @@ def _link_transforms_constants(functions, p):
 
 
 def _link_transforms(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = k
     s1 = sin(q1)
@@ -565,7 +545,7 @@ def _jacobian_constants(functions, p):
 
 
 def _jacobian(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s2 = sin(q2)
@@ -762,7 +742,7 @@ def _jacobian_end_constants(functions, p):
 
 
 def _jacobian_end(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L4, p_L5, p_L3, p_L2, p_L1 = k
     s20 = sin(q20)
@@ -967,7 +947,7 @@ def _jacobian_dot_constants(functions, p):
 
 
 def _jacobian_dot(functions, k, q, qd):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     (
         qd1, qd2, qd3, qd4, qd5, qd6, qd7, qd8, qd9, qd10, qd11, qd12, qd13, qd14, qd15, qd16, qd17, qd18, qd19,
@@ -1373,7 +1353,7 @@ def _analytic_jacobian_rpy_constants(functions, p):
 
 
 def _analytic_jacobian_rpy(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s1 = sin(q1)
@@ -1618,7 +1598,7 @@ def _analytic_jacobian_zyz_constants(functions, p):
 
 
 def _analytic_jacobian_zyz(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    sin, cos, sqrt, sign = functions
     q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
     p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
     s1 = sin(q1)
@@ -1841,743 +1821,6 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
-def _manipulability_constants(functions, p):
-    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
-    return (
-        p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3,
-    )
-
-
-def _manipulability(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
-    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
-    p_L8, p_L7, p_L6, p_L5, p_L4, p_L1, p_L2, p_L3 = k
-    c11 = cos(q11)
-    s12 = sin(q12)
-    t1 = c11*s12
-    c13 = cos(q13)
-    s11 = sin(q11)
-    s13 = sin(q13)
-    t2 = c13*t1 - s11*s13
-    c14 = cos(q14)
-    c12 = cos(q12)
-    t3 = c11*c12
-    s14 = sin(q14)
-    t4 = c14*t2 + t3*s14
-    c15 = cos(q15)
-    t5 = s11*c13 + s13*t1
-    s15 = sin(q15)
-    t6 = c15*t4 - t5*s15
-    s16 = sin(q16)
-    t7 = t3*c14 - s14*t2
-    c16 = cos(q16)
-    t8 = s16*t6 - t7*c16
-    s17 = sin(q17)
-    t9 = t5*c15 + s15*t4
-    c17 = cos(q17)
-    t10 = s17*t8 + t9*c17
-    s18 = sin(q18)
-    t11 = t7*s16 + c16*t6
-    c18 = cos(q18)
-    t12 = t11*c18 - s18*t10
-    t13 = s11*s12
-    t14 = t13*c13 + c11*s13
-    t15 = c12*s11
-    t16 = c14*t14 + t15*s14
-    t17 = c12*c13
-    t18 = c11*c13 - t13*s13
-    t19 = c12*s13
-    t20 = t16*c15 + t18*s15
-    t21 = t15*c14 - s14*t14
-    t22 = s16*t20 - t21*c16
-    t23 = t18*c15 - t16*s15
-    t24 = s17*t22 - t23*c17
-    t25 = t21*s16 + c16*t20
-    t26 = t25*c18 - s18*t24
-    t27 = p_L5*c12
-    t28 = p_L4*c11 - p_L5*t13
-    t29 = t28 - p_L6*t16
-    t30 = t29 - p_L7*t25
-    t31 = t30 - p_L8*t26
-    t32 = p_L4*s11 + p_L5*t1
-    t33 = t32 + p_L6*t4
-    t34 = t33 + p_L7*t11
-    t35 = t34 + p_L8*t12
-    t36 = t12*t31 + t26*t35
-    s7 = sin(q7)
-    s9 = sin(q9)
-    c9 = cos(q9)
-    s8 = sin(q8)
-    t37 = c9*s8
-    c7 = cos(q7)
-    t38 = s7*s9 - t37*c7
-    s5 = sin(q5)
-    t39 = s7*t37 + c7*s9
-    s6 = sin(q6)
-    c8 = cos(q8)
-    t40 = c8*c9
-    c6 = cos(q6)
-    t41 = s6*t39 - t40*c6
-    c5 = cos(q5)
-    t42 = s5*t38 - t41*c5
-    c3 = cos(q3)
-    t43 = s5*t41 + c5*t38
-    s4 = sin(q4)
-    t44 = s6*t40 + c6*t39
-    c4 = cos(q4)
-    t45 = s4*t43 - t44*c4
-    s3 = sin(q3)
-    c2 = cos(q2)
-    t46 = s4*t44 + c4*t43
-    s2 = sin(q2)
-    t47 = s2*t46 + c2*(c3*t42 + s3*t45)
-    c10 = cos(q10)
-    s10 = sin(q10)
-    t48 = s9*s10
-    t49 = s8*c10 + c8*t48
-    t50 = s8*t48 - c8*c10
-    t51 = c9*s10
-    t52 = c9*c10
-    t53 = s7*t50 - c7*t51
-    t54 = s6*t49 + c6*t53
-    t55 = s6*t53 - c6*t49
-    t56 = s7*t51 + c7*t50
-    t57 = s5*t55 - c5*t56
-    t58 = s4*t54 + c4*t57
-    t59 = p_L3*c10
-    t60 = t59 - p_L2*t56
-    t61 = t60 + p_L1*t58
-    t62 = s4*t57 - c4*t54
-    t63 = s5*t56 + c5*t55
-    t64 = s2*t58 - c2*(c3*t63 - s3*t62)
-    t65 = p_L2*t38
-    t66 = t65 + p_L1*t46
-    t67 = t47*t61 - t64*t66
-    t68 = t42*s3 - c3*t45
-    t69 = s3*t63 + c3*t62
-    t70 = t61*t68 + t69*t66
-    t71 = t46*t61 - t58*t66
-    t72 = t42*t60 + t63*t65
-    t73 = t44*t60 - t54*t65
-    t74 = t73*t73 + (t72*t72 + (t71*t71 + (t67*t67 + t70*t70)))
-    t75 = t38*t60 + t56*t65
-    t76 = t40*t59
-    t77 = s9*t59
-    t78 = t3*t28 + t15*t32
-    t79 = t28*t5 - t18*t32
-    t80 = t79*t79 + (t78*t78 + (t77*t77 + (t76*t76 + (t75*t75 + t74))))
-    t81 = t7*t29 + t21*t33
-    t82 = t29*t9 - t23*t33
-    t83 = t11*t30 + t25*t34
-    t84 = t9*s17 - c17*t8
-    t85 = t23*s17 + c17*t22
-    t86 = t30*t84 - t85*t34
-    t87 = t36*t36 + (t86*t86 + (t83*t83 + (t82*t82 + (t81*t81 + t80))))
-    c19 = cos(q19)
-    t88 = c18*t10 + t11*s18
-    s19 = sin(q19)
-    t89 = t84*c19 + s19*t88
-    t90 = c18*t24 + t25*s18
-    t91 = t85*c19 - s19*t90
-    t92 = t31*t89 - t91*t35
-    c20 = cos(q20)
-    s20 = sin(q20)
-    t93 = t12*s20 + c20*(c19*t88 - t84*s19)
-    t94 = t26*s20 + c20*(c19*t90 + t85*s19)
-    t95 = t31*t93 + t94*t35
-    t96 = t95*t95 + (t92*t92 + t87)
-    t97 = s12*c14 + s14*t17
-    t98 = s12*s14 - c14*t17
-    t99 = t98*c15 + t19*s15
-    t100 = t97*s16 + c16*t99
-    t101 = s16*t99 - t97*c16
-    t102 = t19*c15 - t98*s15
-    t103 = t27 - p_L6*t98
-    t104 = s17*t101 - t102*c17
-    t105 = t102*s17 + c17*t101
-    t106 = t100*c18 - s18*t104
-    t107 = c18*t104 + t100*s18
-    t108 = t103 - p_L7*t100
-    t109 = t108 - p_L8*t106
-    t110 = t106*t35 + t12*t109
-    t111 = s9*c10
-    t112 = s8*s10 - c8*t111
-    t113 = s8*t111 + c8*s10
-    t114 = s7*t113 - c7*t52
-    t115 = s6*t112 - c6*t114
-    t116 = s6*t114 + c6*t112
-    t117 = s7*t52 + c7*t113
-    t118 = s5*t116 - c5*t117
-    t119 = s4*t115 - c4*t118
-    t120 = s4*t118 + c4*t115
-    t121 = s5*t117 + c5*t116
-    t122 = s2*t119 + c2*(c3*t121 - s3*t120)
-    t123 = s3*t121 + c3*t120
-    t124 = p_L3*s10
-    t125 = t124 + p_L2*t117
-    t126 = t125 + p_L1*t119
-    t127 = t122*t66 - t47*t126
-    t128 = t123*t66 - t126*t68
-    t129 = t119*t66 - t46*t126
-    t130 = t121*t65 - t42*t125
-    t131 = t115*t65 - t44*t125
-    t132 = t131*t131 + (t130*t130 + (t129*t129 + (t127*t127 + t128*t128)))
-    t133 = t117*t65 - t38*t125
-    t134 = t40*t124
-    t135 = s9*t124
-    t136 = s12*t32 + t3*t27
-    t137 = t136*t136 + (t135*t135 + (t134*t134 + (t133*t133 + t132)))
-    t138 = t19*t32 - t27*t5
-    t139 = t97*t33 + t7*t103
-    t140 = t102*t33 - t103*t9
-    t141 = t100*t34 + t11*t108
-    t142 = t141*t141 + (t140*t140 + (t139*t139 + (t138*t138 + t137)))
-    t143 = t105*t34 - t108*t84
-    t144 = t105*c19 - s19*t107
-    t145 = t106*s20 + c20*(c19*t107 + t105*s19)
-    t146 = t144*t35 - t109*t89
-    t147 = t145*t35 + t109*t93
-    t148 = t147*t147 + (t146*t146 + (t110*t110 + (t143*t143 + t142)))
-    t149 = t73*t131 + (t72*t130 + (t71*t129 + (t67*t127 + t70*t128)))
-    t150 = t78*t136 - (t77*t135 + (t76*t134 - (t75*t133 + t149)))
-    t151 = t83*t141 - (t82*t140 - (t81*t139 - (t79*t138 - t150)))
-    t152 = t95*t147 - (t92*t146 - (t36*t110 - (t86*t143 - t151)))
-    t153 = t96*t148 - t152*t152
-    t154 = t126*t64 - t61*t122
-    t155 = t126*t69 + t61*t123
-    t156 = t126*t58 - t119*t61
-    t157 = t125*t63 + t60*t121
-    t158 = t125*t54 - t115*t60
-    t159 = t125*t56 + t117*t60
-    t160 = t54*t158 + (t63*t157 + (t58*t156 + (t64*t154 + t69*t155)))
-    t161 = t124*t49 - t112*t59
-    t162 = t124*t51 + t52*t59
-    t163 = t27*t15 - s12*t28
-    t164 = t27*t18 - t28*t19
-    t165 = t15*t163 + (t51*t162 + (t49*t161 + (t56*t159 + t160)))
-    t166 = t21*t103 - t97*t29
-    t167 = t103*t23 - t29*t102
-    t168 = t25*t108 - t100*t30
-    t169 = t108*t85 - t30*t105
-    t170 = t25*t168 + (t23*t167 + (t21*t166 + (t18*t164 + t165)))
-    t171 = t26*t109 - t106*t31
-    t172 = t109*t91 - t31*t144
-    t173 = t109*t94 - t31*t145
-    t174 = t94*t173 + (t91*t172 + (t26*t171 + (t85*t169 + t170)))
-    t175 = t54*t73 - (t63*t72 - (t58*t71 + (t64*t67 - t69*t70)))
-    t176 = t18*t79 - (t15*t78 - (t51*t77 - (t49*t76 - (t56*t75 - t175))))
-    t177 = t26*t36 - (t85*t86 - (t25*t83 - (t23*t82 - (t21*t81 - t176))))
-    t178 = t94*t95 - (t91*t92 - t177)
-    t179 = t54*t131 - (t63*t130 - (t58*t129 + (t64*t127 - t69*t128)))
-    t180 = t15*t136 + (t51*t135 - (t49*t134 + (t56*t133 - t179)))
-    t181 = t25*t141 + (t23*t140 + (t21*t139 + (t18*t138 + t180)))
-    t182 = t94*t147 + (t91*t146 + (t26*t110 + (t85*t143 + t181)))
-    t183 = t148*t178 - t152*t182
-    t184 = t158*t73 - (t157*t72 - (t156*t71 + (t154*t67 - t155*t70)))
-    t185 = t163*t78 - (t162*t77 - (t161*t76 - (t159*t75 - t184)))
-    t186 = t168*t83 - (t167*t82 - (t166*t81 - (t164*t79 - t185)))
-    t187 = t173*t95 - (t172*t92 - (t171*t36 - (t169*t86 - t186)))
-    t188 = t152*t178 - t96*t182
-    t189 = t158*t131 - (t157*t130 - (t156*t129 + (t154*t127 - t155*t128)))
-    t190 = t163*t136 + (t162*t135 - (t161*t134 + (t159*t133 - t189)))
-    t191 = t168*t141 + (t167*t140 + (t166*t139 + (t164*t138 + t190)))
-    t192 = t173*t147 + (t172*t146 + (t171*t110 + (t169*t143 + t191)))
-    t193 = t192*t188 + (t174*t153 - t187*t183)
-    t194 = t44*t54 - (t42*t63 - (t46*t58 + (t47*t64 - t68*t69)))
-    t195 = t3*t15 - (c11*s11 - (s9*t51 - (t40*t49 - (t38*t56 - t194))))
-    t196 = t84*t85 - (t11*t25 - (t9*t23 - (t7*t21 - (t5*t18 - t195))))
-    t197 = t93*t94 - (t89*t91 - (t12*t26 - t196))
-    t198 = t44*t158 - (t42*t157 - (t46*t156 + (t47*t154 - t68*t155)))
-    t199 = t5*t164 - (t3*t163 + (s9*t162 - (t40*t161 - (t38*t159 - t198))))
-    t200 = t12*t171 - (t84*t169 - (t11*t168 - (t9*t167 - (t7*t166 - t199))))
-    t201 = t93*t173 - (t89*t172 - t200)
-    t202 = t44*t73 + (t42*t72 + (t46*t71 + (t47*t67 + t68*t70)))
-    t203 = t115*t73 + (t121*t72 + (t119*t71 + (t122*t67 + t123*t70)))
-    t204 = t5*t79 + (t3*t78 - (s9*t77 + (t40*t76 + (t38*t75 + t202))))
-    t205 = t19*t79 - (s12*t78 - (t52*t77 + (t112*t76 + (t117*t75 + t203))))
-    t206 = t12*t36 + (t84*t86 + (t11*t83 + (t9*t82 + (t7*t81 + t204))))
-    t207 = t105*t86 - (t100*t83 - (t102*t82 - (t97*t81 - t205)))
-    t208 = t93*t95 + (t89*t92 + t206)
-    t209 = t145*t95 - (t144*t92 - (t106*t36 - t207))
-    t210 = t44*t131 + (t42*t130 + (t46*t129 + (t47*t127 + t68*t128)))
-    t211 = t115*t131 + (t121*t130 + (t119*t129 + (t122*t127 + t123*t128)))
-    t212 = s12*t136 + (t52*t135 + (t112*t134 - (t117*t133 + t211)))
-    t213 = t5*t138 - (t3*t136 + (s9*t135 + (t40*t134 - (t38*t133 + t210))))
-    t214 = t100*t141 + (t102*t140 + (t97*t139 + (t19*t138 + t212)))
-    t215 = t12*t110 - (t84*t143 - (t11*t141 - (t9*t140 - (t7*t139 - t213))))
-    t216 = t93*t147 - (t89*t146 - t215)
-    t217 = t145*t147 + (t144*t146 + (t106*t110 + (t105*t143 + t214)))
-    t218 = t148*t208 - t152*t216
-    t219 = t152*t208 - t96*t216
-    t220 = t192*t219 + (t201*t153 - t187*t218)
-    t221 = t54*t54 + (t63*t63 + (t58*t58 + (t64*t64 + t69*t69)))
-    t222 = t115*t54 - (t63*t121 - (t119*t58 + (t64*t122 - t69*t123)))
-    t223 = c11*c11 + (c10*c10 + (t51*t51 + (t49*t49 + (t56*t56 + t221))))
-    t224 = t15*s12 - (s10*c10 - (t52*t51 - (t112*t49 - (t117*t56 - t222))))
-    t225 = t25*t25 + (t23*t23 + (t21*t21 + (t18*t18 + (t15*t15 + t223))))
-    t226 = t85*t105 + (t25*t100 + (t23*t102 + (t21*t97 + (t18*t19 + t224))))
-    t227 = t94*t94 + (t91*t91 + (t26*t26 + (t85*t85 + t225)))
-    t228 = t94*t145 + (t91*t144 + (t26*t106 + t226))
-    t229 = t182*t208 - t178*t216
-    t230 = t192*t229 + (t201*t183 - t174*t218)
-    t231 = t187*t229 + (t201*t188 - t174*t219)
-    t232 = t182*t231 - (t178*t230 + (t197*t193 - t227*t220))
-    t233 = t121*t121 + (t119*t119 + (t123*t123 + (1.0 + t122*t122)))
-    t234 = t52*t52 + (t112*t112 + (t117*t117 + (t115*t115 + t233)))
-    t235 = t102*t102 + (t97*t97 + (t19*t19 + (s12*s12 + (s10*s10 + t234))))
-    t236 = t144*t144 + (t106*t106 + (t105*t105 + (t100*t100 + t235)))
-    t237 = t145*t145 + t236
-    t238 = t115*t158 - (t121*t157 - (t119*t156 + (t122*t154 - t123*t155)))
-    t239 = t158*t158 + (t157*t157 + (t156*t156 + (t154*t154 + t155*t155)))
-    t240 = t44*t44 + (t42*t42 + (t46*t46 + (t68*t68 + (1.0 + t47*t47))))
-    t241 = t44*t115 + (t42*t121 + (t46*t119 + (t47*t122 + t68*t123)))
-    t242 = s12*t163 + (t52*t162 - (t112*t161 - (t117*t159 - t238)))
-    t243 = t163*t163 + (t162*t162 + (t161*t161 + (t159*t159 + t239)))
-    t244 = t3*t3 + (s11*s11 + (s9*s9 + (t40*t40 + (t38*t38 + t240))))
-    t245 = t5*t19 - (t3*s12 + (s9*t52 + (t40*t112 + (t38*t117 + t241))))
-    t246 = t100*t168 + (t102*t167 + (t97*t166 + (t19*t164 + t242)))
-    t247 = t168*t168 + (t167*t167 + (t166*t166 + (t164*t164 + t243)))
-    t248 = t84*t84 + (t11*t11 + (t9*t9 + (t7*t7 + (t5*t5 + t244))))
-    t249 = t12*t106 - (t84*t105 - (t11*t100 - (t9*t102 - (t7*t97 - t245))))
-    t250 = t145*t173 + (t144*t172 + (t106*t171 + (t105*t169 + t246)))
-    t251 = t173*t173 + (t172*t172 + (t171*t171 + (t169*t169 + t247)))
-    t252 = t93*t145 - (t89*t144 - t249)
-    t253 = t148*t209 - t152*t217
-    t254 = t152*t209 - t96*t217
-    t255 = t192*t254 + (t153*t250 - t187*t253)
-    t256 = t216*t209 - t208*t217
-    t257 = t192*t256 - (t201*t253 - t218*t250)
-    t258 = t187*t256 - (t201*t254 - t219*t250)
-    t259 = t182*t258 - (t178*t257 - (t197*t255 - t220*t228))
-    t260 = t182*t209 - t178*t217
-    t261 = t192*t260 + (t183*t250 - t174*t253)
-    t262 = t174*t256 - (t201*t260 - t229*t250)
-    t263 = t182*t262 - (t227*t257 - (t197*t261 - t230*t228))
-    t264 = t187*t260 + (t188*t250 - t174*t254)
-    t265 = t178*t262 - (t227*t258 - (t197*t264 - t231*t228))
-    t266 = t201*(t217*t265 - (t209*t263 - (t237*t232 + t228*t259)))
-    t267 = t148*t187 - t152*t192
-    t268 = t152*t187 - t96*t192
-    t269 = t192*t268 + (t153*t251 - t187*t267)
-    t270 = t192*t208 - t187*t216
-    t271 = t192*t270 + (t201*t267 - t218*t251)
-    t272 = t187*t270 + (t201*t268 - t219*t251)
-    t273 = t182*t272 - (t178*t271 + (t197*t269 - t174*t220))
-    t274 = t192*t209 - t187*t217
-    t275 = t192*t274 + (t250*t267 - t253*t251)
-    t276 = t256*t251 - (t201*t274 - t250*t270)
-    t277 = t182*t276 - (t174*t257 - (t197*t275 - t228*t271))
-    t278 = t187*t274 + (t250*t268 - t254*t251)
-    t279 = t178*t276 - (t174*t258 - (t197*t278 - t228*t272))
-    t280 = t197*(t217*t279 - (t209*t277 - (t237*t273 + t250*t259)))
-    t281 = t178*t192 - t187*t182
-    t282 = t192*t281 + (t174*t267 - t183*t251)
-    t283 = t187*t281 + (t174*t268 - t188*t251)
-    t284 = t229*t251 + (t201*t281 - t174*t270)
-    t285 = t260*t251 + (t250*t281 - t174*t274)
-    t286 = t182*t284 - (t174*t230 + (t197*t282 - t227*t271))
-    t287 = t208*(t228*t277 - (t250*t263 - t237*t286)) - (t266 - t280)
-    t288 = t182*t264 - (t178*t261 + (t193*t228 - t227*t255))
-    t289 = t182*t285 - (t174*t261 + (t228*t282 - t227*t275))
-    t290 = t182*t283 - (t178*t282 + (t227*t269 - t174*t193))
-    t291 = t182*t278 - (t178*t275 + (t228*t269 - t174*t255))
-    t292 = t178*t285 - (t174*t264 + (t228*t283 - t227*t278))
-    t293 = t256*(t174*t262 - (t227*t276 - (t197*t285 - t228*t284)))
-    t294 = t178*t284 - (t174*t231 + (t197*t283 - t227*t272))
-    t295 = t228*t291 - (t237*t290 + (t217*t292 + (t250*t288 - t209*t289)))
-    t296 = t293 - ((t93*t93 + (t89*t89 + (t12*t12 + t248)))*t295 + t287)
-    t297 = t290*t252 + (t201*t288 - (t197*t291 - (t216*t292 - t208*t289)))
-    t298 = t217*t294 - (t209*t286 - (t232*t250 - (t228*t273 - t297)))
-    t299 = t216*(t228*t279 - (t250*t265 - t237*t294)) - (t252*t298 - t296)
-    return (
-        sqrt(absolute(t299)),
-    )
-
-
-def _manipulability_position_constants(functions, p):
-    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
-    return (
-        p_L8, p_L7, p_L6, p_L5, p_L3, p_L2, p_L1, p_L4,
-    )
-
-
-def _manipulability_position(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
-    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
-    p_L8, p_L7, p_L6, p_L5, p_L3, p_L2, p_L1, p_L4 = k
-    s12 = sin(q12)
-    c14 = cos(q14)
-    c13 = cos(q13)
-    c12 = cos(q12)
-    t1 = c13*c12
-    s14 = sin(q14)
-    t2 = s12*c14 + s14*t1
-    s16 = sin(q16)
-    t3 = s12*s14 - c14*t1
-    c15 = cos(q15)
-    s13 = sin(q13)
-    t4 = s13*c12
-    s15 = sin(q15)
-    t5 = c15*t3 + s15*t4
-    c16 = cos(q16)
-    t6 = s16*t2 + c16*t5
-    c18 = cos(q18)
-    t7 = s16*t5 - c16*t2
-    s17 = sin(q17)
-    t8 = c15*t4 - s15*t3
-    c17 = cos(q17)
-    s18 = sin(q18)
-    t9 = p_L5*c12
-    t10 = t9 - p_L6*t3
-    t11 = t10 - p_L7*t6
-    t12 = t11 - p_L8*(c18*t6 + s18*(c17*t8 - s17*t7))
-    t13 = t9 - t12
-    t14 = t10 - t12
-    t15 = t11 - t12
-    s10 = sin(q10)
-    t16 = t12 - p_L3*s10
-    s9 = sin(q9)
-    c10 = cos(q10)
-    t17 = s9*c10
-    s8 = sin(q8)
-    c8 = cos(q8)
-    t18 = s8*t17 + s10*c8
-    c7 = cos(q7)
-    c9 = cos(q9)
-    t19 = c10*c9
-    s7 = sin(q7)
-    t20 = s7*t19 + t18*c7
-    t21 = t16 - p_L2*t20
-    t22 = s8*s10 - c8*t17
-    s6 = sin(q6)
-    t23 = s7*t18 - c7*t19
-    c6 = cos(q6)
-    t24 = s6*t22 - c6*t23
-    s4 = sin(q4)
-    t25 = s6*t23 + t22*c6
-    s5 = sin(q5)
-    c5 = cos(q5)
-    t26 = s5*t25 - c5*t20
-    c4 = cos(q4)
-    t27 = s4*t24 - c4*t26
-    t28 = t21 - p_L1*t27
-    t29 = s10*s9
-    t30 = s8*c10 + c8*t29
-    t31 = s8*c9
-    t32 = s8*t29 - c8*c10
-    t33 = c8*c9
-    t34 = s10*c9
-    t35 = s7*t32 - c7*t34
-    t36 = s6*t30 + c6*t35
-    t37 = s6*t35 - c6*t30
-    t38 = s7*t34 + c7*t32
-    t39 = s5*t37 - c5*t38
-    t40 = s4*t36 + c4*t39
-    s2 = sin(q2)
-    t41 = s4*t39 - c4*t36
-    s3 = sin(q3)
-    t42 = s5*t38 + c5*t37
-    c3 = cos(q3)
-    c2 = cos(q2)
-    t43 = s2*t40 - c2*(c3*t42 - s3*t41)
-    t44 = s4*t26 + t24*c4
-    t45 = s5*t20 + t25*c5
-    t46 = s2*t27 + c2*(c3*t45 - s3*t44)
-    c11 = cos(q11)
-    s11 = sin(q11)
-    t47 = s11*s12
-    t48 = c11*c13 - s13*t47
-    t49 = c13*t47 + c11*s13
-    t50 = s11*c12
-    t51 = c11*c12
-    t52 = c14*t49 + s14*t50
-    t53 = c15*t48 - s15*t52
-    t54 = c15*t52 + s15*t48
-    t55 = c14*t50 - s14*t49
-    t56 = s16*t54 - c16*t55
-    t57 = s16*t55 + c16*t54
-    t58 = p_L4*c11
-    t59 = t58 - p_L5*t47
-    t60 = t59 - p_L6*t52
-    t61 = t60 - p_L7*t57
-    t62 = t61 - p_L8*(c18*t57 + s18*(c17*t53 - s17*t56))
-    t63 = t59 - t62
-    t64 = t60 - t62
-    t65 = t61 - t62
-    t66 = t62 + p_L3*c10
-    t67 = t66 - p_L2*t38
-    t68 = t67 + p_L1*t40
-    t69 = t28*t43 + t46*t68
-    t70 = t62*t62
-    t71 = s3*t42 + c3*t41
-    t72 = t45*s3 + c3*t44
-    t73 = t28*t71 - t68*t72
-    t74 = t28*t40 + t27*t68
-    t75 = t21*t42 - t45*t67
-    t76 = t21*t36 + t24*t67
-    t77 = t76*t76 + (t75*t75 + (t74*t74 + (t73*t73 + (t70 + t69*t69))))
-    t78 = t21*t38 - t20*t67
-    t79 = t16*t30 + t22*t66
-    t80 = t16*t34 - t19*t66
-    t81 = c10*t16 + s10*t66
-    t82 = c11*t12
-    t83 = t82*t82 + (t81*t81 + (t80*t80 + (t79*t79 + (t78*t78 + t77))))
-    t84 = t50*t13 - s12*t63
-    t85 = t48*t13 - t4*t63
-    t86 = t55*t14 - t2*t64
-    t87 = t53*t14 - t8*t64
-    t88 = t57*t15 - t6*t65
-    t89 = t88*t88 + (t87*t87 + (t86*t86 + (t85*t85 + (t84*t84 + t83))))
-    t90 = s17*t53 + c17*t56
-    t91 = s17*t8 + c17*t7
-    t92 = t15*t90 - t65*t91
-    t93 = t92*t92 + t89
-    t94 = s9*s7 - c7*t31
-    t95 = s7*t31 + s9*c7
-    t96 = s6*t95 - c6*t33
-    t97 = s5*t94 - c5*t96
-    t98 = s5*t96 + c5*t94
-    t99 = s6*t33 + c6*t95
-    t100 = s4*t98 - c4*t99
-    t101 = s4*t99 + c4*t98
-    t102 = s3*t97 - c3*t100
-    t103 = s2*t101 + c2*(c3*t97 + s3*t100)
-    t104 = c11*s12
-    t105 = s11*c13 + t104*s13
-    t106 = t104*c13 - s11*s13
-    t107 = c14*t106 + s14*t51
-    t108 = c14*t51 - t106*s14
-    t109 = c15*t105 + t107*s15
-    t110 = t107*c15 - s15*t105
-    t111 = s16*t110 - t108*c16
-    t112 = s16*t108 + c16*t110
-    t113 = t109*s17 - c17*t111
-    t114 = p_L4*s11
-    t115 = t114 + p_L5*t104
-    t116 = t115 + p_L6*t107
-    t117 = t116 + p_L7*t112
-    t118 = t117 + p_L8*(t112*c18 - s18*(c17*t109 + s17*t111))
-    t119 = c10*t118
-    t120 = c11*(t114 - t118) - s11*(t58 - t62)
-    t121 = t115 - t118
-    t122 = t116 - t118
-    t123 = t117 - t118
-    t124 = s10*t118
-    t125 = s11*t12
-    t126 = t118 + p_L2*t94
-    t127 = t126 + p_L1*t101
-    t128 = t68*t102 + t127*t71
-    t129 = t127*t72 + t28*t102
-    t130 = t103*t68 - t127*t43
-    t131 = t101*t68 - t127*t40
-    t132 = t46*t127 + t103*t28
-    t133 = t27*t127 + t101*t28
-    t134 = t97*t67 + t126*t42
-    t135 = t45*t126 + t97*t21
-    t136 = t134*t134 + (t131*t131 + (t128*t128 + (t70 + t130*t130)))
-    t137 = t99*t67 - t126*t36
-    t138 = t94*t67 + t126*t38
-    t139 = t24*t126 + t99*t21
-    t140 = t20*t126 + t94*t21
-    t141 = t33*t66 - t118*t30
-    t142 = s9*t66 + t118*t34
-    t143 = t22*t118 + t33*t16
-    t144 = t19*t118 + s9*t16
-    t145 = t142*t142 + (t141*t141 + (t138*t138 + (t137*t137 + t136)))
-    t146 = t51*t63 + t50*t121
-    t147 = t105*t63 - t48*t121
-    t148 = s12*t121 + t51*t13
-    t149 = t4*t121 - t105*t13
-    t150 = t147*t147 + (t146*t146 + (t120*t120 + (t119*t119 + t145)))
-    t151 = t108*t64 + t55*t122
-    t152 = t109*t64 - t53*t122
-    t153 = t2*t122 + t108*t14
-    t154 = t8*t122 - t109*t14
-    t155 = t112*t65 + t57*t123
-    t156 = t65*t113 - t123*t90
-    t157 = t6*t123 + t112*t15
-    t158 = t123*t91 - t15*t113
-    t159 = t156*t156 + (t155*t155 + (t152*t152 + (t151*t151 + t150)))
-    t160 = t137*t76 - (t134*t75 - (t131*t74 + (t130*t69 - t128*t73)))
-    t161 = t139*t76 - (t135*t75 - (t133*t74 + (t132*t69 - t129*t73)))
-    t162 = t139*t137 + (t135*t134 + (t133*t131 + (t132*t130 + t129*t128)))
-    t163 = t143*t143 + (t140*t140 + (t139*t139 + (t133*t133 + t135*t135)))
-    t164 = t119*t81 + (t142*t80 - (t141*t79 - (t138*t78 - t160)))
-    t165 = t124*t81 - (t144*t80 - (t143*t79 - (t140*t78 - t161)))
-    t166 = t124*t119 - (t144*t142 + (t143*t141 + (t140*t138 + t162)))
-    t167 = t148*t148 + (t125*t125 + (t124*t124 + (t144*t144 + t163)))
-    t168 = t151*t86 - (t147*t85 - (t146*t84 - (t120*t82 - t164)))
-    t169 = t157*t157 + (t154*t154 + (t153*t153 + (t149*t149 + t167)))
-    t170 = t156*t92 - (t155*t88 - (t152*t87 - t168))
-    t171 = t132*t132 + (t118*t118 + (t12*t12 + (t158*t158 + t169)))
-    t172 = t149*t85 + (t148*t84 - (t125*t82 + (t118*t62 + t165)))
-    t173 = t158*t92 + (t157*t88 + (t154*t87 + (t153*t86 + t172)))
-    t174 = t149*t147 - (t148*t146 + (t125*t120 + (t12*t62 - t166)))
-    t175 = t158*t156 - (t157*t155 - (t154*t152 - (t153*t151 - t174)))
-    t176 = (t129*t129 + t171)*(t93*t159 - t170*t170) - (t93*(t175*t175) + t173*(t173*t159 - t170*(2.0*t175)))
-    return (
-        sqrt(absolute(t176)),
-    )
-
-
-def _manipulability_orientation(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
-    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
-    s11 = sin(q11)
-    c13 = cos(q13)
-    s12 = sin(q12)
-    c11 = cos(q11)
-    t1 = s12*c11
-    s13 = sin(q13)
-    t2 = s11*c13 + s13*t1
-    c15 = cos(q15)
-    t3 = c13*t1 - s13*s11
-    c14 = cos(q14)
-    c12 = cos(q12)
-    t4 = c11*c12
-    s14 = sin(q14)
-    t5 = c14*t3 + t4*s14
-    s15 = sin(q15)
-    t6 = t2*c15 + s15*t5
-    s17 = sin(q17)
-    t7 = c15*t5 - t2*s15
-    s16 = sin(q16)
-    t8 = t4*c14 - s14*t3
-    c16 = cos(q16)
-    t9 = s16*t7 - t8*c16
-    c17 = cos(q17)
-    t10 = t6*s17 - c17*t9
-    c19 = cos(q19)
-    t11 = s17*t9 + t6*c17
-    c18 = cos(q18)
-    t12 = t8*s16 + c16*t7
-    s18 = sin(q18)
-    t13 = c18*t11 + t12*s18
-    s19 = sin(q19)
-    t14 = t10*c19 + s19*t13
-    t15 = s12*s11
-    t16 = c11*c13 - s13*t15
-    t17 = c12*c13
-    t18 = c13*t15 + c11*s13
-    t19 = c12*s13
-    t20 = c12*s11
-    t21 = c14*t18 + s14*t20
-    t22 = c15*t16 - s15*t21
-    t23 = c15*t21 + s15*t16
-    t24 = c14*t20 - s14*t18
-    t25 = s16*t23 - c16*t24
-    t26 = s17*t22 + c17*t25
-    t27 = s17*t25 - c17*t22
-    t28 = s16*t24 + c16*t23
-    t29 = c18*t27 + s18*t28
-    t30 = c19*t26 - s19*t29
-    s8 = sin(q8)
-    c10 = cos(q10)
-    s10 = sin(q10)
-    s9 = sin(q9)
-    t31 = s10*s9
-    c8 = cos(q8)
-    t32 = s8*c10 + c8*t31
-    s6 = sin(q6)
-    t33 = s8*t31 - c8*c10
-    s7 = sin(q7)
-    c9 = cos(q9)
-    t34 = s10*c9
-    c7 = cos(q7)
-    t35 = s7*t33 - c7*t34
-    c6 = cos(q6)
-    t36 = s6*t32 + c6*t35
-    s4 = sin(q4)
-    t37 = s6*t35 - c6*t32
-    s5 = sin(q5)
-    t38 = s7*t34 + c7*t33
-    c5 = cos(q5)
-    t39 = s5*t37 - c5*t38
-    c4 = cos(q4)
-    t40 = s4*t36 + c4*t39
-    s2 = sin(q2)
-    t41 = s4*t39 - c4*t36
-    s3 = sin(q3)
-    t42 = s5*t38 + c5*t37
-    c3 = cos(q3)
-    c2 = cos(q2)
-    t43 = s2*t40 - c2*(c3*t42 - s3*t41)
-    t44 = s8*c9
-    t45 = s9*s7 - c7*t44
-    t46 = s7*t44 + s9*c7
-    t47 = c8*c9
-    t48 = c10*c9
-    t49 = s6*t46 - c6*t47
-    t50 = s5*t45 - c5*t49
-    t51 = s5*t49 + c5*t45
-    t52 = s6*t47 + c6*t46
-    t53 = s4*t51 - c4*t52
-    t54 = s4*t52 + c4*t51
-    t55 = s2*t54 + c2*(c3*t50 + s3*t53)
-    t56 = s3*t50 - c3*t53
-    t57 = s3*t42 + c3*t41
-    t58 = t52*t36 - (t50*t42 - (t54*t40 + (t55*t43 - t56*t57)))
-    t59 = t4*t20 - (c11*s11 - (s9*t34 - (t47*t32 - (t45*t38 - t58))))
-    t60 = t10*t26 - (t12*t28 - (t6*t22 - (t8*t24 - (t2*t16 - t59))))
-    t61 = t12*c18 - s18*t11
-    t62 = c18*t28 - s18*t27
-    c20 = cos(q20)
-    s20 = sin(q20)
-    t63 = t61*s20 + c20*(c19*t13 - t10*s19)
-    t64 = s20*t62 + c20*(c19*t29 + s19*t26)
-    t65 = t63*t64 - (t14*t30 - (t61*t62 - t60))
-    t66 = s12*c14 + s14*t17
-    t67 = s12*s14 - c14*t17
-    t68 = c15*t67 + t19*s15
-    t69 = t66*s16 + c16*t68
-    t70 = s16*t68 - t66*c16
-    t71 = t19*c15 - s15*t67
-    t72 = s17*t70 - t71*c17
-    t73 = t69*c18 - s18*t72
-    t74 = c18*t72 + t69*s18
-    t75 = t71*s17 + c17*t70
-    t76 = t73*s20 + c20*(c19*t74 + t75*s19)
-    t77 = t75*c19 - s19*t74
-    t78 = s9*c10
-    t79 = s8*s10 - c8*t78
-    t80 = s8*t78 + s10*c8
-    t81 = s7*t80 - c7*t48
-    t82 = s6*t79 - c6*t81
-    t83 = s6*t81 + t79*c6
-    t84 = s7*t48 + t80*c7
-    t85 = s5*t83 - c5*t84
-    t86 = s4*t82 - c4*t85
-    t87 = s4*t85 + t82*c4
-    t88 = s5*t84 + t83*c5
-    t89 = s2*t86 + c2*(c3*t88 - s3*t87)
-    t90 = t88*s3 + c3*t87
-    t91 = t82*t82 + (t88*t88 + (t86*t86 + (t90*t90 + (1.0 + t89*t89))))
-    t92 = s12*s12 + (s10*s10 + (t48*t48 + (t79*t79 + (t84*t84 + t91))))
-    t93 = t75*t75 + (t69*t69 + (t71*t71 + (t66*t66 + (t19*t19 + t92))))
-    t94 = t76*t76 + (t77*t77 + (t73*t73 + t93))
-    t95 = t82*t36 - (t88*t42 - (t86*t40 + (t89*t43 - t90*t57)))
-    t96 = t82*t52 + (t88*t50 + (t86*t54 + (t89*t55 + t90*t56)))
-    t97 = t36*t36 + (t42*t42 + (t40*t40 + (t43*t43 + t57*t57)))
-    t98 = c11*c11 + (c10*c10 + (t34*t34 + (t32*t32 + (t38*t38 + t97))))
-    t99 = s12*t20 - (s10*c10 - (t48*t34 - (t79*t32 - (t84*t38 - t95))))
-    t100 = t19*t2 - (s12*t4 + (s9*t48 + (t79*t47 + (t84*t45 + t96))))
-    t101 = t28*t28 + (t22*t22 + (t24*t24 + (t16*t16 + (t20*t20 + t98))))
-    t102 = t75*t26 + (t69*t28 + (t71*t22 + (t66*t24 + (t19*t16 + t99))))
-    t103 = t73*t61 - (t75*t10 - (t69*t12 - (t71*t6 - (t66*t8 - t100))))
-    t104 = t61*t61 + (t10*t10 + (t12*t12 + (t6*t6 + (t2*t2 + t8*t8))))
-    t105 = t76*t64 + (t77*t30 + (t73*t62 + t102))
-    t106 = t76*t63 - (t77*t14 - t103)
-    t107 = t64*t64 + (t30*t30 + (t62*t62 + (t26*t26 + t101)))
-    t108 = t50*t50 + (t52*t52 + (t45*t45 + (t63*t63 + (t14*t14 + t104))))
-    t109 = s11*s11 + (s9*s9 + (t55*t55 + (t56*t56 + (t54*t54 + t108))))
-    t110 = t107*t94 - t105*t105
-    t111 = t65*(t65*t94 - t105*(2.0*t106)) - (t110 - t107*(t106*t106))
-    t112 = sqrt(absolute(t110*(t4*t4 + (t47*t47 + t109)) - t111))
-    return (
-        t112,
-    )
-
-
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
     inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
@@ -2675,33 +1918,4 @@ analytic_jacobian_zyz = _function(
     needs=(
         0, 1, 2, 3, 4, 5, 6, 7,
     ),
-)
-manipulability = _function(
-    "manipulability",
-    arguments=("q",),
-    output="w",
-    shape=(),
-    kernel=_manipulability,
-    hoisted=_manipulability_constants,
-    needs=(
-        0, 1, 2, 3, 4, 5, 6, 7,
-    ),
-)
-manipulability_position = _function(
-    "manipulability_position",
-    arguments=("q",),
-    output="w",
-    shape=(),
-    kernel=_manipulability_position,
-    hoisted=_manipulability_position_constants,
-    needs=(
-        0, 1, 2, 3, 4, 5, 6, 7,
-    ),
-)
-manipulability_orientation = _function(
-    "manipulability_orientation",
-    arguments=("q",),
-    output="w",
-    shape=(),
-    kernel=_manipulability_orientation,
 )

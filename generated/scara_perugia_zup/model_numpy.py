@@ -73,7 +73,6 @@ OPERATIONS = {
     "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
-    "task_inertia": {"mul": 21, "add": 13, "div": 9, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
@@ -116,7 +115,6 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
-    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -563,24 +561,6 @@ def manipulability_dq(q, params=None, out=None):
     Once per set of parameters: 1 mul.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
-
-
-def task_inertia(q, params=None, out=None):
-    """Inertia that a force on the end effector meets in the task.
-
-    Args:
-        q: joint variables [rad, m], (..., n).
-        params: Numbers of the free parameters; see the module's docstring.
-        out: Where to write the result, if not to a new array.
-
-    Returns:
-        Lambda, (..., 4, 4):
-        (J B^-1 J^T)^-1, symmetric; no finite numbers where J loses rank.
-
-    Inertia matrix and Jacobian, eliminated: 21 mul, 13 add, 9 div, 2 sin, 2 cos.
-    Once per set of parameters: 14 mul, 12 add.
-    """
-    return _FUNCTIONS["task_inertia"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -1351,54 +1331,6 @@ def _manipulability_dq(functions, k, q):
     c2 = cos(q2)
     return (
         0.0, sign(k1*s2)*(k1*c2), 0.0, 0.0,
-    )
-
-
-def _task_inertia_constants(functions, p):
-    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
-    t1 = p_a2*p_ml3
-    t2 = p_l2*p_ml2
-    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
-    t4 = p_Im2*p_kr2
-    t5 = t4 + t3
-    t6 = p_a1*(t2 + t1)
-    t7 = t3 + p_kr2*t4
-    t8 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)))
-    t9 = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t8
-    t10 = 2.0*t6
-    return (
-        p_a2, p_ml3, t5, p_a1, t6, t7, t9, t10, p_Il4,
-    )
-
-
-def _task_inertia(functions, k, q):
-    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
-    q1, q2, q3, q4 = q
-    p_a2, p_ml3, k3, p_a1, k5, k6, k7, k8, p_Il4 = k
-    c2 = cos(q2)
-    t11 = k3 + k5*c2
-    t12 = t11/k6
-    t13 = 1.0 - t12
-    c1 = cos(q1)
-    s2 = sin(q2)
-    s1 = sin(q1)
-    t14 = p_a2*(c1*c2 - s2*s1)
-    t15 = p_a1*c1 + t13*t14
-    t16 = t11*t12 - (k7 + k8*c2)
-    t17 = p_a2*(c1*s2 + s1*c2)
-    t18 = p_a1*s1 + t17*t13
-    t19 = t15/t16
-    t20 = t14/k6
-    t21 = t17*t20 - t18*t19
-    t22 = t14*t20 - t15*t19
-    t23 = t21/t22
-    t24 = t21*t23 - (t17*(t17/k6) - t18*(t18/t16))
-    t25 = t23/t24
-    return (
-        -1.0/t24, -t25, 0.0, 0.0,
-        -t25, 1.0/t22 - t23*t25, 0.0, 0.0,
-        0.0, 0.0, p_ml3, 0.0,
-        0.0, 0.0, 0.0, p_Il4,
     )
 
 
@@ -3014,16 +2946,6 @@ _FUNCTIONS = {
         hoisted=_manipulability_dq_constants,
         needs=(
             0, 1,
-        ),
-    ),
-    "task_inertia": _Function(
-        name="task_inertia",
-        arguments=("q",),
-        shape=(4, 4),
-        kernel=_task_inertia,
-        hoisted=_task_inertia_constants,
-        needs=(
-            0, 1, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
         ),
     ),
 }

@@ -3,7 +3,7 @@
 import pytest
 
 from derive.robot.robot import Robot
-from derive.robot.task_rows import is_in_world, task_rows
+from derive.robot.task_rows import task_rows
 
 NATURAL = {
     "planar-2r-perugia": (0, 1),
@@ -31,4 +31,3 @@ def test_a_task_of_the_file_names_its_rows(task: str, rows: tuple[int, ...]) -> 
     joints = "joints: [{type: revolute, alpha: pi/2}, {type: revolute, a: 1}, {type: prismatic}]"
     text = f"name: arm\nconvention: standard\n{joints}\ninverse: {{task: {task}}}\n"
     assert task_rows(Robot.from_text(text)) == rows
-    assert is_in_world(Robot.from_text(text))

@@ -83,7 +83,7 @@ def call(module: ModuleType, name: str, arguments: Mapping[str, object], **optio
 
 
 IDENTIFICATION = ("regressor", "base_parameters")  # one like `base_regressor`, and one without arguments
-FUNCTIONS = tuple(name for name in INTERFACES if name not in (*IDENTIFICATION, "task_inertia"))  # for want of joints
+FUNCTIONS = tuple(name for name in INTERFACES if name not in IDENTIFICATION)
 
 
 REQUIRED_C = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"

@@ -13,8 +13,7 @@ from derive.algebra.quotients import Quotient
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
-from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics, mobility
-from derive.mechanics.forward_kinematics import jacobian
+from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
@@ -30,7 +29,6 @@ from derive.programs.tape.derivative import gradient_columns
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
 from derive.programs.tape.value import Value
 from derive.robot.inertial_parameters import Parameter, standard_parameters
-from derive.robot.task_rows import is_in_world, task_rows
 
 Recursion = Callable[[FrameChoices], list[Value]]  # the outputs of a recursion with some frame choices
 _BASE = "in base parameters"
@@ -115,24 +113,6 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
             lambda choices: articulated_accelerations(trace.arranged(choices), trace.arguments(QD), push, choices),
             ALL_CHOICES,
         )
-
-
-def task_inertias(trace: Trace) -> Iterator[Formulation]:
-    """Formulations of Lambda."""
-    inertia, chain, places = _inertia(trace), trace.chain, range(len(task_rows(trace.robot)))
-    entries = inertia(trace.cheapest_choices("inertia", inertia)[0])
-    matrix = [entries[trace.n * i : trace.n * (i + 1)] for i in range(trace.n)]
-    level = replace(chain, base=chain.unit, joints=(replace(chain.joints[0], fixed=chain.unit), *chain.joints[1:]))
-    whole = (trace.shortest_jacobian or jacobian(chain)) if is_in_world(trace.robot) else jacobian(level)
-    units = [[chain.one if i == j else chain.zero for i in places] for j in places]
-    inverse = mobility([whole[row] for row in task_rows(trace.robot)], matrix, chain.zero)
-    yield Formulation("inertia matrix and Jacobian, eliminated", lambda: flat(mobility(units, inverse, chain.zero)))
-
-
-def no_task_inertia(trace: Trace) -> Formulation:
-    """What stands for Lambda there."""
-    gap = trace.arguments(Q)[0] / trace.chain.zero
-    return Formulation("the inertia matrix is singular everywhere", lambda: [gap] * len(task_rows(trace.robot)) ** 2)
 
 
 def no_accelerations(trace: Trace) -> Formulation:

@@ -17,8 +17,9 @@ import numpy.typing as npt
 from derive.robot.description import Convention, Link, Motor
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
+from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
-from derive.robot.task_rows import PARTS, is_in_world, task_rows
+from derive.robot.task_rows import PARTS, task_rows
 
 Array = npt.NDArray[Any]
 
@@ -47,7 +48,7 @@ class NumericArm:
     viscous: Array  # (n,) joint-side viscous friction
     coulomb: Array  # (n,) joint-side Coulomb friction
     rows: Mapping[str, tuple[int, ...]]  # of the Jacobian, by part; ``all`` is the task's
-    in_world: bool  # whether the rows of the task are those of the world
+    is_named: bool  # whether the robot file names the task, whose rows are then those of the world
 
     @property
     def n(self) -> int:
@@ -94,7 +95,7 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         viscous=numbers(link.viscous for link in links),
         coulomb=numbers(link.coulomb for link in links),
         rows={part: task_rows(robot, part) for part in ("all", *PARTS)},
-        in_world=is_in_world(robot),
+        is_named=robot.inverse.task != POSE,
     )
 
 

@@ -63,13 +63,14 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
         "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
         "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
-        "manipulability": Definition(("q",), False, rates.manipulability, axes=0),
+        "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
         **{
-            f"manipulability_{part}": Definition(("q",), False, partial(rates.manipulability, part=part), axes=0)
+            f"manipulability_{part}": Definition(
+                ("q",), False, partial(rates.manipulability, part=part), axes=0, most=16
+            )
             for part in ("position", "orientation")
         },
         "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
-        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.mobility(arm, q)), most=16),
     }
 )
 
@@ -107,7 +108,6 @@ class Oracle:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
-                present &= name != "task_inertia" or len(self.arm.rows["all"]) <= self.arm.n
             names += [name] * present
         return tuple(names)
 

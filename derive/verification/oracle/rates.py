@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian, row_transform
-from derive.verification.oracle.lagrange import inertia_matrix
+from derive.verification.oracle.frames import Array, NumericArm, chain_frames, forward_kinematics, jacobian
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
@@ -29,19 +28,12 @@ def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
 
 
 def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
-    """Rows of a part of J, (..., m, n), in the world, or in the axes of the base before joint 1."""
+    """Rows of a part of J, (..., m, n), in the world if the file names the task, else in the axes of joint 1."""
     matrix = jacobian(arm, q)
-    if part != "all" or not arm.in_world:
-        before = np.eye(4) if arm.standard else row_transform(replace(arm, theta=0 * arm.theta), 0, np.zeros(()))
-        back = (arm.base @ before)[:3, :3].T
+    if part != "all" or not arm.is_named:
+        back = np.swapaxes(arm.base[:3, :3] @ chain_frames(arm, q)[..., 0 if arm.standard else 1, :3, :3], -1, -2)
         matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
     return matrix[..., arm.rows[part], :]
-
-
-def mobility(arm: NumericArm, q: Array) -> Array:
-    """J B^-1 J^T of the rows of the task, the inverse of its inertia."""
-    rows = task_jacobian(arm, q)
-    return np.asarray(rows @ np.linalg.pinv(inertia_matrix(arm, q)) @ np.swapaxes(rows, -1, -2))
 
 
 def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:
