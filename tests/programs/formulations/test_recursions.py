@@ -38,6 +38,7 @@ ARITHMETIC = {
     "cos": cmath.cos,
     "sqrt": cmath.sqrt,
     "sign": lambda x: float(np.sign(x.real)),
+    "absolute": abs,
 }
 Floats = npt.NDArray[np.float64]
 
