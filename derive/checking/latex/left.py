@@ -187,9 +187,8 @@ def _scripts(text: str) -> tuple[dict[str, str], str]:
             found["'"], text = found.get("'", "") + "'", text[1:]
         elif match := _SCRIPT.match(text):
             script = re.sub(r"\\([A-Za-z]+)", lambda m: FLAT.get(m[1], m[1]), match["script"])
-            if (framed := re.fullmatch(r"\{(\w+),?\((\d)\)\}", script)) and match[
-                "mark"
-            ] == "_":  # z_{2(1)}, seen in frame 1
+            framed = re.fullmatch(r"\{(\w+),?\((\d)\)\}", script) if match["mark"] == "_" else None
+            if framed is not None:  # z_{2(1)}, seen in frame 1
                 found["^"], script = framed[2], framed[1]
             script = re.sub(r"[_^{}()\\]", "", script)
             mark = "'" if script and not script.strip("'") else match["mark"]
