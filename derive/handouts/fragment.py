@@ -17,7 +17,7 @@ from derive.handouts.layout.flow import breakable, matrix_equation, whole_equati
 from derive.handouts.layout.quantity import Item, LaidOut, Namer
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.parts.inverse_formulas import formulas
+from derive.handouts.parts.inverse_words import formulas
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import (
     Blank,

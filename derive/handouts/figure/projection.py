@@ -71,7 +71,14 @@ def best_view(
 
 def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Sequence[Array]) -> float:
     """Axes that crowd, links seen from their end, origins that nearly meet on the page, an unusual direction."""
-    axes = sum(_crowding(view.project(star)[:, :2]) for star in stars) / max(1, len(stars))
+    axes = 0.0
+    for star in stars:  # arrows from one point: small angles between them, and arrows that point at the reader
+        x, y, _ = view.project(star).T
+        angles = np.sort(np.arctan2(y, x))
+        gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
+        short = float(np.sum(np.exp(-((np.hypot(x, y) / 0.3) ** 2))))
+        close = float(np.sum(np.exp(-((gaps / _NARROW) ** 2)))) if len(star) > 1 else 0.0
+        axes += short + close
     links = 0.0
     for start, end in segments:
         ratio = float(np.hypot(*view.project(end - start)[:2]) / np.linalg.norm(end - start))
@@ -85,17 +92,7 @@ def _badness(view: View, origins: Array, stars: Sequence[Array], segments: Seque
     azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
     away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
     unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
-    return axes + 2.0 * (links / max(1, len(segments))) + 1.5 * meeting + unusual
-
-
-def _crowding(star: Array) -> float:
-    """Of arrows from one point: small angles between them, and arrows that point at the reader."""
-    lengths = np.hypot(star[:, 0], star[:, 1])
-    short = float(np.sum(np.exp(-((lengths / 0.3) ** 2))))
-    angles = np.sort(np.arctan2(star[:, 1], star[:, 0]))
-    gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
-    close = float(np.sum(np.exp(-((gaps / _NARROW) ** 2)))) if len(star) > 1 else 0.0
-    return short + close
+    return axes / max(1, len(stars)) + 2.0 * (links / max(1, len(segments))) + 1.5 * meeting + unusual
 
 
 # -- planar arms, which are seen as they are: from a point far away on the normal of their plane
@@ -103,25 +100,23 @@ def _crowding(star: Array) -> float:
 
 def plane_normal(scenes: Sequence[Scene]) -> Array | None:
     """The unit normal of the plane in which an arm moves; None where it moves in space, or along a line alone."""
-    normals = [normal for normal in map(_normal, scenes) if normal is not None]
-    if len(normals) < len(scenes) or any(np.linalg.norm(np.cross(normals[0], other)) > _SAME for other in normals):
+    normals: list[Array] = []
+    for scene in scenes:  # what all revolute joints turn about and no prismatic one goes along
+        turning = [joint.direction for joint in scene.joints if joint.revolute]
+        sliding = [joint.direction for joint in scene.joints if not joint.revolute]
+        crossed = turning if turning else [np.cross(sliding[0], other) for other in sliding[1:]]
+        longest = max(crossed, key=lambda vector: float(vector @ vector), default=np.zeros(3))
+        size = float(np.linalg.norm(longest))
+        if size < _SAME:
+            return None
+        normals.append(longest / size)
+        turns = all(np.linalg.norm(np.cross(normals[-1], axis)) < _SAME for axis in turning)
+        if not turns or any(abs(normals[-1] @ axis) >= _SAME for axis in sliding):
+            return None
+    if any(np.linalg.norm(np.cross(normals[0], other)) > _SAME for other in normals):
         return None
     heights = np.concatenate([scene.places @ normals[0] for scene in scenes])
     return normals[0] if np.ptp(heights) <= _SAME * scenes[0].size else None
-
-
-def _normal(scene: Scene) -> Array | None:
-    """What all revolute joints turn about and no prismatic one goes along."""
-    turning = [joint.direction for joint in scene.joints if joint.revolute]
-    sliding = [joint.direction for joint in scene.joints if not joint.revolute]
-    crossed = turning if turning else [np.cross(sliding[0], other) for other in sliding[1:]]
-    normal = max(crossed, key=lambda vector: float(vector @ vector), default=np.zeros(3))
-    size = float(np.linalg.norm(normal))
-    if size < _SAME:
-        return None
-    normal = normal / size
-    turns = all(np.linalg.norm(np.cross(normal, axis)) < _SAME for axis in turning)
-    return normal if turns and all(abs(normal @ axis) < _SAME for axis in sliding) else None
 
 
 def view_along(normal: Array, up: tuple[float, float, float]) -> View:

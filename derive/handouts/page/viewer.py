@@ -293,7 +293,12 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     directions = _rank(linear)
     if directions < 2:
         return None
-    normal = None if directions == 3 else _normal(linear)
+    normal = None
+    if directions < 3:  # what is normal to all columns, which lie in a plane; its largest component is positive
+        across = np.linalg.svd(linear)[0][:, 2]
+        sign = 1.0 if max(across, key=abs) > 0 else -1.0
+        x, y, z = (0.0 if abs(part) < _SMALL else float(sign * part) for part in across)  # without what rounding left
+        normal = x, y, z
     if robot.inverse != InverseOptions():
         axes = [axis for axis in "xyz" if axis in robot.inverse.task]
         if len(axes) < 2:
@@ -322,11 +327,3 @@ def _jacobian(robot: Robot, numbers: Mapping[str, float], q: Array) -> Array:
 
 def _rank(matrix: Array) -> int:
     return int(np.linalg.matrix_rank(matrix, tol=_SMALL * max(1.0, float(np.abs(matrix).max(initial=0.0)))))
-
-
-def _normal(columns: Array) -> tuple[float, float, float]:
-    """What is normal to all columns, which lie in a plane; its largest component is positive."""
-    normal = np.linalg.svd(columns)[0][:, 2]
-    sign = 1.0 if max(normal, key=abs) > 0 else -1.0
-    x, y, z = (0.0 if abs(part) < _SMALL else float(sign * part) for part in normal)  # without what rounding left
-    return x, y, z

@@ -7,7 +7,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
+from derive.handouts.sheet.document import Block, Rows, Steps
 from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
@@ -155,30 +155,28 @@ def inertia(context: Context) -> Iterator[Block]:
     if context.steps:
         yield Steps(_("Contributions of the bodies"), tuple(_contributions(context)))
     if has_rotors(context.robot) or any(link.armature != ZERO for link in context.robot.links):
-        text = _(
+        yield context.paragraph(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
             "\\dot{\\mathbf{q}}$, motors included.",
             letter=letter,
         )
     else:
-        text = _(
+        yield context.paragraph(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
             "\\dot{\\mathbf{q}}$.",
             letter=letter,
         )
-    yield Paragraph(text)
     yield formula(context, context.dynamics.closed("B"), "inertia_matrix", _("Find the inertia matrix."))
 
 
 def _contributions(context: Context) -> Iterator[Block]:
-    _ = context.text
-    letter = context.symbols.inertia_letter
-    rotors = has_rotors(context.robot)
+    letter, rotors = context.symbols.inertia_letter, has_rotors(context.robot)
     if rotors:
-        text = _("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians.")
+        yield context.paragraph(
+            "Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians."
+        )
     else:
-        text = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
-    yield Paragraph(text)
+        yield context.paragraph("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
     yield textbook("inertia_matrix", B=letter, rotors=rotors)
     items = (
         BodyItem(
@@ -190,15 +188,12 @@ def _contributions(context: Context) -> Iterator[Block]:
         for body in bodies(context.robot)
     )
     yield from body_formulas(context, items)
-    diagonal = [
-        (context.dynamics.inertia_entry(i, i), link.armature)
-        for i, link in enumerate(context.robot.links, 1)
-        if link.armature != ZERO
-    ]
-    if diagonal:
-        armatures = (
-            Equation(Box(f"\\Delta {entry.tex}", entry.width + 9.0), context.data.value(armature))
-            for entry, armature in diagonal
-        )
+    armatures = []
+    for i, link in enumerate(context.robot.links, 1):
+        if link.armature != ZERO:
+            entry = context.dynamics.inertia_entry(i, i)
+            left = Box(f"\\Delta {entry.tex}", entry.width + 9.0)
+            armatures.append(Equation(left, context.data.value(link.armature)))
+    if armatures:
         yield context.paragraph("The reflected inertia of a motor's armature adds to the diagonal alone.")
         yield Rows(tuple(equation_lines(armatures)))

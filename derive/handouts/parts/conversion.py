@@ -57,17 +57,16 @@ def conversion(context: Context) -> Iterator[Block]:
         yield Rows(tuple(lines))
     yield from transforms(new)
     if context.robot.has_dynamics:
-        same = _(
+        yield context.paragraph(
             "The product of the same factors is the same $%(end)s$, and the Jacobian, the inertia matrix and the "
             "torques are the same functions.",
             end=bold("T").tex,
         )
     else:
-        same = _(
+        yield context.paragraph(
             "The product of the same factors is the same $%(end)s$, and the Jacobian is the same function.",
             end=bold("T").tex,
         )
-    yield Paragraph(same)
     yield from _links(new, found)
 
 

@@ -13,7 +13,7 @@ from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits,
 from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
+from derive.handouts.sheet.document import Block, Entry, Rows, SheetFormula
 from derive.mechanics.floats import value_at
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
@@ -109,16 +109,15 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
         yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
     else:
         if all(joint.is_revolute for joint in robot.joints):
-            text = _("The inertia matrix, in $%(square)s$:", square=square)
+            yield context.paragraph("The inertia matrix, in $%(square)s$:", square=square)
         elif not any(joint.is_revolute for joint in robot.joints):
-            text = _("The inertia matrix, in kg:")
+            yield context.paragraph("The inertia matrix, in kg:")
         else:
-            text = _(
+            yield context.paragraph(
                 "The inertia matrix; in $%(square)s$ between revolute joints, in kg between prismatic joints, "
                 "in kg m between one and the other:",
                 square=square,
             )
-        yield Paragraph(text)
         task = _("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
     yield context.paragraph("The gravity vector:")

@@ -10,8 +10,15 @@ from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matri
 from derive.handouts.notation.pieces import concatenate, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.inverse_example import example
-from derive.handouts.parts.inverse_formulas import WIDEST_LEFT, FormulaWriter
-from derive.handouts.parts.inverse_words import and_list, branch_name, or_list, sources, words_alone
+from derive.handouts.parts.inverse_words import (
+    WIDEST_LEFT,
+    FormulaWriter,
+    and_list,
+    branch_name,
+    or_list,
+    sources,
+    words_alone,
+)
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.nodes import NodeKind

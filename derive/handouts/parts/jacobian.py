@@ -63,10 +63,9 @@ def jacobian(context: Context) -> Iterator[Block]:
 
 
 def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
-    _ = context.text
     joints = context.robot.joints
     if context.is_standard:
-        text = _(
+        yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i-1$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
             z="\\mathbf{z}_{i-1}",
@@ -74,14 +73,13 @@ def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
             p="\\mathbf{p}",
         )
     else:
-        text = _(
+        yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
             z="\\mathbf{z}_{i}",
             o="\\mathbf{o}_{i}",
             p="\\mathbf{p}",
         )
-    yield Paragraph(text)
     column, index = script(bold("J"), italic("i")), "i-1" if context.is_standard else "i"
     if any(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a revolute joint is")

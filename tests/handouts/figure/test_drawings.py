@@ -14,13 +14,13 @@ from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view
 from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.drawing import LABEL_HEIGHT, Drawing, Label, LabelRun, Path, label_runs, label_width
-from derive.handouts.figure.panels import COLORS, Panel, Panels
 from derive.handouts.figure.paper import AXIS_COLORS, Paper, around
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.figure.workspace_plot import workspace_bytes
 from derive.handouts.figure.writers import PREAMBLE, SUFFIXES, drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
+from derive.handouts.parts.plan import COLORS, Panel, Panels
 from derive.robot.description import Convention
 from derive.robot.expression import Number
 from derive.robot.load import catalogue_names

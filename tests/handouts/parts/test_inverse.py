@@ -15,8 +15,7 @@ from derive.handouts.exercise import exercise
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.parts.inverse import inverse
 from derive.handouts.parts.inverse_example import reached
-from derive.handouts.parts.inverse_formulas import formulas
-from derive.handouts.parts.inverse_words import and_list, branch_name, sources, words_alone
+from derive.handouts.parts.inverse_words import and_list, branch_name, formulas, sources, words_alone
 from derive.handouts.sheet.document import Blank, Figure, Section, SheetFormula, Steps, Table
 from derive.handouts.sheet.language import Text, languages, text_for
 from derive.handouts.sheet.latex_writer import latex
