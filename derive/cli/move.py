@@ -117,9 +117,8 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> st
 
     as_latex = arguments.format == "latex"
     if arguments.show or arguments.hand or arguments.increments:
-        from derive.motion.hand_curve import printed_hand, printed_weights
         from derive.motion.incremental import increments_of, not_closed, printed_increments
-        from derive.motion.output.printed import printed
+        from derive.motion.output.printed import printed, printed_hand, printed_weights
 
         if arguments.show:
             print(*printed(motion, as_latex=as_latex), sep="\n")

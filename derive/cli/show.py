@@ -177,7 +177,12 @@ def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
 def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> Any:
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
-        from derive.handouts.notation.derivation import derivation_lines, derivation_parts
+        from derive.handouts.notation.derivation import (
+            derivation_lines,
+            derivation_parts,
+            workspace_lines,
+            workspace_parts,
+        )
         from derive.handouts.notation.notation import Notation
         from derive.handouts.notation.singularities import (
             aspects_parts,
@@ -186,7 +191,6 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
             singularities_parts,
         )
         from derive.handouts.notation.text import TextPrinter
-        from derive.handouts.notation.workspace import workspace_lines, workspace_parts
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
         from derive.model.singularities.aspects import Aspects

@@ -82,8 +82,7 @@ class Compiled:
 
 def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> Compiled:
     """Compiles a document as often as its references need."""
-    missing = [program for program in PROGRAMS if shutil.which(program) is None]
-    if missing:
+    if missing := [program for program in PROGRAMS if shutil.which(program) is None]:
         raise LatexError(
             f"no PDF without LaTeX: {' and '.join(missing)} not found",
             remedy=f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere",

@@ -15,8 +15,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.motion.motion import Motion
-from derive.motion.paths.poses import rotation_vector
-from derive.motion.paths.singular import all_directions, usual_rank, vanishing_factor
+from derive.motion.paths.poses import all_directions, rotation_vector, usual_rank, vanishing_factor
 from derive.motion.torques.functions import Functions, kinematics_alone
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.robot import Robot

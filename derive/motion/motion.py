@@ -18,8 +18,8 @@ from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.curves.extremes import peak
 from derive.motion.curves.given import curves_of, followed, read_recording
+from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.curves.trajectory import Trajectory
-from derive.motion.curves.violations import Bounds, Function, Violation, bounds_of, exceeded, nearby
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques
@@ -27,12 +27,10 @@ from derive.motion.torques.bodies import CarriedBody
 from derive.motion.torques.functions import LEAST_INTERVALS, Functions, check_numbers, kinematics_alone, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
-from derive.plans.disturbance import check_starts
 from derive.plans.hermite import TIME
-from derive.plans.moving_base import PATHS, BaseCurve
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
-from derive.plans.points import Step
-from derive.plans.segments import Load, SegmentPeaks
+from derive.plans.segments import Load, SegmentPeaks, Step
+from derive.plans.surroundings import PATHS, BaseCurve, check_starts
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols

@@ -88,15 +88,14 @@ class PlanCells:
         """The number of an expression."""
         return evaluate(value, self.numbers)
 
-    def positive(self, path: KeyPath, default: Expression, allowed: str = "a time above zero [s]") -> Expression:
-        """A quantity above zero."""
-        return default if self._document.scalar(path) is None else self._least(path, allowed, above=True)
+    def positive(self, path: KeyPath, default: Expression) -> Expression:
+        """A time above zero."""
+        if self._document.scalar(path) is None:
+            return default
+        return self.not_negative(path, "a time above zero [s]", above=True)
 
-    def not_negative(self, path: KeyPath, allowed: str, remedy: str = "") -> Expression:
-        """A quantity of zero or more."""
-        return self._least(path, allowed, remedy)
-
-    def _least(self, path: KeyPath, allowed: str, remedy: str = "", *, above: bool = False) -> Expression:
+    def not_negative(self, path: KeyPath, allowed: str, remedy: str = "", *, above: bool = False) -> Expression:
+        """A quantity of zero or more, or above zero."""
         value = self.plain(path)
         if self.size(value) < 0 or (above and self.size(value) == 0):
             found = f"found {quoted(self._document.text(*path))}"

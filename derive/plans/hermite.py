@@ -54,25 +54,31 @@ def _derived(k: int, order: int) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class Span:
+    """An interval of time."""
+
+    start: Expr  # time of its first end [s]
+    duration: Expr  # its length [s], positive
+
+    @property
+    def end(self) -> Expr:
+        """Time of its second end [s]."""
+        return self.start + self.duration
+
+
+@dataclass(frozen=True, slots=True)
+class Piece(Span):
     """A polynomial of one joint on an interval of time.
 
     Of many pieces in floats, none of which is printed, these are Python's: SymPy's take a hundred times as long.
     """
 
-    start: Expr  # time of its first end [s]
-    duration: Expr  # its length [s], positive
     values: tuple[tuple[Expr, ...], tuple[Expr, ...]]  # position, velocity, ... at the first end, then at the second
 
     @property
     def k(self) -> int:
         """How many values stand at each end."""
         return len(self.values[0])
-
-    @property
-    def end(self) -> Expr:
-        """Time of its second end [s]."""
-        return self.start + self.duration
 
     @property
     def is_exact(self) -> bool:

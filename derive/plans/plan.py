@@ -12,11 +12,10 @@ from pathlib import Path
 from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.plans.catalogue import plan_bytes
 from derive.plans.cells import PlanCells, Read
-from derive.plans.disturbance import PAYLOAD, Disturbance, disturbances, plant_numbers
-from derive.plans.moving_base import PATHS, MovingBase, read_base
-from derive.plans.points import Payload, Point, Pose, Step, Vector
 from derive.plans.profile import Profile
 from derive.plans.schema import PlanFile
+from derive.plans.segments import Payload, Point, Pose, Step, Vector
+from derive.plans.surroundings import PATHS, PAYLOAD, Disturbance, MovingBase, disturbances, plant_numbers, read_base
 from derive.robot.body_remarks import REMEDY, impossible_links, lack_of, too_large
 from derive.robot.description import Remark
 from derive.robot.evaluate import evaluate, parameter_values

@@ -12,30 +12,12 @@ from itertools import pairwise
 from math import prod
 
 import numpy as np
-from sympy import (
-    Abs,
-    Add,
-    Expr,
-    Integer,
-    Matrix,
-    Mul,
-    Pow,
-    Rational,
-    atan,
-    atan2,
-    cos,
-    pi,
-    sign,
-    sin,
-    sqrt,
-    tan,
-    together,
-)
+from sympy import Abs, Add, Expr, Matrix, Mul, Pow, Rational, atan, atan2, cos, pi, sign, sin, sqrt, tan, together
 
 from derive.arrays import Array
-from derive.plans.hermite import TIME, Piece, joined
+from derive.plans.hermite import TIME, Piece, Span, joined
 
-ZERO = Integer(0)
+ZERO = Rational(0)
 
 KEPT = 4096  # how many parts of formulas a process keeps as functions
 
@@ -56,7 +38,7 @@ class Profile(StrEnum):
 VALUES = {Profile.CUBIC: 2, Profile.QUINTIC: 3, Profile.SEPTIC: 4}
 # Largest speed and acceleration from 0 to 1 in one second, from rest to rest.
 UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
-    Profile.CUBIC: (Rational(3, 2), Integer(6)),
+    Profile.CUBIC: (Rational(3, 2), Rational(6)),
     Profile.QUINTIC: (Rational(15, 8), 10 / sqrt(3)),
     Profile.SEPTIC: (Rational(35, 16), 84 * sqrt(5) / 25),
     Profile.HARMONIC: (pi / 2, pi**2 / 2),
@@ -66,31 +48,17 @@ CRUISE = Rational(3, 2)
 
 
 @dataclass(frozen=True, slots=True)
-class Cosine:
+class Cosine(Span):
     """A harmonic piece from rest to rest: ``q = q0 + (q1 - q0)(1 - cos(pi u))/2``."""
 
-    start: Expr  # time of its first end [s]
-    duration: Expr  # its length [s], positive
     values: tuple[tuple[Expr], tuple[Expr]]  # position at both ends
-
-    @property
-    def end(self) -> Expr:
-        """Time of its second end [s]."""
-        return self.start + self.duration
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class Curve(Span):
     """A formula of the time since the motion began."""
 
-    start: Expr  # time of its first end [s]
-    duration: Expr  # its length [s], positive
     formulas: tuple[Expr, Expr, Expr]  # position, velocity and acceleration, in the symbol `derive.plans.hermite.TIME`
-
-    @property
-    def end(self) -> Expr:
-        """Time of its second end [s]."""
-        return self.start + self.duration
 
     def sampled(self, t: Array, order: int) -> Array:
         """A derivative at some times."""

@@ -40,11 +40,6 @@ class Measure:
     value: float  # in m^2 or m^3
     error: float  # how much it may be off
 
-    @classmethod
-    def of(cls, fine: float, coarse: float) -> Measure:
-        """The limit of two approximations, and their difference as its error."""
-        return cls(fine + (fine - coarse) / 3.0, abs(fine - coarse))
-
 
 @dataclass(frozen=True, eq=False)
 class Area:
@@ -61,9 +56,10 @@ class Area:
 
     def measured(self, measure: Callable[[Region], float]) -> Measure:
         """A measure of it with its error."""
-        found = Measure.of(measure(self.region), measure(self.coarse))
-        doubt = measure(self.region.buffer(self.margin)) - measure(self.region) if self.margin else 0.0
-        return Measure(found.value, found.error + abs(doubt))
+        fine, coarse = measure(self.region), measure(self.coarse)
+        doubt = measure(self.region.buffer(self.margin)) - fine if self.margin else 0.0
+        # The limit of two approximations, and their difference as its error.
+        return Measure(fine + (fine - coarse) / 3.0, abs(fine - coarse) + abs(doubt))
 
     @property
     def size(self) -> Measure:
@@ -95,8 +91,14 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
         if len(faces):
             reached = is_reached(plane, _places_inside(faces))
             # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
-            margin = plane.point.size * (TURN / parts) ** 2 / 2.0
-            reached[~reached] = _hold_samples(plane, faces[~reached], margin)
+            margin, missed = plane.point.size * (TURN / parts) ** 2 / 2.0, np.flatnonzero(~reached)
+            if missed.size:
+                samples = plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)
+                x, y = plane.places(plane.inside(samples))
+            for k in missed:
+                left, low, right, high = faces[k].bounds
+                near = (x > left) & (x < right) & (y > low) & (y < high)
+                reached[k] = shapely().contains_xy(faces[k].buffer(-margin), x[near], y[near]).any()
             faces = faces[reached]
         found.append(faces)
     return _area(plane, *found)
@@ -160,20 +162,6 @@ def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tup
         around = cell.buffer(_SLIVER * size)
         beside[max(parts, key=lambda number: around.intersection(parts[number]).area)].append(cell)
     return tuple((number, joined(members, size)) for number, members in beside.items())
-
-
-def _hold_samples(plane: PlaneMap, faces: Any, margin: float) -> Flags:
-    """Whether positions of many configurations lie in cells, by more inside than curves may be off."""
-    package = shapely()
-    if not len(faces):
-        return np.zeros(0, dtype=bool)
-    x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)))
-    found = np.zeros(len(faces), dtype=bool)
-    for k, face in enumerate(faces):
-        left, low, right, high = face.bounds
-        near = (x > left) & (x < right) & (y > low) & (y < high)
-        found[k] = package.contains_xy(face.buffer(-margin), x[near], y[near]).any()
-    return found
 
 
 def closed(region: Region, gap: float) -> Region:

@@ -8,9 +8,9 @@ from sympy import Symbol, cos, latex, pi, sin, sqrt
 
 from derive.cli.main import main
 from derive.errors import QuantityError
-from derive.motion.hand_curve import HandCurve, printed_hand, printed_weights
 from derive.motion.incremental import Walker, increments_of, printed_increments
 from derive.motion.motion import Motion
+from derive.motion.output.printed import HandCurve, printed_hand, printed_weights
 from derive.plans.hermite import TIME
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols

@@ -122,7 +122,7 @@ def test_circles_that_hold_an_area_are_centred_near_it_and_its_error_is_the_diff
     assert held.area == pytest.approx(math.pi * 0.3**2, rel=1e-2)
     area = Area(shapely.Point(0, 0).buffer(1, 32), shapely.Point(0, 0).buffer(1, 16))
     assert abs(area.size.value - math.pi) < 0.01 * area.size.error
-    assert Measure.of(2.0, 1.7).error == pytest.approx(0.3)
+    assert Area(2.0, 1.7).measured(float).error == pytest.approx(0.3)
 
 
 pytest.importorskip("contourpy")

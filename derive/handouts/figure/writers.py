@@ -16,7 +16,7 @@ from io import BytesIO
 from typing import Any
 
 from derive.errors import DeriveError, install_extra
-from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Item, Label, Path, label_runs
+from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Label, Path, label_runs
 
 # Definitions that the drawings need; no package.
 PREAMBLE = r"""\ifdefined\pdfextension
@@ -96,34 +96,33 @@ def svg_drawing(drawing: Drawing, scale: float = 1.5) -> str:
     width, height = _number(drawing.width), _number(drawing.height)
     title = f"<title>{_xml_text(drawing.title)}</title>" if drawing.title else ""
     role = f'role="img" aria-label="{_xml_text(drawing.title)}"' if drawing.title else 'aria-hidden="true"'
-    body = "\n".join(_svg_item(item, drawing.height) for item in drawing.items)
+    written = []
+    for item in drawing.items:  # a path, or a label run by run; the page's y axis points down
+        if isinstance(item, Label):
+            x, y = item.at[0], drawing.height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
+            place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
+            spans, before = [], 0.0
+            for run in label_runs(item.latex):
+                change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
+                shift = f' dy="{_number(change)}"' if change else ""
+                size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
+                spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_xml_text(run.text)}</tspan>")
+            written.append(f"<text {place} {_svg_paint('fill', item.color)}>{''.join(spans)}</text>")
+            continue
+        points = " L".join(f"{_number(x)} {_number(drawing.height - y)}" for x, y in item.points)
+        dashes = ' stroke-dasharray="4 2.5"' if item.dashed else ""
+        area = item.fill is not None and item.stroke is not None
+        fill = _svg_paint("fill", item.fill, solid=area) if item.fill is not None else 'fill="none"'
+        stroke = "" if item.stroke is None else f" {_svg_paint('stroke', item.stroke, solid=area)}"
+        line = "" if item.stroke is None else f' stroke-width="{_number(item.width)}"'
+        written.append(f'<path d="M{points}{"Z" if item.closed else ""}" {fill}{stroke}{line}{dashes}/>')
+    body = "\n".join(written)
     style = f"max-width:100%;width:{_number(drawing.width * scale)}px;height:auto"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {role} viewBox="0 0 {width} {height}" style="{style}" '
         f'stroke-linejoin="round" stroke-linecap="round" font-family="{_SERIF}" font-size="{_number(LABEL_SIZE)}">'
         f"{title}\n{body}\n</svg>"
     )
-
-
-def _svg_item(item: Item, height: float) -> str:
-    """A path, or a label run by run; the page's y axis points down from that height."""
-    if isinstance(item, Label):
-        x, y = item.at[0], height - item.at[1] + _RISE[item.anchor[1]] * LABEL_SIZE
-        place = f'x="{_number(x)}" y="{_number(y)}" text-anchor="{_ANCHORS[item.anchor[0]]}"'
-        spans, before = [], 0.0
-        for run in label_runs(item.latex):
-            change, before = _SHIFT[run.shift] - before, _SHIFT[run.shift]  # relative to the run before
-            shift = f' dy="{_number(change)}"' if change else ""
-            size = f' font-size="{_number(SCRIPT_SIZE)}"' if run.shift else ""
-            spans.append(f"<tspan{shift}{size}{_FONTS[run.style]}>{_xml_text(run.text)}</tspan>")
-        return f"<text {place} {_svg_paint('fill', item.color)}>{''.join(spans)}</text>"
-    points = " L".join(f"{_number(x)} {_number(height - y)}" for x, y in item.points)
-    dashes = ' stroke-dasharray="4 2.5"' if item.dashed else ""
-    area = item.fill is not None and item.stroke is not None
-    fill = _svg_paint("fill", item.fill, solid=area) if item.fill is not None else 'fill="none"'
-    stroke = "" if item.stroke is None else f" {_svg_paint('stroke', item.stroke, solid=area)}"
-    width = "" if item.stroke is None else f' stroke-width="{_number(item.width)}"'
-    return f'<path d="M{points}{"Z" if item.closed else ""}" {fill}{stroke}{width}{dashes}/>'
 
 
 def _svg_paint(attribute: str, color: Color, solid: bool = False) -> str:

@@ -43,34 +43,29 @@ class Equation:
 
 
 def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH) -> list[str]:
-    """The expression on as many lines as it needs."""
+    """The expression on as many lines as it needs; each ends at the cheapest break that fits, else at the first one."""
     lines: list[str] = []
     start, lead = 0, head
     while True:
-        end = _line_end(pieces, start, width - lead.width)
+        room, used = width - lead.width, _continued(pieces[start]).width
+        best, best_cost, end = 0, 2.0, len(pieces)
+        for index in range(start + 1, len(pieces)):
+            piece = pieces[index]
+            if piece.before is not Break.NEVER:
+                # The cost of ending the line here: what stays empty of it, more inside of brackets or of a product.
+                factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
+                cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor
+                if (used <= room and cost <= best_cost) or not best:
+                    best, best_cost = index, cost  # of equal costs the later break; a first that does not fit is kept
+            used += piece.box.width
+            if used > room and best:
+                end = best
+                break
         opening = _continued(pieces[start]) if lines else pieces[start].box
         lines.append(concatenate(lead, opening, *(piece.box for piece in pieces[start + 1 : end])).tex)
         if end == len(pieces):
             return lines
         start, lead = end, INDENTS[min(pieces[end].depth, len(INDENTS) - 1)]
-
-
-def _line_end(pieces: Sequence[TexPiece], start: int, room: float) -> int:
-    """Index of the piece that starts the next line: the cheapest break that fits, else the first one."""
-    used = _continued(pieces[start]).width
-    best, best_cost = 0, 2.0
-    for index in range(start + 1, len(pieces)):
-        piece = pieces[index]
-        if piece.before is not Break.NEVER:
-            # The cost of ending the line here: what stays empty of it, more inside of brackets or of a product.
-            factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
-            cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor
-            if (used <= room and cost <= best_cost) or not best:
-                best, best_cost = index, cost  # of equal costs the later break; a first one that does not fit is kept
-        used += piece.box.width
-        if used > room and best:
-            return best
-    return len(pieces)
 
 
 def _continued(piece: TexPiece) -> Box:

@@ -80,8 +80,7 @@ def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None
     lines += _crossing(found, joints, digits)
     known = {name for name, _ in found.inverse.robot.parameters}
     geometry = replace(found.inverse.robot, links=(), gravity=None)
-    assumed = [name for name in robot_symbols(geometry) if name not in known and name in found.values]
-    if assumed:
+    if assumed := [name for name in robot_symbols(geometry) if name not in known and name in found.values]:
         numbers = ", ".join(f"{name} = {found.values[name]:.4g}" for name in assumed)
         lines.append(f"looked at with {numbers}, for which the file has no numbers")
     return lines

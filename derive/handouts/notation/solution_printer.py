@@ -27,8 +27,7 @@ class SignPrinter(TextPrinter):
         self._order = SolutionOrder(notation, pose)
 
     def _print_Mul(self, expression: Any) -> str:
-        signs = [factor for factor in expression.args if isinstance(factor, Sign)]
-        if signs:
+        if any(isinstance(factor, Sign) for factor in expression.args):
             rest = sympy.Mul(*(factor for factor in expression.args if not isinstance(factor, Sign)), evaluate=False)
             return f"+-{self.parenthesize(rest, 50)}"
         above, below = sympy.fraction(expression)
@@ -87,7 +86,14 @@ class SignLatexPrinter(LatexPrinter):
         self._widest = widest
         sign = Glyph(Box("\\pm ", 8.0))
         signs = {symbol.name: sign for line in found.lines for symbol in line.signs}
-        sums = {name.name: _subscripted(name.name, notation) for name in found.sums.values()}
+        # ``q23`` with the letter that the joint variables have.
+        letter = next((notation.glyph(v).head for v in notation.labels), None)
+        sums = {}
+        for name in (symbol.name for symbol in found.sums.values()):
+            labels = re.sub(r"^\D*", "", name)
+            sums[name] = notation.glyph(name)
+            if labels and letter is not None:
+                sums[name] = Glyph(letter, Box(labels, 5.0 * len(labels)))
         super().__init__(notation.with_terms({**signs, **sums}))
         self._order = SolutionOrder(notation, pose_names(found))
 
@@ -103,15 +109,6 @@ class SignLatexPrinter(LatexPrinter):
             if top.width <= self._widest:
                 return [TexPiece(fraction(top, bottom))]
         return super().pieces(expression)
-
-
-def _subscripted(name: str, notation: Notation) -> Glyph:
-    """``q23`` with the letter that the joint variables have."""
-    labels = re.sub(r"^\D*", "", name)
-    letter = next((notation.glyph(v).head for v in notation.labels), None)
-    if not labels or letter is None:
-        return notation.glyph(name)
-    return Glyph(letter, Box(labels, 5.0 * len(labels)))
 
 
 def with_signs(text: str) -> str:

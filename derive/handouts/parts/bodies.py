@@ -64,8 +64,7 @@ def link_jacobians(context: Context) -> Iterator[Block]:
         revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
         prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
     )
-    opposed = ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0)
-    if opposed:
+    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0):
         yield context.paragraph(
             "The variables of these joints increase against the direction of their axes, so their columns change "
             "sign: %(joints)s.",

@@ -104,8 +104,7 @@ def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
 def _links(new: Context, found: Conversion) -> Iterator[Block]:
     """The links that are written otherwise in the frames of the new table."""
     pairs = enumerate(zip(found.source.links, found.result.links, strict=True), 1)
-    changed = [(i, after) for i, (before, after) in pairs if before != after]
-    if changed:
+    if changed := [(i, after) for i, (before, after) in pairs if before != after]:
         yield new.paragraph("Frame $i$ of the new table is at another place on link $i$; relative to it:")
     for i, link in changed:
         yield new.paragraph("Link %(index)s:", index=i)

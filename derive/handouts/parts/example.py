@@ -62,8 +62,7 @@ def example(context: Context) -> Iterator[Block]:
         )
     task = _("Compute the Jacobian in numbers.")
     yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
-    missing = _unnumbered(robot) if robot.has_dynamics else ()
-    if missing:
+    if missing := _unnumbered(robot) if robot.has_dynamics else ():
         yield context.answer(
             "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",
             symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),

@@ -1,7 +1,7 @@
 """The part with the inverse kinematics: from the pose of the end effector to every configuration that reaches it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 
 import sympy
@@ -10,15 +10,7 @@ from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matri
 from derive.handouts.notation.pieces import concatenate, joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.inverse_example import example
-from derive.handouts.parts.inverse_words import (
-    WIDEST_LEFT,
-    FormulaWriter,
-    and_list,
-    branch_name,
-    or_list,
-    sources,
-    words_alone,
-)
+from derive.handouts.parts.inverse_words import WIDEST_LEFT, FormulaWriter, and_list, branch_name, sources, words_alone
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.nodes import NodeKind
@@ -78,16 +70,12 @@ def _too_long(context: Context) -> Paragraph:
     return Paragraph(words, is_answer=True)
 
 
-@dataclass
 class _InversePart:
     """One arm's inverse kinematics on its way to the page."""
 
-    context: Context  # the handout
-    found: InverseKinematics  # the inverse kinematics
-    writer: FormulaWriter = field(init=False)  # writes its formulas
-
-    def __post_init__(self) -> None:
-        writer = self.writer = FormulaWriter(self.context, self.found)
+    def __init__(self, context: Context, found: InverseKinematics) -> None:
+        self.context, self.found = context, found
+        writer = self.writer = FormulaWriter(context, found)
         self._tex, self._math, self._pieces = writer.tex, writer.math, writer.printer.pieces
 
     # -- what is given, and how many solutions there are
@@ -132,8 +120,7 @@ class _InversePart:
     def counted(self) -> Iterator[Block]:
         """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
         _, found = self.context.text, self.found
-        given = [self._math(step.unknown) for step in found.steps if step.kind is NodeKind.GIVEN]
-        if given:
+        if given := [self._math(step.unknown) for step in found.steps if step.kind is NodeKind.GIVEN]:
             yield self.context.paragraph(
                 "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
                 "a pose has infinitely many solutions. Besides the pose these joint variables are given: "
@@ -287,14 +274,12 @@ class _InversePart:
                 source = _("%(source)s: the law of cosines", source=source)
             words = f"{unknown}: {source}."
         yield Paragraph(words, is_answer=True)
-        equations = [e for e in step.equations if PrintedLine(e.left, e.right) not in step.lines]
-        if equations:
+        if equations := [e for e in step.equations if PrintedLine(e.left, e.right) not in step.lines]:
             lines = [line for e in equations for line in self.writer.broken(self._pieces(e.left), e.right)]
             yield Rows(tuple(lines), is_answer=True)
         if step.lines:
             yield self.writer.formula(step.lines, _("Solve the inverse kinematics for %(unknown)s.", unknown=unknown))
-        remarks = " ".join(self._remarks(step, merged, free))
-        if remarks:
+        if remarks := " ".join(self._remarks(step, merged, free)):
             yield Paragraph(remarks, is_answer=True)
 
     def _remarks(
@@ -347,7 +332,7 @@ class _InversePart:
             posture = words.get(factor.condition.posture) if factor.condition and factor.condition.posture else None
             zero = f"${self.context.printer.latex(factor.expression)} = 0$"
             found.append(f"{zero} ({posture})" if posture else zero)
-        return or_list(_, found)
+        return and_list(_, found, either=True)
 
     # -- the branches
 

@@ -63,8 +63,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
-    assumed_values = _assumed(context, poses)
-    if assumed_values:
+    if assumed_values := _assumed(context, poses):
         yield context.paragraph("In numbers, with %(values)s, at this pose:", values=assumed_values)
     else:
         yield context.paragraph("In numbers, at this pose:")

@@ -43,46 +43,33 @@ def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
 
 
 def _phrase(context: Context, form: OriginForm, matrix: str, origins: Sequence[Origin]) -> str:
-    _ = context.text
+    _, first, last = context.text, origins[0].first, origins[0].last
     places = list(dict.fromkeys(entry for origin in origins for entry in origin.entries))
     entries = and_list(_, [f"$({','.join(map(str, place))})$" for place in places])
-    first, last = origins[0].first, origins[0].last
+    given: dict[str, object] = {"entries": entries, "matrix": matrix, "first": first, "last": last}
     match form:
         case OriginForm.SQUARES:
-            return _("entries %(entries)s of %(matrix)s, squared and added", entries=entries, matrix=matrix)
+            return _("entries %(entries)s of %(matrix)s, squared and added", **given)
         case OriginForm.ENTRY if len(places) > 1:
-            return _("entries %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
+            return _("entries %(entries)s of %(matrix)s", **given)
         case OriginForm.ENTRY:
-            return _("entry %(entries)s of %(matrix)s", entries=entries, matrix=matrix)
+            return _("entry %(entries)s of %(matrix)s", **given)
         case OriginForm.COMPONENT:
-            axes = and_list(_, [f"${'xyz'[place[0] - 1]}$" for place in places])
+            given["components"] = and_list(_, [f"${'xyz'[place[0] - 1]}$" for place in places])
+            given["joint"] = last if origins[0].inverse else first
             if first == last:
-                return _(
-                    "component %(components)s of what joint %(joint)s adds to the position, in its frame",
-                    components=axes,
-                    joint=first,
-                )
+                return _("component %(components)s of what joint %(joint)s adds to the position, in its frame", **given)
             return _(
                 "component %(components)s of the vector between axes %(first)s and %(last)s, in the frame of joint "
                 "%(joint)s",
-                components=axes,
-                first=first,
-                last=last,
-                joint=last if origins[0].inverse else first,
+                **given,
             )
         case OriginForm.DISTANCE:
-            return _("the squared distance between axes %(first)s and %(last)s", first=first, last=last)
+            return _("the squared distance between axes %(first)s and %(last)s", **given)
         case OriginForm.DIRECTIONS:
-            return _(
-                "entry %(entries)s of the rotation between axes %(first)s and %(last)s",
-                entries=entries,
-                first=first,
-                last=last,
-            )
+            return _("entry %(entries)s of the rotation between axes %(first)s and %(last)s", **given)
         case OriginForm.MOMENT:
-            return _(
-                "entry %(entries)s of the moments of %(matrix)s (Raghavan and Roth)", entries=entries, matrix=matrix
-            )
+            return _("entry %(entries)s of the moments of %(matrix)s (Raghavan and Roth)", **given)
 
 
 def _product(context: Context, origin: Origin) -> str:
@@ -116,18 +103,14 @@ def _inverted(box: Box) -> Box:
     return script(bracketed(box), EMPTY, _INVERSE)
 
 
-def and_list(text: Text, words: Sequence[str]) -> str:
-    """Words with commas, the last one behind an *and*."""
+def and_list(text: Text, words: Sequence[str], *, either: bool = False) -> str:
+    """Words with commas, the last one behind an *and*, or an *or*."""
     if len(words) == 1:
         return words[0]
-    return text("%(others)s and %(last)s", others=", ".join(words[:-1]), last=words[-1])
-
-
-def or_list(text: Text, words: Sequence[str]) -> str:
-    """Words with commas, the last one behind an *or*."""
-    if len(words) == 1:
-        return words[0]
-    return text("%(others)s or %(last)s", others=", ".join(words[:-1]), last=words[-1])
+    others, last = ", ".join(words[:-1]), words[-1]
+    if either:
+        return text("%(others)s or %(last)s", others=others, last=last)
+    return text("%(others)s and %(last)s", others=others, last=last)
 
 
 def words_alone(name: str) -> str:

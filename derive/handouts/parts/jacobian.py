@@ -63,24 +63,21 @@ def jacobian(context: Context) -> Iterator[Block]:
 
 
 def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
-    joints = context.robot.joints
+    joints, index = context.robot.joints, "i-1" if context.is_standard else "i"
+    names = {"z": f"\\mathbf{{z}}_{{{index}}}", "o": f"\\mathbf{{o}}_{{{index}}}", "p": "\\mathbf{p}"}
     if context.is_standard:
         yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i-1$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
-            z="\\mathbf{z}_{i-1}",
-            o="\\mathbf{o}_{i-1}",
-            p="\\mathbf{p}",
+            **names,
         )
     else:
         yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i$ through its origin $%(o)s$; "
             "$%(p)s$ is the origin of the end effector, all in the world.",
-            z="\\mathbf{z}_{i}",
-            o="\\mathbf{o}_{i}",
-            p="\\mathbf{p}",
+            **names,
         )
-    column, index = script(bold("J"), italic("i")), "i-1" if context.is_standard else "i"
+    column = script(bold("J"), italic("i"))
     if any(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a revolute joint is")
         yield Rows((concatenate(column, EQUALS, matrix([[half] for half in halves(index)])).tex,))
@@ -112,8 +109,7 @@ def _steps(context: Context, axes: _JointAxes) -> Iterator[Block]:
         if not vectors:
             continue
         yield Paragraph(title)
-        fitting = [vector.small for vector in vectors if vector.small is not None]
-        if fitting:
+        if fitting := [vector.small for vector in vectors if vector.small is not None]:
             yield formula(context, side_by_side(fitting))
         yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
         left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]

@@ -110,8 +110,7 @@ def _introduction(context: Context) -> str:
 def _remarks(context: Context) -> Iterator[Block]:
     """What the equations for any joint leave out: signs of variables, rotors, friction and armatures."""
     robot = context.robot
-    opposed = ", ".join(f"${i}$" for i, joint in enumerate(robot.joints, 1) if joint.sign < 0)
-    if opposed:
+    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(robot.joints, 1) if joint.sign < 0):
         yield context.paragraph(
             "The variables of these joints count against their axes: %(joints)s. For them $-\\dot{q}_i$, "
             "$-\\ddot{q}_i$ and $-\\tau_i$ stand in place of $\\dot{q}_i$, $\\ddot{q}_i$ and $\\tau_i$.",

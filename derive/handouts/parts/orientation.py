@@ -66,7 +66,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     _, t = context.text, partial(context.symbols.entry, "t")
     words = _("roll"), _("pitch"), _("yaw")
     names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
-    roll, pitch, yaw = (f"${name.tex}$" for name in names)
+    said = {angle: f"${name.tex}$" for angle, name in zip(("roll", "pitch", "yaw"), names, strict=True)}
     yield context.paragraph(
         "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: $\\mathbf{R} = %(product)s$.",
         product=_rotations("zyx", names[::-1]),
@@ -79,9 +79,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         yield context.answer(
             "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
             "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
-            roll=roll,
-            pitch=pitch,
-            yaw=yaw,
+            **said,
         )
         return
     by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
@@ -95,9 +93,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
         "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
         zeros=f"${t(1, 1).tex} = {t(2, 1).tex} = 0$",
-        roll=roll,
-        pitch=pitch,
-        yaw=yaw,
+        **said,
         right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
     )
 
@@ -116,7 +112,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     """Singular where t_13 = t_23 = 0, at t_33 = +-1."""
     _, t = context.text, partial(context.symbols.entry, "t")
     names, cosine = euler_names(context), t(3, 3)
-    first, second, third = (f"${name.tex.strip()}$" for name in names)
+    said = {place: f"${name.tex.strip()}$" for place, name in zip(("first", "second", "third"), names, strict=True)}
     yield context.paragraph(
         "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
         product=_rotations("zyz", names),
@@ -131,8 +127,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
             "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
             "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
             "zero.",
-            first=first,
-            third=third,
+            **said,
         )
         return
     by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
@@ -146,9 +141,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
         "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
         zeros=f"${t(1, 3).tex} = {t(2, 3).tex} = 0$",
-        first=first,
-        second=second,
-        third=third,
+        **said,
         straight="180^{\\circ}" if context.notation.degrees else "\\pi",
     )
 

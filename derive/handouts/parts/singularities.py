@@ -42,7 +42,19 @@ def _determinant(context: Context, found: Singularities) -> Iterator[Block]:
     if context.steps:
         one = _("The matrix $%(matrix)s$", matrix=_symbol(found).tex)
         title = _("The blocks of the Jacobian") if len(found.blocks) > 1 else one
-        yield Steps(title, tuple(_matrices(context, found)))
+        steps: list[Block] = []
+        if not found.task and any(block.reference.frame is not None for block in found.blocks):
+            steps.append(context.paragraph("The upper index is the frame in whose axes a block is written."))
+        for k, block in enumerate(found.blocks):  # J_11 and J_22, J, or J', with the frame of the axes above
+            frame = EMPTY if block.reference.frame is None else italic(str(block.reference.frame))
+            if len(found.blocks) > 1:
+                name = script(bold("J"), italic(block.name[2:]), frame)
+            else:
+                name = _symbol(found) if found.task else script(bold("J"), sup=frame)
+            namer, quantity = partial(context.symbols.entry, "J'" if found.task else "J"), of_matrix(block.matrix)
+            group = Group.SINGULARITY_BLOCKS + k
+            steps.append(formula(context, context.layouter.lay_out(name, namer, quantity, group=group)))
+        yield Steps(title, tuple(steps))
     yield formulas.determinant()
     if found.outcome is Outcome.NEVER:
         words = _("It does not depend on the configuration: as long as it is not zero, no rank is ever lost.")
@@ -135,23 +147,6 @@ def _minors(context: Context, found: Singularities) -> Iterator[Block]:
         limited = _("The rank is never less, as long as $%(conditions)s$.", conditions=conditions)
         closing = limited if conditions else _("The rank is never less.")
     yield Paragraph(closing, is_answer=True)
-
-
-def _matrices(context: Context, found: Singularities) -> Iterator[Block]:
-    """The blocks; J_11 and J_22, J, or J', with the frame of the axes above."""
-    blocks = found.blocks
-    if not found.task and any(block.reference.frame is not None for block in blocks):
-        yield context.paragraph("The upper index is the frame in whose axes a block is written.")
-    for k, block in enumerate(blocks):
-        frame = EMPTY if block.reference.frame is None else italic(str(block.reference.frame))
-        if len(blocks) > 1:
-            name = script(bold("J"), italic(block.name[2:]), frame)
-        else:
-            name = _symbol(found) if found.task else script(bold("J"), sup=frame)
-        namer = partial(context.symbols.entry, "J'" if found.task else "J")
-        quantity = of_matrix(block.matrix)
-        group = Group.SINGULARITY_BLOCKS + k
-        yield formula(context, context.layouter.lay_out(name, namer, quantity, group=group))
 
 
 def _symbol(found: Singularities) -> Box:

@@ -42,8 +42,7 @@ def dh_table(context: Context) -> Iterator[Block]:
         kind = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
     yield Paragraph(f"{kind} {_units(context)}")
     yield table_rows(context)
-    frames = end_lines(context)
-    if frames:
+    if frames := end_lines(context):
         yield context.paragraph(
             "Constant transforms: the base takes frame $0$ into the world, "
             "the tool the end effector into frame $%(n)s$.",
@@ -137,8 +136,7 @@ def parameters(context: Context) -> Iterator[Block]:
     if numbers:
         yield context.paragraph("Numbers given in the robot file:")
         yield Rows(tuple(numbers))
-    free = pack(glyph(name).box for name in free_symbols(context.robot))
-    if free:
+    if free := pack(glyph(name).box for name in free_symbols(context.robot)):
         yield context.paragraph("Arguments of the generated functions, in this order:")
         yield Rows(tuple(free))
     if context.robot.links:

@@ -118,7 +118,10 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     for _ in range(order):
         derivative = derivative.diff(_U)
     # Without its leading coefficient, which may have roots, the rest is often rational and has exact factors.
-    leading, monic = _monic(derivative)
+    coefficients = derivative.all_coeffs()
+    leading = next((c for c in coefficients if c != 0), Integer(1))
+    ratios = [ratio if ratio.is_Rational else cancel(ratio) for ratio in (c / leading for c in coefficients)]
+    monic = Poly(ratios, _U, domain=QQ if all(ratio.is_Rational for ratio in ratios) else "EX")
     scale = leading / piece.duration**order
     for place, value, exact in [_at(monic, Integer(0)), _at(monic, Integer(1)), *_stationary(monic)]:
         time = piece.start + place * piece.duration
@@ -126,16 +129,6 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
             yield Peak(value * scale, time, True)
         else:
             yield Peak(Float(float(value) * float(scale)), Float(float(time)), False)
-
-
-def _monic(polynomial: Poly) -> tuple[Expr, Poly]:
-    """Its leading coefficient and the rest, over the rationals where it can be."""
-    coefficients = polynomial.all_coeffs()
-    leading = next((c for c in coefficients if c != 0), None)
-    if leading is None:
-        return Integer(0), Poly(0, _U, domain=QQ)
-    ratios = [ratio if ratio.is_Rational else cancel(ratio) for ratio in (c / leading for c in coefficients)]
-    return leading, Poly(ratios, _U, domain=QQ if all(ratio.is_Rational for ratio in ratios) else "EX")
 
 
 _Place = tuple[Expr, Expr, bool]  # a place, the value of a polynomial there, and whether both are exact

@@ -3,7 +3,7 @@
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib.util import find_spec
 from io import BytesIO
@@ -16,13 +16,13 @@ from derive.arrays import Array
 from derive.errors import OutputError, TargetError, install_extra, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.projection import View, seen, view_along
+from derive.handouts.figure.projection import View, plane_normal, seen, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
-from derive.motion.output.plane import frames_of, motion_normal
 from derive.motion.simulation.simulation import Run
+from derive.workspace.poses import RobotPoses
 
 SUFFIXES = (".gif", ".mp4")
 
@@ -32,7 +32,25 @@ WIDTH, HEIGHT = 480, 360  # of a frame [pixels]; even, as MP4 wants
 FINE = 2  # frames are drawn so many times larger and made smaller, which makes their edges smooth
 MARGIN = 46  # around everything that the arm reaches in the film, room for joints and hand [pixels]
 COLORS = 96  # of a GIF, the same in all its frames
+TIMES = 9  # when is looked whether a base that moves leaves the plane of its arm
 _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
+
+
+def frames_of(motion: Motion, times: Array, q: Array) -> Array:
+    """Where the frames of the arm are."""
+    robot = motion.plan.robot
+    values = (*robot.parameters, *motion.plan.values.items())
+    poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
+    frames = np.array([poses.frames([float(value) for value in row]) for row in q])
+    moving = motion.base
+    return frames if moving is None else moving(times, 0)[:, None] @ frames
+
+
+def motion_normal(motion: Motion) -> Array | None:
+    """The unit normal of the plane in which an arm moves; None where it moves in space, by its joints or its base."""
+    times = np.linspace(0.0, motion.duration, TIMES)
+    robot = motion.plan.robot
+    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, times, motion(times)[0])])
 
 
 def require_pillow() -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.handouts.figure.writers import POINTS_PER_INCH, STYLE, figure_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
-from derive.motion.curves.violations import Bounds, Violation
+from derive.motion.curves.limits import Bounds, Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
 

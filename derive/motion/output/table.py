@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.arrays import Array
-from derive.motion.curves.violations import ROUNDING
+from derive.motion.curves.limits import ROUNDING
 from derive.motion.motion import Motion
 from derive.plans.segments import Peak
 from derive.robot.names import acceleration_name, velocity_name
@@ -89,8 +89,7 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
         first, last = inside[0], inside[-1]
         worst = []
         for revolute, unit in ((True, "rad"), (False, "m")):
-            joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]
-            if joints:
+            if joints := [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]:
                 off = errors[inside][:, joints]
                 row, k = np.unravel_index(np.abs(off).argmax(), off.shape)
                 variable = robot.joints[joints[k]].variable
@@ -129,8 +128,7 @@ def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:
     """The largest of the angles and the largest of the slides, those that move."""
     said = []
     for revolute, unit in ((True, "rad"), (False, "m")):
-        joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute and peaks[j].value != 0]
-        if joints:
+        if joints := [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute and peaks[j].value != 0]:
             at = max(joints, key=lambda j: abs(float(peaks[j].value)))
             said.append(f"{robot.joints[at].variable} {_number(peaks[at].value)} {unit}/{per}")
     return ", ".join(said) or "none"

@@ -11,17 +11,23 @@ nothing changes. Bounds are held at both ends of every interval. What the motion
 its bounds, and what is left after that is made good by time.
 """
 
+from __future__ import annotations
+
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
+from sympy import Expr, Float
 
 from derive.arrays import Array, Indices
 from derive.errors import QuantityError, install_extra
-from derive.motion.curves.trajectory import Trajectory
-from derive.motion.paths.smooth import VALUES, Nodes
+from derive.motion.curves.trajectory import ONE, Corner, Trajectory
+from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
+from derive.plans.profile import ZERO
+from derive.plans.segments import Joints, Segment
 
 # Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each.
 Torques = Callable[[Indices, Array, Array, Array], Array]
@@ -34,6 +40,10 @@ ROUNDS = 12  # how often viscous friction and the bounds are corrected
 SETTLED = 1e-6  # change of x, relative to its largest value, below which viscous friction is right
 SPARE = 1e-11  # what is left of each bound, relative to it, for the rounding of who looks later
 CURVED = 1e-4  # most that is left, relative to a bound, for what may lie between two samples
+INTERVALS = 192  # of each segment
+NOISE = 1e-9  # slope of a joint, relative to the largest of all, below which it does not move
+HALVINGS = 50  # of an interval in which a joint turns back
+VALUES = 3  # position, velocity and acceleration stand at both ends of each piece
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +185,6 @@ class FastestMotion:
         return np.asarray(found / scale)
 
     def _nodes(self, x: Array) -> Nodes:
-        """The motion of an x."""
         # With u constant ds/dt is linear in time: an interval takes 2 ds/(sqrt(x_0) + sqrt(x_1)), and u = dx/(2 ds).
         rates, steps = np.sqrt(x), np.diff(self.grid)
         times = np.append(0.0, np.cumsum(2 * steps / (rates[:-1] + rates[1:])))
@@ -217,3 +226,95 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     # An interval at whose both ends the rate is zero would take for ever.
     stands = rates[:-1] + rates[1:] == 0
     return None if stands.any() else np.asarray(rates, dtype=float) ** 2
+
+
+# -- paths of the joints, q(s) from s = 0 to 1, and motions along them by their values at many times
+
+
+def one_second(joints: Joints) -> Trajectory:
+    """A path of pieces from s = 0 to 1."""
+    return Trajectory((Segment("", ZERO, ONE, joints),))
+
+
+UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s itself
+
+
+def smooth_path(knots: Array, corners: Array) -> Trajectory:
+    """The natural cubic spline through points at s from 0 to 1, (points,); between two points a straight line."""
+    from scipy.interpolate import CubicSpline
+
+    slopes = CubicSpline(knots, corners, bc_type="natural")(knots, 1)
+    places = [Float(s) for s in knots]
+    columns = [
+        [tuple(map(Float, end)) for end in zip(*column, strict=True)]
+        for column in zip(corners.T, slopes.T, strict=True)
+    ]
+    return one_second(tuple(joined(column, places) for column in columns))
+
+
+@dataclass(frozen=True, slots=True)
+class Nodes:
+    """A motion by polynomials of degree five between times."""
+
+    times: Array  # ascending from 0 [s], (nodes,)
+    ends: Array  # position, velocity and acceleration at both ends of each interval, (intervals, 2, 3, n)
+
+    def slower(self, factor: float) -> Nodes:
+        """The same in more time."""
+        return Nodes(self.times * factor, self.ends / factor ** np.arange(VALUES)[:, None])
+
+    def inside(self, u: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration at the same places of each interval."""
+        count, n = self.ends.shape[0], self.ends.shape[-1]
+        # All intervals at all places in one call for each joint and order.
+        lengths = np.repeat(np.diff(self.times), u.size)
+        places = np.tile(u, count)
+        found = np.empty((VALUES, count * u.size, n))
+        for j in range(n):
+            numbers = np.repeat(self.ends[..., j].reshape(count, 2 * VALUES), u.size, axis=0)
+            for order in range(VALUES):
+                found[order, :, j] = sampled(numbers, VALUES, places, lengths, order)
+        q, qd, qdd = found.reshape(VALUES, count, u.size, n)
+        return q, qd, qdd
+
+    def pieces(self, first: int, last: int, exact: Mapping[int, Corner]) -> Joints:
+        """The pieces of each joint between two nodes; of one that stands a single one."""
+        number: Callable[[float], Expr] = Float if last - first <= MOST_PRINTED else float
+        zero = number(0) if number is float else ZERO
+        times = [number(t) if t else zero for t in self.times[first : last + 1]]
+
+        def _end(node: int, end: int, j: int) -> tuple[Expr, ...]:
+            q, *rates = self.ends[node - end, end, :, j]
+            return (exact[node][j] if node in exact else number(q), *(number(rate) if rate else zero for rate in rates))
+
+        tracks: list[tuple[Piece, ...]] = []
+        for j in range(self.ends.shape[-1]):
+            if self.ends[first:last, :, 1:, j].any():
+                values = ((_end(i, 0, j), _end(i + 1, 1, j)) for i in range(first, last))
+                spans = zip(pairwise(times), values, strict=True)
+                tracks.append(tuple(Piece(a, b - a, ends) for (a, b), ends in spans))
+            else:
+                stands = (*map(symbolic, _end(first, 0, j)),)
+                tracks.append((Piece(symbolic(times[0]), symbolic(times[-1] - times[0]), (stands, stands)),))
+        return tuple(tracks)
+
+
+def grid_of(path: Trajectory, knots: Array) -> Array:
+    """Values of s at which a motion is computed: closer at both ends, where it is slow."""
+    grid: Array = (1 - np.cos(np.linspace(0, np.pi, INTERVALS * (len(knots) - 1) + 1))) / 2
+    # A joint that turns back between two places gets one of its own there, by bisection of the sign of q'.
+    slopes = path(grid)[1]
+    slopes[:, np.abs(slopes).max(axis=0) < NOISE * np.abs(slopes).max()] = 0
+    fixed = list(knots[1:-1])
+    for i, j in np.argwhere(slopes[:-1] * slopes[1:] < 0):
+        low, high = float(grid[i]), float(grid[i + 1])
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            low, high = (middle, high) if path(middle)[1][j] * slopes[i, j] > 0 else (low, middle)
+        if not fixed or np.abs(np.array(fixed) - low).min() > NOISE:
+            fixed.append(low)
+    # Points of the path and turns take the places of the grid that are nearest to them.
+    inner = grid[1:-1]
+    nearest = {int(np.abs(inner - place).argmin()) for place in fixed}
+    kept = np.delete(inner, sorted(nearest))
+    return np.concatenate([[0.0], np.sort(np.concatenate([kept, fixed])), [1.0]])

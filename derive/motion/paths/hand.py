@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
 from math import isfinite, nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 from sympy import Expr, Float, Integer, Symbol, sstr
@@ -15,20 +14,16 @@ from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
-from derive.motion.paths.poses import NEAR, NODES, ROWS, Follower, Way, rotation_of, rotation_vector, spline_way
-from derive.motion.paths.smooth import UNIFORM, grid_of, one_second, smooth_path
+from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, one_second, smooth_path
+from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.torques.functions import Functions, kinematics_alone
 from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
-from derive.plans.points import Point, Step, Vector
 from derive.plans.profile import ZERO
-from derive.plans.segments import Joints
+from derive.plans.segments import Joints, Point, Step, Vector
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
-
-if TYPE_CHECKING:  # inverse kinematics and closed forms, which take long to import, are for hands that are led
-    from derive.motion.paths.fastest import Torques
 
 MET = 1e-9  # largest difference, relative, of both sides of a condition that holds
 ARRIVED = 1e-6  # largest difference between a configuration and where a line ends [rad or m]
@@ -184,12 +179,7 @@ class Hand:
         return [self._functions("forward_kinematics", q), *ends]
 
     def _follower(self, step: Step) -> Follower:
-        from derive.motion.paths.singular import vanishing_factor
-
-        rows = sorted({row for word in self._plan.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])})
-        return Follower(
-            self._functions, tuple(rows), step.location, partial(vanishing_factor, self._plan.robot, self._values)
-        )
+        return Follower(self._functions, self._plan.robot, self._values, step.location)
 
     def _check_arrival(self, step: Step, joints: Joints) -> None:
         """A point that is given by joint variables is reached with these."""
@@ -231,8 +221,6 @@ class Hand:
 
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
-        from derive.motion.paths.fastest import FastestMotion
-
         step = run[0]
         if self._plan.base is not None and any(self._plan.torque):
             remedy = "leave out torque: or base:"

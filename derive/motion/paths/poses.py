@@ -1,4 +1,4 @@
-"""Configurations of points that are poses, and the way of the end effector on lines, arcs and splines.
+"""The way of the end effector on lines, arcs and splines, and where an arm cannot go on since it loses a direction.
 
 On a spline through points its place and its orientation are cubic splines of time. The orientation is
 R(t) = exp(w(t)^) R_0 with a spline w through the rotation vectors of the points. Its angular velocity is omega = V w'
@@ -8,22 +8,26 @@ with V = 1 + a w^ + b w^ w^, a = (1 - cos x)/x^2, b = (x - sin x)/x^3, x = |w|, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
+from typing import TYPE_CHECKING
 
 import numpy as np
-from sympy import Expr, Float
+from sympy import Expr, Float, Symbol, sstr
 
 from derive.arrays import Array
-from derive.errors import Location, RobotFileError
+from derive.errors import DeriveError, Location, RobotFileError
 from derive.motion.curves.trajectory import Trajectory
-from derive.motion.paths.singular import usual_rank
 from derive.motion.torques.functions import Functions
 from derive.plans.hermite import Piece
 from derive.plans.profile import spline
 from derive.plans.segments import Segment
+from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.model.singularities.conditions import Condition
 
 # Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them.
 NODES = (64, 128, 256, 512)
@@ -32,6 +36,8 @@ CLOSED = 1e-12  # error of a pose that is reached, relative to the arm's size
 ITERATIONS = 20  # Newton steps from one place to the next
 SINGULAR = 1e-6  # smallest singular value of J, relative to the largest, below which the hand cannot follow a line
 TERMS = 24  # of the power series of a and b, which are exact to rounding up to a whole turn
+VANISHING = 0.25  # of what a factor is elsewhere: below it a singularity is near
+PROBES = 8  # configurations at which the rank of J is looked at
 # Rows of a twist that a row of a task asks for.
 ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}
 
@@ -71,9 +77,8 @@ class Way:
     """A way of the end effector by its fraction s from 0 to 1."""
 
     place: Callable[[float], tuple[Array, Array, Array]]  # position at s, and its first and second derivative
-    turned: Callable[
-        [float], tuple[Array, Array, Array]
-    ]  # rotation (3, 3), and in the world omega and omega' by s (3,)
+    # Rotation (3, 3), and in the world omega and omega' by s (3,).
+    turned: Callable[[float], tuple[Array, Array, Array]]
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:
@@ -164,9 +169,18 @@ class Follower:
     """Moves an arm along a way of its end effector."""
 
     functions: Functions  # ``forward_kinematics``, ``jacobian`` and ``jacobian_dot``
-    rows: tuple[int, ...]  # rows of the twist that the task asks for
+    robot: Robot  # the arm
+    values: Mapping[str, float]  # numbers of its symbols
     location: Location  # where the plan asks for it
-    factor: Callable[[Array], str]  # which formula vanishes at a singular configuration
+
+    @cached_property
+    def rows(self) -> tuple[int, ...]:
+        """Rows of the twist that the task asks for."""
+        return tuple(sorted({row for word in self.robot.inverse.task for row in ROWS.get(word, ROWS["orientation"])}))
+
+    def factor(self, q: Array) -> str:
+        """Which formula vanishes at a singular configuration."""
+        return vanishing_factor(self.robot, self.values, q)
 
     def pieces(
         self, way: Way, q: Array, times: Array, fractions: tuple[Array, Array, Array, Array]
@@ -181,7 +195,12 @@ class Follower:
             # nu = V sd, nu' = V sdd + V' sd^2: velocity and bend of the way by its fraction, of place and rotation.
             (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
             twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
-            jacobian = self._regular(q, passed)
+            jacobian = self.functions("jacobian", q)[list(self.rows)]
+            if self.regularity(q) <= SINGULAR:
+                inside = f"leads through a singular configuration {passed:.4g} s after its start"
+                where = inside if passed else "starts at a singular configuration"
+                factor = self.factor(q)
+                raise self._error(f"the way {where}" + (f", where {factor} = 0" if factor else ""))
             # J qd = nu; J qdd = nu' - J' qd, before and after a node at which sdd jumps (Siciliano et al., 3.7).
             qd = self._solve(jacobian, twist * sd, passed)
             drift = self.functions("jacobian_dot", q, qd) @ qd
@@ -233,15 +252,6 @@ class Follower:
         values = np.linalg.svd(self.functions("jacobian", q)[list(self.rows)], compute_uv=False)
         return float(values[self._rank - 1] / values[0]) if self._rank else 1.0
 
-    def _regular(self, q: Array, after: float) -> Array:
-        jacobian: Array = self.functions("jacobian", q)[list(self.rows)]
-        if self.regularity(q) <= SINGULAR:
-            when = f"leads through a singular configuration {after:.4g} s after its start"
-            where = when if after else "starts at a singular configuration"
-            factor = self.factor(q)
-            raise self._error(f"the way {where}" + (f", where {factor} = 0" if factor else ""))
-        return jacobian
-
     def _solve(self, jacobian: Array, twist: Array, after: float) -> Array:
         wanted = twist[list(self.rows)]
         found = np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
@@ -252,3 +262,44 @@ class Follower:
     def _error(self, found: str) -> RobotFileError:
         remedy = "go there by joints: leave out line, through and spline: hand, or choose another point"
         return RobotFileError(found, remedy=remedy, location=self.location)
+
+
+# -- where an arm loses a direction of its end effector, and which of its singularities that is
+
+
+def usual_rank(functions: Functions, rows: Sequence[int]) -> int:
+    """In how many directions the end effector moves where the arm is not singular."""
+    return max(int(np.linalg.matrix_rank(jacobian[list(rows)], tol=1e-9)) for jacobian in _jacobians(functions))
+
+
+def all_directions(functions: Functions) -> int:
+    """How many directions the twists of the end effector have over all configurations."""
+    return int(np.linalg.matrix_rank(np.hstack(_jacobians(functions)), tol=1e-9))
+
+
+def _jacobians(functions: Functions) -> list[Array]:
+    """J at random configurations."""
+    return [functions("jacobian", q) for q in np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))]
+
+
+def vanishing_factor(robot: Robot, values: Mapping[str, float], q: Array) -> str:
+    """What vanishes at the singularity that is nearest: a factor of det J, or factors that are zero together."""
+    from derive.model.kinematic_model import KinematicModel  # closed forms are needed for this message alone
+
+    try:
+        families = KinematicModel(robot).singularities.families
+    except DeriveError:
+        return ""
+    numbers = {Symbol(name): value for name, value in values.items()}
+    variables = [Symbol(joint.variable) for joint in robot.joints]
+    # The size of a factor counts relative to its largest one at random configurations.
+    places = [q, *np.random.default_rng(0).uniform(-3, 3, (PROBES, len(q)))]
+
+    def _size(family: tuple[Condition, ...]) -> float:
+        """How near it is, as a part of how far it is elsewhere."""
+        at = [numbers | dict(zip(variables, map(float, place), strict=True)) for place in places]
+        here, *elsewhere = ([abs(float(c.expression.subs(known))) for c in family] for known in at)
+        return max(float(size / max(sizes)) for size, sizes in zip(here, zip(*elsewhere, strict=True), strict=True))
+
+    nearest = min(families, key=_size, default=())
+    return " = 0 and ".join(sstr(c.expression) for c in nearest) if nearest and _size(nearest) < VANISHING else ""

@@ -7,12 +7,11 @@ from sympy import Expr
 
 from derive.errors import RobotFileError
 from derive.motion.curves.extremes import numeric_peak
-from derive.motion.curves.limits import MOST_CRUISE, placed, proportions, rounded_up, trapezoid_peaks
+from derive.motion.curves.limits import MOST_CRUISE, placed, proportions, rounded_up
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.hand import Hand
 from derive.plans.hermite import Piece, joined, symbolic
 from derive.plans.plan import Plan
-from derive.plans.points import Step
 from derive.plans.profile import (
     CRUISE,
     UNIT_PEAKS,
@@ -26,7 +25,7 @@ from derive.plans.profile import (
     trapezoid,
     via_velocities,
 )
-from derive.plans.segments import Joints, Segment
+from derive.plans.segments import Joints, Segment, Step
 
 
 def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
@@ -178,7 +177,8 @@ def _rest_to_rest_time(hand: Hand, step: Step, q0: Corner, q1: Corner) -> tuple[
             _check_cruise(step, cruises[0], step.time and hand.exact(step.time), max(ways, key=float))
         elif step.time is None:
             cruises = [hand.limits.cruise(j, way) if way != 0 else CRUISE for j, way in enumerate(ways)]
-        units = [trapezoid_peaks(cruise) for cruise in cruises]
+        # Speed and acceleration of a trapezoid from 0 to 1 in one second.
+        units = [(cruise, cruise**2 / (cruise - 1)) for cruise in cruises]
     else:
         units = [UNIT_PEAKS[step.profile]] * len(ways)
     if step.time is not None:

@@ -15,10 +15,10 @@ from derive.motion.simulation.held import held_arm
 from derive.motion.simulation.simulation import Stage
 from derive.motion.simulation.stepping import PLANT, Plant
 from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import CarriedBody, OpenLink
+from derive.motion.torques.bodies import OpenLink
 from derive.motion.torques.functions import Functions
 from derive.plans.plan import Plan
-from derive.plans.points import Payload
+from derive.plans.segments import Payload
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO
 
@@ -93,7 +93,7 @@ def stages_of(
     rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
     expected = rate * float(trajectory.duration) if calls is None else calls
     needed = PLANT | NEEDS[control.law]
-    known = {**values, **(link.values(CarriedBody.last_link(bare, values)) if link else {})}
+    known = link.carrying(bare, values) if link else values
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
     viscous, coulomb = (
         np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
@@ -109,12 +109,7 @@ def stages_of(
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
 
     def _numbers(numbers: Mapping[str, float], payloads: Sequence[Payload | None]) -> Mapping[str, float]:
-        if link is None:
-            return numbers
-        body = CarriedBody.last_link(bare, numbers)
-        for payload in filter(None, payloads):
-            body += CarriedBody.payload(bare, payload, numbers)
-        return {**numbers, **link.values(body)}
+        return link.carrying(bare, numbers, payloads) if link else numbers
 
     stages = []
     for start in _changes(plan, trajectory, values):

@@ -23,16 +23,11 @@ from derive.arrays import Array
 from derive.mechanics.chain import Body, Chain, Domain, build_chain, constant_vector
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.floats import ArrayDomain, FloatDomain
-from derive.mechanics.newton_euler import (
-    LinkMotion,
-    angular_acceleration_tensor,
-    inverse_dynamics,
-    torques_and_wrench,
-)
+from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, inverse_dynamics, torques_and_wrench
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
-from derive.motion.torques.bodies import CarriedBody, OpenLink
-from derive.plans.moving_base import BaseCurve
-from derive.plans.points import Payload
+from derive.motion.torques.bodies import OpenLink
+from derive.plans.segments import Payload
+from derive.plans.surroundings import BaseCurve
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
@@ -118,10 +113,8 @@ class BaseTorques:
         """Those of the arm whose last link is as heavy as with what the tool carries."""
         if not any(payloads):
             return self
-        link, carried = OpenLink.of(self.robot), CarriedBody.last_link(self.robot, self.values)
-        for payload in filter(None, payloads):
-            carried += CarriedBody.payload(self.robot, payload, self.values)
-        return replace(self, robot=link.robot, values={**self.values, **link.values(carried)})
+        link = OpenLink.of(self.robot)
+        return replace(self, robot=link.robot, values=link.carrying(self.robot, self.values, payloads))
 
     def _gravity(self, domain: Domain[S]) -> Vector[S]:
         zero = domain.number(0)

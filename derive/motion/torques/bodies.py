@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from derive.arrays import Array
-from derive.plans.points import Payload
+from derive.plans.segments import Payload
 from derive.robot.description import Inertia
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Name
@@ -83,7 +83,14 @@ class OpenLink:
         link = replace(robot.links[-1], mass=mass, com=(x, y, z), inertia=Inertia(*inertia))
         return cls(replace(robot, links=(*robot.links[:-1], link)), tuple(names))
 
-    def values(self, body: CarriedBody) -> dict[str, float]:
-        """Numbers of the symbols."""
+    def carrying(
+        self, robot: Robot, values: Mapping[str, float], payloads: Iterable[Payload | None] = ()
+    ) -> dict[str, float]:
+        """The numbers of a robot, and those of the symbols for its last link with what the tool carries."""
+        body = CarriedBody.last_link(robot, values)
+        for payload in filter(None, payloads):
+            body += CarriedBody.payload(robot, payload, values)
         entries = [body.inertia[place] for place in _ENTRIES.values()]
-        return {name: float(v) for name, v in zip(self.names, (body.mass, *body.com, *entries), strict=True)}
+        return {**values} | {
+            name: float(v) for name, v in zip(self.names, (body.mass, *body.com, *entries), strict=True)
+        }

@@ -6,12 +6,11 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from derive.handouts.notation.derivation import derivation_lines
+from derive.handouts.notation.derivation import derivation_lines, workspace_lines, workspace_parts
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.singularities import aspects_parts, aspects_text, singularities_lines, singularities_parts
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names, with_signs
 from derive.handouts.notation.text import PlainPrinter, TextPrinter
-from derive.handouts.notation.workspace import workspace_lines, workspace_parts
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.reach import Reach
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics

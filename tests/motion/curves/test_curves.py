@@ -10,9 +10,8 @@ from sympy import Abs, DiracDelta, Float, Integer, Rational, cos, pi, sign, sin,
 from derive.errors import DeriveError
 from derive.motion.curves.extremes import peak
 from derive.motion.curves.given import followed, read_recording
-from derive.motion.curves.limits import Limits, proportions, rounded_up
+from derive.motion.curves.limits import Limits, Violation, exceeded, nearby, proportions, rounded_up
 from derive.motion.curves.trajectory import Segment, Trajectory
-from derive.motion.curves.violations import Violation, exceeded, nearby
 from derive.motion.motion import Motion
 from derive.motion.output.table import samples
 from derive.plans.hermite import TIME, Piece, joined

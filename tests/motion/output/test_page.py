@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive.motion.hand_curve import HandCurve
 from derive.motion.motion import Motion
 from derive.motion.output.page import motion_page
+from derive.motion.output.printed import HandCurve
 from tests.handouts.page.test_browser_viewer import browser
 from tests.motion.plans import PICK_AND_PLACE
 

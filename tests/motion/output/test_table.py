@@ -11,10 +11,8 @@ import pytest
 from sympy import Abs, atan2, cos, pi, sign, sin, sqrt, tan
 
 from derive.motion.motion import Motion
-from derive.motion.output.film import Film
-from derive.motion.output.page import motion_page
-from derive.motion.output.plane import frames_of, motion_normal
-from derive.motion.output.playback import OPERATIONS, playback, tree
+from derive.motion.output.film import Film, frames_of, motion_normal
+from derive.motion.output.page import OPERATIONS, motion_page, playback, tree
 from derive.motion.output.printed import summary
 from derive.motion.output.table import JOINT_HEADER, csv_bytes, joint_table, samples, simulated_table, table, violations
 from derive.plans.hermite import TIME
@@ -264,7 +262,7 @@ def test_of_a_simulation_the_rows_are_played_down_to_the_first_alone_and_its_exc
 
 
 def test_motions_of_many_pieces_and_long_simulations_have_fewer_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("derive.motion.output.playback.MOST_NUMBERS", 32)
+    monkeypatch.setattr("derive.motion.output.page.MOST_NUMBERS", 32)
     motion = Motion.from_text(PICK_AND_PLACE)
     made = playback(motion)
     assert made.places == 4
@@ -272,7 +270,7 @@ def test_motions_of_many_pieces_and_long_simulations_have_fewer_rows(monkeypatch
     assert times == [0, 5, 10]
     values = np.array([piece.values[:2] for piece in made.tracks[1]]).T
     assert pytest.approx(np.array(motion(np.array(times)))[:2, :, 1], abs=1e-14) == values
-    monkeypatch.setattr("derive.motion.output.playback.MOST_NUMBERS", 200)
+    monkeypatch.setattr("derive.motion.output.page.MOST_NUMBERS", 200)
     motion = Motion.from_text(SPRUNG)
     made = playback(motion, motion.simulate()).run
     assert 4 * len(made.times) <= 104

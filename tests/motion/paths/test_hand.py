@@ -11,9 +11,9 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.solve import solve
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
-from derive.motion.hand_curve import HandCurve
 from derive.motion.motion import Motion
 from derive.motion.output.page import plan_part
+from derive.motion.output.printed import HandCurve
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.poses import angular_motion, rotation_of, spline_way
 from derive.robot.robot import Robot

@@ -10,11 +10,10 @@ from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.errors import RobotFileError
 from derive.motion.motion import Motion
+from derive.motion.paths.fastest import INTERVALS, Nodes, grid_of, one_second, smooth_path
 from derive.motion.paths.hand import Hand
-from derive.motion.paths.poses import Way, rotation_of, rotation_vector
+from derive.motion.paths.poses import Way, rotation_of, rotation_vector, usual_rank, vanishing_factor
 from derive.motion.paths.segments import trajectory_of
-from derive.motion.paths.singular import usual_rank, vanishing_factor
-from derive.motion.paths.smooth import INTERVALS, Nodes, grid_of, one_second, smooth_path
 from derive.motion.torques.functions import Functions
 from derive.robot.robot import Robot
 from tests.motion.random_arms import cells, points

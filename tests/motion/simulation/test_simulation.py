@@ -12,9 +12,9 @@ from derive.errors import RobotFileError, TargetError
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
 from derive.motion.simulation.stages import NEEDS, stages_of
-from derive.plans.points import Payload
 from derive.plans.profile import Profile
 from derive.plans.schema import Law
+from derive.plans.segments import Payload
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import number
 from derive.verification.oracle.functions import Oracle

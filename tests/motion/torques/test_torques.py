@@ -14,7 +14,7 @@ from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.bodies import CarriedBody, OpenLink
 from derive.motion.torques.functions import loads
 from derive.plans.hermite import TIME
-from derive.plans.moving_base import BaseCurve
+from derive.plans.surroundings import BaseCurve
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name
 from derive.robot.names import free_symbols
@@ -229,8 +229,8 @@ def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
     assert free_symbols(opened.robot) == opened.names
     again = OpenLink.of(opened.robot)
     assert not set(again.names) & set(opened.names)
-    body = CarriedBody.last_link(robot, parameter_values(robot))  # type: ignore[arg-type]
-    assert opened.values(body)[opened.names[0]] == 0.09
+    values = {name: float(value) for name, value in parameter_values(robot).items()}
+    assert opened.carrying(robot, values)[opened.names[0]] == 0.09
     assert opened.robot.links[-1].mass == Name(opened.names[0])
 
 

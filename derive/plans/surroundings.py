@@ -1,0 +1,136 @@
+"""What else a plan says of the arm: other numbers of a simulated one, what pushes its joints, a base that moves.
+
+Such a base moves by formulas of time, as the root of a skeleton does (document 001, slides 25 to 29).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from sympy import Expr, Integer, Matrix, cos, eye, sin
+
+from derive.arrays import Array
+from derive.errors import Location, RobotFileError, listed, near_miss, quoted
+from derive.plans.cells import PlanCells
+from derive.plans.hermite import TIME
+from derive.plans.profile import Curve
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import Expression, to_text
+from derive.robot.names import robot_symbols
+from derive.robot.reading.document import Document, KeyPath, YamlMapping
+from derive.robot.robot import Robot
+
+PAYLOAD = "payload"  # the key of a body among the numbers of the plant
+KEPT = 8  # single times whose transforms are kept: plant and controller ask for the same
+# Where a plan has the formulas of its position and its angles.
+PATHS: dict[str, KeyPath] = {
+    **{key: ("base", key) for key in ("x", "y", "z")},
+    **{angle: ("base", "rpy", k) for k, angle in enumerate(("roll", "pitch", "yaw"))},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What pushes a joint for a time."""
+
+    joint: int  # index of the joint
+    torque: Expression  # torque or force [N m or N]
+    start: Expression  # when it begins [s]
+    end: Expression  # when it ends [s]
+
+
+def plant_numbers(document: Document, robot: Robot, numbers: PlanCells) -> dict[str, Expression]:
+    """Numbers of symbols that differ in the simulated arm."""
+    node, symbols, found = document.find(("plant",)), (*robot_symbols(robot), PAYLOAD), {}
+    for name in node.entries if isinstance(node, YamlMapping) else ():
+        if name not in symbols:
+            text, allowed = f"no symbol {quoted(name)} in {robot.name}", f"allowed: {listed(symbols)}"
+            raise document.error(("plant", name), text, allowed, near_miss(name, symbols))
+        if name != PAYLOAD:
+            found[name] = numbers.plain(("plant", name))
+    return found
+
+
+def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[Disturbance, ...]:
+    """What pushes the joints."""
+    variables, found = tuple(joint.variable for joint in robot.joints), []
+    for k in range(document.length(("disturbance",))):
+        path: KeyPath = ("disturbance", k)
+        name = document.text(*path, "joint")
+        if name not in variables:
+            text, allowed = f"no joint {quoted(name)}", f"allowed: {listed(variables)}"
+            raise document.error((*path, "joint"), text, allowed, near_miss(name, variables))
+        start, torque, end = (numbers.plain((*path, key)) for key in ("start", "torque", "end"))
+        if not 0 <= numbers.size(start) < numbers.size(end):
+            text = f"from {to_text(start)} to {to_text(end)} s"
+            raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
+        found.append(Disturbance(variables.index(name), torque, start, end))
+    return tuple(found)
+
+
+def check_starts(
+    disturbances: Iterable[Disturbance], places: Mapping[str, Location], values: Mapping[str, float], duration: float
+) -> None:
+    """Refuse a disturbance that begins when the motion has ended [s]."""
+    for k, each in enumerate(disturbances):
+        if (start := evaluate(each.start, values)) >= duration:
+            found = f"a disturbance from {start:.6g} s on, and the motion ends after {duration:.6g} s"
+            raise RobotFileError(found, remedy="leave it out", location=places[f"disturbance, {k}"])
+
+
+# -- a base that moves
+
+
+@dataclass(frozen=True, slots=True)
+class MovingBase:
+    """Where the base of the robot file stands in the world."""
+
+    place: tuple[Expression, ...]  # x, y, z as formulas of t [m]
+    angles: tuple[Expression, ...]  # roll, pitch, yaw as formulas of t [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)
+
+
+def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
+    """The block ``base`` of a plan; None where the base stands still."""
+    if document.find(("base",)) is None:
+        return None
+    lengths, angles = list(PATHS.values())[:3], list(PATHS.values())[3:]
+    return MovingBase(
+        tuple(numbers.formula(path, numbers.cells.length) for path in lengths),
+        tuple(numbers.formula(path, numbers.cells.angle) for path in angles),
+    )
+
+
+@dataclass(frozen=True)
+class BaseCurve:
+    """The transform of a moving base and its derivatives, exact."""
+
+    transform: Matrix  # from the base of the robot file to the world, (4, 4), in the symbol `TIME`
+
+    @classmethod
+    def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> BaseCurve:
+        """The transform of formulas."""
+        # R = Rz(yaw) Ry(pitch) Rx(roll).
+        (ca, sa), (cb, sb), (cc, sc) = ((cos(angle), sin(angle)) for angle in angles)
+        roll = Matrix([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
+        pitch = Matrix([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
+        yaw = Matrix([[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]])
+        whole = eye(4)
+        whole[:3, :3], whole[:3, 3] = yaw * pitch * roll, Matrix(place)
+        return cls(whole)
+
+    def __call__(self, t: Array, order: int) -> Array:
+        """The transform, or a derivative of it by time."""
+        return np.stack([curve.sampled(t, order) for curve in self._curves], axis=-1).reshape(-1, 4, 4)
+
+    @cached_property
+    def single(self) -> Callable[[float], tuple[list[list[float]], ...]]:
+        """Transform, rate and second derivative at one time, as rows; what was asked last is kept."""
+        return lru_cache(KEPT)(lambda t: tuple(self(np.array([t]), order)[0].tolist() for order in range(3)))
+
+    @cached_property
+    def _curves(self) -> list[Curve]:
+        rates = [(entry, entry.diff(TIME)) for entry in self.transform]
+        return [Curve(Integer(0), Integer(1), (entry, rate, rate.diff(TIME))) for entry, rate in rates]
