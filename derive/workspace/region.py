@@ -95,10 +95,10 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
             if missed.size:
                 samples = plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)
                 x, y = plane.places(plane.inside(samples))
-            for k in missed:
-                left, low, right, high = faces[k].bounds
-                near = (x > left) & (x < right) & (y > low) & (y < high)
-                reached[k] = shapely().contains_xy(faces[k].buffer(-margin), x[near], y[near]).any()
+                for k in missed:
+                    left, low, right, high = faces[k].bounds
+                    near = (x > left) & (x < right) & (y > low) & (y < high)
+                    reached[k] = shapely().contains_xy(faces[k].buffer(-margin), x[near], y[near]).any()
             faces = faces[reached]
         found.append(faces)
     return _area(plane, *found)
