@@ -151,7 +151,6 @@ class _Parser(argparse.ArgumentParser):
         self.error(f"{what}; allowed: {', '.join(map(str, action.choices))}", str(value), map(str, action.choices))
 
     def error(self, message: str, word: str = "", allowed: Iterable[str] = ()) -> NoReturn:
-        """Refuse the arguments."""
         from derive.errors import DeriveError, near_miss
 
         raise DeriveError(message, allowed=near_miss(word, allowed), remedy=f"see '{self.prog} --help'")
@@ -161,7 +160,6 @@ class _Command(_Parser):
     """The parser of a command, which has its arguments when it is asked for them, so that help answers at once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, once the arguments are known."""
         self.configured()
         found, surplus = super().parse_known_args(args, namespace)
         return (found, surplus) if not surplus else self.error(f"{surplus[0]!r} is an argument too many")

@@ -84,7 +84,6 @@ class RigidBody:
         ]
 
     def __add__(self, other: RigidBody) -> RigidBody:
-        """Both as one body."""
         mass, com = self.mass + other.mass, self.com
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)

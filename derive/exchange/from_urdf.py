@@ -180,7 +180,6 @@ class _Table:
         return self.certificate.position > max(MOST_MOVED * self.arm.reach, ROUNDED)
 
     def check(self, urdf: Urdf, snap: Fraction) -> None:
-        """Refuse what moves far."""
         if self.moves_far:
             most, moved = MOST_MOVED * self.arm.reach, self.certificate.position
             raise RobotFileError(
@@ -198,8 +197,6 @@ class _Table:
 
 @dataclass(frozen=True, slots=True)
 class _Chain:
-    """A chain that tables are made of."""
-
     urdf: Urdf  # the file
     written: Arm  # the chain with all angles as they are written
     convention: Convention | None  # of the tables; None for that of the table which the URDF carries, else standard

@@ -158,7 +158,6 @@ def exchange(one: Path, other: Path) -> bool:
 
 @contextmanager
 def _system_errors(target: Path) -> Iterator[None]:
-    """Errors of the operating system become `OutputError`."""
     try:
         yield
     except OSError as error:
@@ -170,7 +169,6 @@ def _system_errors(target: Path) -> Iterator[None]:
 
 
 def _write_new(path: Path, data: bytes) -> None:
-    """A file that was not there before."""
     with open(path, "xb") as file:
         file.write(data)
 

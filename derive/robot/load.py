@@ -55,16 +55,11 @@ _TAKEN = {
 }
 
 
-def load_description(path_or_name: str | Path) -> Description:
-    """Load a robot file, or a robot of the catalogue.
+def robot_file_bytes(path_or_name: str | Path) -> bytes:
+    """Contents of a robot file, or of the file of a robot of the catalogue.
 
     A text that is exactly a catalogue name means the catalogue; write ``./name`` for a file of that name.
     """
-    return description_from_bytes(robot_file_bytes(path_or_name), str(path_or_name))
-
-
-def robot_file_bytes(path_or_name: str | Path) -> bytes:
-    """Contents of a robot file, or of the file of a robot of the catalogue."""
     text = str(path_or_name)
     if text in catalogue_names():
         return catalogue_text(text).encode()

@@ -151,7 +151,6 @@ class Evidence:
         return self._circle_point()
 
     def _motion(self, joint: int, start: int) -> tuple[Residue, ...]:
-        """The motion of a joint in every sample."""
         row, sign = self.robot.joints[joint], self.robot.joints[joint].sign
         if not row.is_revolute:
             return (Residue(self.prime, sign * self.slides[joint][None, :]),)
@@ -227,7 +226,6 @@ class Evidence:
         return bool(np.all(self._plain(self.pose.entry(name)) == self._plain(self.other.entry(name))))
 
     def _entries(self) -> dict[tuple[int, int], Residue]:
-        """The entries of T by row and column, from 0."""
         entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
         return entries | {(i, 3): self.end.position[i] for i in range(3)}
 

@@ -23,11 +23,9 @@ class _ArrayMasks:
     """What fields of arrays have in common: masks of one truth value per pose."""
 
     def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose."""
         return not np.any(mask)
 
     def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere."""
         return np.bool_(value)
 
 

@@ -32,11 +32,9 @@ class _AtRest(ResidueDomain):
     """Residues of an arm whose joint variables are zero."""
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of a joint's constant angle."""
         return self.cosine_sine(joint.theta)
 
     def joint_offset(self, index: int, joint: Joint) -> Any:
-        """A joint's constant displacement."""
         return self.constant(joint.d)
 
 
@@ -139,7 +137,6 @@ class _System:
         return self.loop.settle(moved)
 
     def count(self) -> int:
-        """The number of solutions, 0 where it is not decided."""
         columns, prime = self.coefficients.shape[2], self.prime
         # Random combinations of all rows: one more than there are columns.
         mixer = [[self.draw.randrange(prime) for _ in range(self.coefficients.shape[1])] for _ in range(columns + 1)]

@@ -212,25 +212,22 @@ def _brought_near(problem: Problem, q: Array, near: Array) -> tuple[Array, Statu
     while problem.free.any():
         _, slope = problem.errors(q)
         # Joints with a share in the null space of J may move while the pose stays; tried with a real step.
-        null = _null_space(slope)
+        _, values, rows = np.linalg.svd(slope)
+        values = np.pad(values, (0, rows.shape[0] - len(values)))
+        null = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
         share = np.linalg.norm(null, axis=1) if null.size else np.zeros(slope.shape[-1])
         tried = np.flatnonzero(problem.free)[share > 0.1 * share.max(initial=1e-3)]
         rests = [(i, replace(problem, free=problem.free & (np.arange(len(moving)) != i))) for i in map(int, tried)]
-        able = [(i, rest) for i, rest in rests if _can_move(rest, q, i)]
+        able = []  # where the others can answer a small step, forwards or backwards
+        for i, rest in rests:
+            if any(_answered(rest, q, i, step * rest.scale[i], 0.5) is not None for step in (1e-2, -1e-2)):
+                able.append((i, rest))
         if not able:
             break
         ends = ((i, rest, _answered(rest, q, i, near[i] - q[i], math.inf)) for i, rest in able)
         joint, rest, end = next((each for each in ends if each[2] is not None), (*able[0], None))
         q, problem, moving[joint] = _as_near(rest, q, joint, near[joint]) if end is None else end, rest, True
     return q, Status.SINGULAR if moving.any() else Status.BOUNDARY, moving
-
-
-def _null_space(slope: Array) -> Array:
-    """(free joints, k) directions in which the wanted entries do not change."""
-    _, values, rows = np.linalg.svd(slope)
-    values = np.pad(values, (0, rows.shape[0] - len(values)))
-    null: Array = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
-    return null
 
 
 def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -> Array | None:
@@ -240,12 +237,6 @@ def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -
     end, residual = fit(rest, attempt[None, :], 30)
     far = np.abs((end[0] - q) / rest.scale).max()
     return end[0] if residual[0] <= POLICY.residual and far <= most else None
-
-
-def _can_move(rest: Problem, q: Array, joint: int) -> bool:
-    """Whether the other joints can compensate for a small step of one, forwards or backwards."""
-    small = 1e-2 * rest.scale[joint]
-    return any(_answered(rest, q, joint, change, 0.5) is not None for change in (small, -small))
 
 
 def _as_near(rest: Problem, q: Array, joint: int, goal: float) -> Array:
@@ -272,8 +263,6 @@ def _distance(problem: Problem, a: Array, b: Array, joints: Array | slice = slic
 
 
 class _Found:
-    """Different solutions, each once."""
-
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.q: list[Array] = []
@@ -308,7 +297,6 @@ class _Found:
         return True
 
     def ordered(self, near: Array, limits: bool) -> NumericSolutions:
-        """The solutions, nearest first, angles folded."""
         chain, problem = self.problem.chain, self.problem
         q = np.array(self.q).reshape(-1, chain.n)
         folded = math.pi - (math.pi - q) % (2 * math.pi)

@@ -277,7 +277,6 @@ def check_structure(document: Document, model: type[Strict] = RobotFile) -> None
 
 
 def _plain(node: Node) -> Any:
-    """The tree as dicts, lists and texts."""
     match node:
         case YamlScalar():
             return node.text
