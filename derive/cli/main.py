@@ -67,7 +67,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)  # looking for garbage once more before the end takes a tenth of a second
     typed = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = _parsers()[0].parse_args(with_help(typed))
+        # ``derive help COMMAND`` is ``derive COMMAND --help``, and nothing at all ``derive --help``.
+        of_help = [*(word for word in typed[1:] if word != "help"), "--help"]
+        arguments = _parsers()[0].parse_args(typed if typed and typed[0] != "help" else of_help)
         from derive.cli.terminal import remarks_told  # help needs none of it
 
         with remarks_told(strict=getattr(arguments, "strict", False)):
@@ -83,20 +85,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         from derive.cli.terminal import error_dict, explain, print_error, print_json
 
         reason, status = explain(error)
-        if wants_json(typed):
+        # Whether a program reads the output is told from the arguments as typed: they may be unusable otherwise.
+        if "--json" in typed or "--format=json" in typed or ("--format", "json") in pairwise(typed):
             print_json({"error": error_dict(error, reason, status)})
         print_error(reason)
         return status
-
-
-def with_help(typed: list[str]) -> list[str]:
-    """``derive help COMMAND`` as ``derive COMMAND --help``, and nothing at all as ``derive --help``."""
-    return typed if typed and typed[0] != "help" else [*(word for word in typed[1:] if word != "help"), "--help"]
-
-
-def wants_json(typed: Sequence[str]) -> bool:
-    """Whether a program reads the output, told from the arguments as typed: they may be unusable otherwise."""
-    return "--json" in typed or "--format=json" in typed or ("--format", "json") in pairwise(typed)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -9,14 +9,15 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar, cast
 
-from derive.errors import OutputError, QuantityError, TargetError
+from derive.errors import QuantityError, TargetError
 from derive.interrupts import uninterrupted
 from derive.inverse.closed.solve import solve
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
+from derive.publish.atomic_folder import system_errors
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
 from derive.robot.robot import Robot
@@ -115,24 +116,20 @@ def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
 
 def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command, former: Path | None = None) -> None:
     """Compile the libraries of some targets."""
-    try:
+    with system_errors(folder, "make room"):
         for target in targets:
             for name, sources in target.compiled.items():
                 if former and _is_same(folder, former, name, sources):
                     shutil.copy2(former / name, folder / name)
                 else:
                     _compile(compiler, folder / sources[0], folder / name)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
 
 
 def take_libraries(names: Iterable[str], origin: Path, folder: Path) -> None:
     """Copy libraries that were compiled elsewhere."""
-    try:
+    with system_errors(folder, "make room"):
         for name in names:
             shutil.copy2(origin / name, folder / name)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
 
 
 def _is_same(folder: Path, former: Path, library: str, sources: Iterable[str]) -> bool:
@@ -183,10 +180,10 @@ def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kw
 
     def _received() -> R:
         try:
-            found: tuple[R, ...] = receiver.recv()
+            (found,) = receiver.recv()
         except EOFError:
-            found = ()
-        return found[0] if found else _here()
+            return _here()
+        return cast(R, found)
 
     try:
         with uninterrupted():

@@ -303,8 +303,12 @@ class _Found:
         q = np.where(chain.revolute & problem.free, folded, q)
         keep = np.ones(len(q), dtype=bool)
         if limits:
-            q = _within(chain, q, near)
+            # Full turns are added until angles are within their limits, nearest to ``near`` where there is a choice.
+            choices = q[..., None] + 2 * math.pi * np.arange(-3, 4) * chain.revolute[:, None]
             low, high = chain.limits.T
+            outside = np.maximum(low[:, None] - choices, choices - high[:, None]).clip(min=0.0)
+            away = np.where(outside > 1e-9, 1e6 + outside, np.abs(choices - near[:, None]))
+            q = np.take_along_axis(choices, away.argmin(axis=-1)[..., None], axis=-1)[..., 0]
             keep = ((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=-1)
         order = sorted(np.flatnonzero(keep), key=lambda i: (_distance(problem, q[i], near), *q[i]))
         return NumericSolutions(
@@ -313,14 +317,3 @@ class _Found:
             residual=problem.residual(q[order]),
             free=np.array([self.free[i] for i in order], dtype=bool).reshape(-1, chain.n),
         )
-
-
-def _within(chain: NumericChain, q: Array, near: Array) -> Array:
-    """Angles with full turns added until they are within their limits, nearest to ``near`` where there is a choice."""
-    turns = 2 * math.pi * np.arange(-3, 4)
-    choices = q[..., None] + turns * chain.revolute[:, None]
-    low, high = chain.limits.T
-    outside = np.maximum(low[:, None] - choices, choices - high[:, None]).clip(min=0.0)
-    away = np.where(outside > 1e-9, 1e6 + outside, np.abs(choices - near[:, None]))
-    best: Array = np.take_along_axis(choices, away.argmin(axis=-1)[..., None], axis=-1)[..., 0]
-    return best
