@@ -76,7 +76,12 @@ def robot_of_transforms(text: str, name: str, convention: Convention = Conventio
     if convention is not robot.convention:
         robot = converted(robot, convention).robot
         robot = Robot.from_text(robot_text(robot, [comment]), f"{name}.yaml")
-    if not _is_equal(robot, product):
+    # The proof: the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials.
+    domain = PolynomialDomain(robot, _atoms(product), rates=False)
+    zero, one = domain.number(0), domain.number(1)
+    ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
+    pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
+    if any(_cleared(a - b, domain) for a, b in pairs):
         raise RobotFileError(f"a table for {quoted(text)}", allowed="allowed: transforms whose product the table has")
     return robot_text(robot, [comment])
 
@@ -343,15 +348,6 @@ def _turned(part: Elementary, axis: int, angle: Expression) -> list[Elementary]:
 
 
 # -- the proof
-
-
-def _is_equal(robot: Robot, product: Sequence[Elementary]) -> bool:
-    """Whether the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials."""
-    domain = PolynomialDomain(robot, _atoms(product), rates=False)
-    ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
-    zero, one = domain.number(0), domain.number(1)
-    pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
-    return not any(_cleared(a - b, domain) for a, b in pairs)
 
 
 def _atoms(product: Sequence[Elementary]) -> list[Expression]:
