@@ -107,7 +107,8 @@ def possible(robot: Robot) -> Possible:
             return Possible(robot, (), border)
         bodies = nearest_bodies.weighed(bodies, target)
         changed = nearest_bodies.needed(bodies, target)
-        fewer = regressor_null_space.keeping(basis, [i for i in range(robot.n) if i not in changed])
+        still = [WIDTH * i + k for i in range(robot.n) if i not in changed for k in range(WIDTH)]
+        fewer = regressor_null_space.fixing(basis, still)
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
             alone = replace(nearest_bodies.in_own_units(parameters, among, size), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
