@@ -125,13 +125,6 @@ def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command
                     _compile(compiler, folder / sources[0], folder / name)
 
 
-def take_libraries(names: Iterable[str], origin: Path, folder: Path) -> None:
-    """Copy libraries that were compiled elsewhere."""
-    with system_errors(folder, "make room"):
-        for name in names:
-            shutil.copy2(origin / name, folder / name)
-
-
 def _is_same(folder: Path, former: Path, library: str, sources: Iterable[str]) -> bool:
     """Whether an earlier folder holds a library of the same sources."""
     paths = [former / library, *(former / source for source in sources)]

@@ -200,6 +200,7 @@ class Closure:
         return result
 
     def _across_gap(self, loop: Loop, place: int, features: Array, forms: Array) -> Array:
+        """Forms carried over the constant motion after a place in the order."""
         if place != self.pose_gap:
             return loop.product(self.action(loop, self.gap(loop, place)), forms)
         ends = loop.gaps[-1], loop.gaps[0]

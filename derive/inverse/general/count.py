@@ -38,17 +38,6 @@ class _AtRest(ResidueDomain):
         return self.constant(joint.d)
 
 
-def residue_loop(robot: Robot, seed: int = 0) -> Loop:
-    """An arm modulo a prime, with random numbers for its symbols."""
-    plain = replace(robot, links=(), gravity=None)
-    domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
-    chain = build_chain(plain, domain)
-    zero, one = chain.zero, chain.one
-    gaps = [_integers(joint.fixed @ joint.motion(zero, one)) for joint in chain.joints]
-    loop = Loop(tuple(joint.revolute for joint in chain.joints), (*gaps, _integers(chain.tool)), domain.prime)
-    return replace(loop, gaps=(loop.product(_integers(chain.base), gaps[0]), *loop.gaps[1:]))
-
-
 def _integers(frame: Frame[Any]) -> Array:
     zero = frame.rotation[0][0] * 0
     return np.array([[int(entry.values.item()) for entry in row] for row in frame.rows(zero, zero + 1)], dtype=object)
@@ -58,8 +47,14 @@ def count_solutions(
     robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
 ) -> int:
     """How many complex solutions a generic pose has."""
-    loop, draw = residue_loop(robot, seed), random.Random(seed + 1)
-    motions = []
+    # The arm modulo a prime, with random numbers for its symbols.
+    plain = replace(robot, links=(), gravity=None)
+    domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
+    chain = build_chain(plain, domain)
+    first, *others = (_integers(joint.fixed @ joint.motion(chain.zero, chain.one)) for joint in chain.joints)
+    loop = Loop(tuple(joint.revolute for joint in chain.joints), (first, *others, _integers(chain.tool)), domain.prime)
+    loop = replace(loop, gaps=(loop.product(_integers(chain.base), first), *loop.gaps[1:]))
+    motions, draw = [], random.Random(seed + 1)
     for turns in loop.revolute:
         # A rational point of the circle: cosine and sine of the angle whose half has the tangent t.
         t = draw.randrange(2, loop.prime - 1)

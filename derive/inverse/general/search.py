@@ -60,12 +60,8 @@ class GeneralSolution:
                 q = _placed(q, open_, _distinct(np.concatenate([q[open_], more], axis=1), chain, self.given))
         empty = open_[~np.isfinite(q[open_, :, 0]).any(axis=1)]
         if empty.size:
-            # There are infinitely many solutions: all eigenvalues are starts of a damped method.
             chosen = None if given is None else given[empty]
-            place, start, goal, _ = self._starts(0, chain, poses[empty], chosen, math.inf)
-            ends, residual = fit(goal, start, POLICY.approach)
-            good = residual <= POLICY.residual
-            q = _placed(q, empty, _distinct(_table(place[good], ends[good], len(empty)), chain, self.given))
+            q = _placed(q, empty, self._approached(chain, poses[empty], chosen))
         return self._limited(chain, poses, q)
 
     def _eliminated(self, chain: NumericChain, poses: Array, given: Array | None) -> tuple[Array, Array]:
@@ -103,17 +99,18 @@ class GeneralSolution:
         result[many, : order.shape[1]] = np.take_along_axis(q[many], order[..., None], axis=1)
         return result
 
+    def _approached(self, chain: NumericChain, poses: Array, given: Array | None) -> Array:
+        """Solutions from all eigenvalues as starts of a damped method: at poses with infinitely many solutions."""
+        place, q, goal, _ = self._starts(0, chain, poses, given, math.inf)
+        q, residual = fit(goal, q, POLICY.approach)
+        good = residual <= POLICY.residual
+        return _distinct(_table(place[good], q[good], len(poses)), chain, self.given)
+
     def attempt(self, index: int, chain: NumericChain, poses: Array, given: Array | None) -> Attempt:
         """The solutions that one elimination finds."""
         place, q, goal, doubtful = self._starts(index, chain, poses, given, POLICY.real)
         first = goal.residual(q)
-        # Newton steps on the whole pose: two for all, more for those that have not converged, most for near ones.
-        q, residual = _newton(goal, q, 2)
-        for steps, most in ((POLICY.steps, 0.3), (POLICY.approach, 1e-8)):
-            late = np.flatnonzero((residual > 1e-13) & (residual < most))
-            if late.size:
-                part = replace(goal, poses=goal.poses[late])
-                q[late], residual[late] = _newton(part, q[late], steps)
+        q, residual = _refined(goal, q)
         good = residual <= POLICY.residual
         sure = good & (first < POLICY.rough)
         certain = int(np.isfinite(_distinct(_table(place[sure], q[sure], len(poses)), chain, self.given)[..., 0]).sum())
@@ -190,6 +187,17 @@ def free_loop(
         motions[joint] = motion_by(loop.revolute[joint], value if loop.revolute[joint] else value / chain.reach)
     left = loop.locked(motions)
     return left if entries == POSE else left.with_tip, free
+
+
+def _refined(problem: Problem, q: Array) -> tuple[Array, Array]:
+    """Newton steps on the whole pose: two for all, more for those that have not converged, most for near ones."""
+    q, residual = _newton(problem, q, 2)
+    for steps, most in ((POLICY.steps, 0.3), (POLICY.approach, 1e-8)):
+        late = np.flatnonzero((residual > 1e-13) & (residual < most))
+        if late.size:
+            part = replace(problem, poses=problem.poses[late])
+            q[late], residual[late] = _newton(part, q[late], steps)
+    return q, residual
 
 
 def _newton(problem: Problem, q: Array, steps: int) -> tuple[Array, Array]:

@@ -212,22 +212,25 @@ def _brought_near(problem: Problem, q: Array, near: Array) -> tuple[Array, Statu
     while problem.free.any():
         _, slope = problem.errors(q)
         # Joints with a share in the null space of J may move while the pose stays; tried with a real step.
-        _, values, rows = np.linalg.svd(slope)
-        values = np.pad(values, (0, rows.shape[0] - len(values)))
-        null = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
+        null = _null_space(slope)
         share = np.linalg.norm(null, axis=1) if null.size else np.zeros(slope.shape[-1])
         tried = np.flatnonzero(problem.free)[share > 0.1 * share.max(initial=1e-3)]
         rests = [(i, replace(problem, free=problem.free & (np.arange(len(moving)) != i))) for i in map(int, tried)]
-        able = []  # where the others can answer a small step, forwards or backwards
-        for i, rest in rests:
-            if any(_answered(rest, q, i, step * rest.scale[i], 0.5) is not None for step in (1e-2, -1e-2)):
-                able.append((i, rest))
+        able = [(i, rest) for i, rest in rests if _can_move(rest, q, i)]
         if not able:
             break
         ends = ((i, rest, _answered(rest, q, i, near[i] - q[i], math.inf)) for i, rest in able)
         joint, rest, end = next((each for each in ends if each[2] is not None), (*able[0], None))
         q, problem, moving[joint] = _as_near(rest, q, joint, near[joint]) if end is None else end, rest, True
     return q, Status.SINGULAR if moving.any() else Status.BOUNDARY, moving
+
+
+def _null_space(slope: Array) -> Array:
+    """(free joints, k) directions in which the wanted entries do not change."""
+    _, values, rows = np.linalg.svd(slope)
+    values = np.pad(values, (0, rows.shape[0] - len(values)))
+    null: Array = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
+    return null
 
 
 def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -> Array | None:
@@ -237,6 +240,12 @@ def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -
     end, residual = fit(rest, attempt[None, :], 30)
     far = np.abs((end[0] - q) / rest.scale).max()
     return end[0] if residual[0] <= POLICY.residual and far <= most else None
+
+
+def _can_move(rest: Problem, q: Array, joint: int) -> bool:
+    """Whether the other joints can compensate for a small step of one, forwards or backwards."""
+    small = 1e-2 * rest.scale[joint]
+    return any(_answered(rest, q, joint, change, 0.5) is not None for change in (small, -small))
 
 
 def _as_near(rest: Problem, q: Array, joint: int, goal: float) -> Array:
@@ -263,6 +272,8 @@ def _distance(problem: Problem, a: Array, b: Array, joints: Array | slice = slic
 
 
 class _Found:
+    """Different solutions, each once."""
+
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.q: list[Array] = []
@@ -297,18 +308,15 @@ class _Found:
         return True
 
     def ordered(self, near: Array, limits: bool) -> NumericSolutions:
+        """The solutions, nearest first, angles folded."""
         chain, problem = self.problem.chain, self.problem
         q = np.array(self.q).reshape(-1, chain.n)
         folded = math.pi - (math.pi - q) % (2 * math.pi)
         q = np.where(chain.revolute & problem.free, folded, q)
         keep = np.ones(len(q), dtype=bool)
         if limits:
-            # Full turns are added until angles are within their limits, nearest to ``near`` where there is a choice.
-            choices = q[..., None] + 2 * math.pi * np.arange(-3, 4) * chain.revolute[:, None]
+            q = _within(chain, q, near)
             low, high = chain.limits.T
-            outside = np.maximum(low[:, None] - choices, choices - high[:, None]).clip(min=0.0)
-            away = np.where(outside > 1e-9, 1e6 + outside, np.abs(choices - near[:, None]))
-            q = np.take_along_axis(choices, away.argmin(axis=-1)[..., None], axis=-1)[..., 0]
             keep = ((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=-1)
         order = sorted(np.flatnonzero(keep), key=lambda i: (_distance(problem, q[i], near), *q[i]))
         return NumericSolutions(
@@ -317,3 +325,14 @@ class _Found:
             residual=problem.residual(q[order]),
             free=np.array([self.free[i] for i in order], dtype=bool).reshape(-1, chain.n),
         )
+
+
+def _within(chain: NumericChain, q: Array, near: Array) -> Array:
+    """Angles with full turns added until they are within their limits, nearest to ``near`` where there is a choice."""
+    turns = 2 * math.pi * np.arange(-3, 4)
+    choices = q[..., None] + turns * chain.revolute[:, None]
+    low, high = chain.limits.T
+    outside = np.maximum(low[:, None] - choices, choices - high[:, None]).clip(min=0.0)
+    away = np.where(outside > 1e-9, 1e6 + outside, np.abs(choices - near[:, None]))
+    best: Array = np.take_along_axis(choices, away.argmin(axis=-1)[..., None], axis=-1)[..., 0]
+    return best
