@@ -218,17 +218,26 @@ def formula_printout(
     Raises:
         CheckError: The formula cannot be read.
     """
+    model, document, source = Model(robot), None, "--latex" if latex else "--expression"
     if isinstance(formula, Manuscript):
-        return printout_of(_of_document(Model(robot), formula, quantity, task), robot)
-    model, source = Model(robot), "--latex" if latex else "--expression"
-    if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
+        document, source = formula, formula.name
+        if names_inverse(model, quantity):
+            asked = Asked(Location(source), _task(model, task))
+            try:
+                solution = inverse_text(document.text, asked, latex=True, document=True)
+                report = LatexReport(*compare_inverse(model, solution))
+            except CheckError as error:
+                raise document.moved(error) from None
+        else:
+            report = _compared(model, document, quantity, alone=True)
+    elif names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
         asked = Asked(Location(source), _task(model, task))
         report = LatexReport(*compare_inverse(model, inverse_text(formula, asked, latex=latex)))
     elif latex:
         report = compare_latex(model, formula, quantity, Location(source))
     else:
         report, source = LatexReport((check_expression(model, quantity, formula),)), robot.name
-    return printout_of(_placed(report, None, robot, source), robot)
+    return printout_of(_placed(report, document, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -261,19 +270,6 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
         printout_of(_placed(part, document, robot, f"{document.name} ({robot.name})"), robot)
         for (robot, _), part in zip(found, parts, strict=True)
     ]
-
-
-def _of_document(model: Model, document: Manuscript, quantity: str, task: str) -> FileReport:
-    """The comparisons of a document, each with its place in the file."""
-    if not names_inverse(model, quantity):
-        report = _compared(model, document, quantity, alone=True)
-        return _placed(report, document, model.robot, document.name)
-    asked = Asked(Location(document.name), _task(model, task))
-    try:
-        found = compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True))
-    except CheckError as error:
-        raise document.moved(error) from None
-    return _placed(LatexReport(*found), document, model.robot, document.name)
 
 
 def _compared(model: Model, document: Manuscript, quantity: str = "", *, alone: bool = False) -> LatexReport:

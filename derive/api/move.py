@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,72 +23,15 @@ if TYPE_CHECKING:
 MotionLike = Motion | str | Path
 """A motion, the path of a plan, or the name of a built-in one."""
 
-Writer = Callable[[Motion, "Run | None", str], bytes]
-"""Contents of a file from a motion, a simulation of it and the file's ending."""
-
-
-@dataclass(frozen=True, slots=True)
-class FileForm:
-    """A kind of file.
-
-    Attributes:
-        endings: What its name may end with; empty for any.
-        needs: Called before anything is computed; raises where something is not installed.
-        contents: The contents of a file.
-    """
-
-    endings: tuple[str, ...]
-    needs: Callable[[], object]
-    contents: Writer
-
-
-def _film(motion: Motion, run: Run | None, ending: str) -> bytes:
-    from derive.motion.output.film import Film
-
-    film = Film(motion, run)
-    return film.gif() if ending == ".gif" else film.mp4()
-
-
-def _page(motion: Motion, run: Run | None, _ending: str) -> bytes:
-    from derive.motion.output.page import motion_page
-
-    return motion_page(motion, run).encode()
-
-
-def _part(motion: Motion, _run: Run | None, ending: str) -> bytes:
-    from derive.motion.output.page import motion_sheet
-
-    return motion_sheet(motion, ending)
-
-
-def _plot(motion: Motion, run: Run | None, ending: str) -> bytes:
-    from derive.motion.output.plot import plot_bytes
-
-    return plot_bytes(motion, ending, run)
-
-
-def _needs_pictures() -> None:
-    from derive.motion.output.film import require_pillow
-
-    require_pillow()
-
-
-def _needs_films() -> None:
-    from derive.motion.output.film import ffmpeg
-
-    _needs_pictures()
-    ffmpeg()
-
-
-FORMS = {
-    "csv": FileForm((), lambda: None, lambda motion, run, _: csv_bytes(motion, run)),
-    "plot": FileForm((".pdf", ".svg", ".png"), require_matplotlib, _plot),
-    "html": FileForm((".html", ".htm"), lambda: None, _page),
-    "part": FileForm((".tex", ".pdf"), lambda: None, _part),
-    "gif": FileForm((".gif",), _needs_pictures, _film),
-    "mp4": FileForm((".mp4",), _needs_films, _film),
+FORMS: Mapping[str, tuple[str, ...]] = {
+    "csv": (),
+    "plot": (".pdf", ".svg", ".png"),
+    "html": (".html", ".htm"),
+    "part": (".tex", ".pdf"),
+    "gif": (".gif",),
+    "mp4": (".mp4",),
 }
-"""What is written, by the name of its option."""
+"""What is written, by the name of its option, and what the name of such a file may end with; empty for any."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,9 +96,15 @@ def move(
     """
     asked = {"csv": csv, "plot": plot, "gif": gif, "mp4": mp4, "html": html, "part": part}
     paths = {form: Path(path) for form, path in asked.items() if path is not None}
-    endings = {form: ending_of(path, FORMS[form].endings) for form, path in paths.items()}
-    for form in paths:
-        FORMS[form].needs()
+    endings = {form: ending_of(path, FORMS[form]) for form, path in paths.items()}
+    if plot is not None:
+        require_matplotlib()
+    if gif is not None or mp4 is not None:
+        from derive.motion.output.film import ffmpeg, require_pillow
+
+        require_pillow()
+        if mp4 is not None:
+            ffmpeg()
     if twice := {str(path) for path in paths.values() if [*paths.values()].count(path) > 1}:
         raise DeriveError(f"two contents for {min(twice)!r}", remedy="name two files")
     of_code: list[Path] = []
@@ -171,8 +120,31 @@ def move(
     if language is not None:
         motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None
-    contents = {path: FORMS[form].contents(motion, run, endings[form]) for form, path in paths.items()}
+    contents = {path: _contents(motion, run, form, endings[form]) for form, path in paths.items()}
     made = None if code is None else verified_code(motion, name)
     if made is not None:
         contents |= zip(of_code, made.files.values(), strict=True)
     return Moved(motion, run, tuple(write_files(contents, force=force)), made)
+
+
+def _contents(motion: Motion, run: Run | None, form: str, ending: str) -> bytes:
+    """A file, of the motion or of a simulation of it; what makes it is imported where it is asked for."""
+    match form:
+        case "plot":
+            from derive.motion.output.plot import plot_bytes
+
+            return plot_bytes(motion, ending, run)
+        case "html":
+            from derive.motion.output.page import motion_page
+
+            return motion_page(motion, run).encode()
+        case "part":
+            from derive.motion.output.page import motion_sheet
+
+            return motion_sheet(motion, ending)
+        case "gif" | "mp4":
+            from derive.motion.output.film import Film
+
+            film = Film(motion, run)
+            return film.gif() if form == "gif" else film.mp4()
+    return csv_bytes(motion, run)

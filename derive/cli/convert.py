@@ -44,9 +44,14 @@ def run(arguments: argparse.Namespace) -> int:
     made = convert(arguments.robot, arguments.convention, arguments.out, **options)
     lines = [*moves(made.conversion), *made.notes]
     if arguments.derivation:
-        from derive.exchange.derivation import derivation_latex, derivation_text
+        from derive.exchange.derivation import derivation_text
+        from derive.handouts.fragment import fragment_text
 
-        print((derivation_latex if arguments.format == "latex" else derivation_text)(made.conversion), end="")
+        robot = made.conversion.source
+        is_latex = arguments.format == "latex"  # as the handout prints it
+        print(
+            fragment_text(robot, robot.handout, "conversion") if is_latex else derivation_text(made.conversion), end=""
+        )
     elif arguments.json:
         where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
         report = {"convention": made.robot.convention.value, "report": lines}

@@ -85,7 +85,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:
-    """Write the files, or print the only one, and the reports."""
     from derive.api.robots import Robot, tell
     from derive.publish.atomic_folder import write_files
 

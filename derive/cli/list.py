@@ -25,7 +25,17 @@ def run(arguments: argparse.Namespace) -> int:
     from derive.api.robots import catalogue, load
 
     if arguments.plans:
-        return _list_plans(as_json=arguments.json)
+        from derive.plans.catalogue import plan_names
+        from derive.plans.plan import load_plan
+
+        header = ("name", "robot", "segments", "title")
+        plans = [(name, load_plan(name)) for name in plan_names()]
+        found = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
+        if arguments.json:
+            print_json([dict(zip(header, row, strict=True)) for row in found])
+        else:
+            print_columns([tuple(one_line(str(cell)) for cell in row) for row in found], header)
+        return 0
     robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
     joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
     keys = ("name", "joints", "convention", "dynamics", "title")
@@ -38,18 +48,4 @@ def run(arguments: argparse.Namespace) -> int:
         for name, j, convention, dynamics, title in rows
     ]
     print_columns(shown, keys)
-    return 0
-
-
-def _list_plans(*, as_json: bool) -> int:
-    from derive.plans.catalogue import plan_names
-    from derive.plans.plan import load_plan
-
-    header = ("name", "robot", "segments", "title")
-    plans = [(name, load_plan(name)) for name in plan_names()]
-    rows = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
-    if as_json:
-        print_json([dict(zip(header, row, strict=True)) for row in rows])
-    else:
-        print_columns([tuple(one_line(str(cell)) for cell in row) for row in rows], header)
     return 0

@@ -67,7 +67,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)  # looking for garbage once more before the end takes a tenth of a second
     typed = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = _parsers()[0].parse_args(with_help(typed))
+        # ``derive help COMMAND`` is ``derive COMMAND --help``, and nothing at all ``derive --help``.
+        of_help = [*(word for word in typed[1:] if word != "help"), "--help"]
+        arguments = _parsers()[0].parse_args(typed if typed and typed[0] != "help" else of_help)
         from derive.cli.terminal import remarks_told  # help needs none of it
 
         with remarks_told(strict=getattr(arguments, "strict", False)):
@@ -83,20 +85,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         from derive.cli.terminal import error_dict, explain, print_error, print_json
 
         reason, status = explain(error)
-        if wants_json(typed):
+        # Whether a program reads the output is told from the arguments as typed: they may be unusable otherwise.
+        if "--json" in typed or "--format=json" in typed or ("--format", "json") in pairwise(typed):
             print_json({"error": error_dict(error, reason, status)})
         print_error(reason)
         return status
-
-
-def with_help(typed: list[str]) -> list[str]:
-    """``derive help COMMAND`` as ``derive COMMAND --help``, and nothing at all as ``derive --help``."""
-    return typed if typed and typed[0] != "help" else [*(word for word in typed[1:] if word != "help"), "--help"]
-
-
-def wants_json(typed: Sequence[str]) -> bool:
-    """Whether a program reads the output, told from the arguments as typed: they may be unusable otherwise."""
-    return "--json" in typed or "--format=json" in typed or ("--format", "json") in pairwise(typed)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -151,7 +144,6 @@ class _Parser(argparse.ArgumentParser):
         self.error(f"{what}; allowed: {', '.join(map(str, action.choices))}", str(value), map(str, action.choices))
 
     def error(self, message: str, word: str = "", allowed: Iterable[str] = ()) -> NoReturn:
-        """Refuse the arguments."""
         from derive.errors import DeriveError, near_miss
 
         raise DeriveError(message, allowed=near_miss(word, allowed), remedy=f"see '{self.prog} --help'")
@@ -161,7 +153,6 @@ class _Command(_Parser):
     """The parser of a command, which has its arguments when it is asked for them, so that help answers at once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, once the arguments are known."""
         self.configured()
         found, surplus = super().parse_known_args(args, namespace)
         return (found, surplus) if not surplus else self.error(f"{surplus[0]!r} is an argument too many")

@@ -126,27 +126,24 @@ def run(arguments: argparse.Namespace) -> int:
         raise OutputError("--convention without --from-transforms", remedy="derive convert writes the other table")
     if arguments.lines is not None and arguments.table is None:
         raise OutputError("--lines without --from-table", remedy="name the document with --from-table")
+    _check_name(arguments.name)
     if arguments.table is not None:
         from derive.checking.documents import read_document
         from derive.checking.table import robot_of_table
 
-        _check_name(arguments.name)
         document = read_document(arguments.table)
         text, _ = robot_of_table(document.within(arguments.lines) if arguments.lines else document, arguments.name)
     elif arguments.transforms is not None:
         from derive.exchange.convert import convention_named
         from derive.exchange.transforms import robot_of_transforms
 
-        _check_name(arguments.name)
         convention = convention_named(arguments.convention or "standard")
         text = robot_of_transforms(arguments.transforms, arguments.name, convention)
     elif arguments.plan is not None:
         from derive.api.robots import load
 
-        _check_name(arguments.name)
         text = new_plan_text(arguments.name, load(arguments.plan, remarks_on_bodies=False), arguments.plan)
     elif arguments.model in plan_names():
-        _check_name(arguments.name)
         text = plan_bytes(arguments.model).decode("utf-8")
     elif arguments.model is not None:
         text = copied_robot_text(arguments.name, arguments.model)
@@ -187,17 +184,12 @@ def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str]
             f"  - {{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{'' if row else ', limits: [0, 0.3]'}}}"
         )
         numbers += "".join(f"  {name}: {_LENGTHS[name]}\n" for name in (d, a) if name != "0")
-        mass = max(12 - 2 * i, 1)
-        links.append(_BODY.format(mass=mass, com=_half_way(d, a, alpha), inertia=mass / 100))
+        # The middle of a link in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint.
+        turned = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}
+        along = "[0, 0, 0]" if d == "0" else turned.get(alpha, f"[0, 0, -{d}/2]")
+        mass, com = max(12 - 2 * i, 1), f"[-{a}/2, 0, 0]" if a != "0" else along
+        links.append(_BODY.format(mass=mass, com=com, inertia=mass / 100))
     return rows, links, numbers
-
-
-def _half_way(d: str, a: str, alpha: str) -> str:
-    """Where the middle of a link lies in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint."""
-    if a != "0":
-        return f"[-{a}/2, 0, 0]"
-    along = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}
-    return "[0, 0, 0]" if d == "0" else along.get(alpha, f"[0, 0, -{d}/2]")
 
 
 def copied_robot_text(name: str, model: str) -> str:

@@ -16,6 +16,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any, TextIO
 
 from derive.errors import DeriveError, RobotFileWarning, quoted
@@ -161,21 +162,15 @@ def line_range(text: str) -> tuple[int, int]:
     return int(first), int(last or first)
 
 
-def positive(text: str) -> int:
-    """A whole number from 1 on."""
-    return _whole(text, 1, 99999999)
-
-
-def digit_count(text: str) -> int:
-    """A number of significant digits, from 1 to 30."""
-    return _whole(text, 1, 30)
-
-
 def _whole(text: str, least: int, most: int) -> int:
     plain = text.isascii() and text.isdecimal() and len(text) <= len(str(most))
     if not plain or not least <= int(text) <= most:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
     return int(text)
+
+
+positive = partial(_whole, least=1, most=99999999)  # a whole number from 1 on
+digit_count = partial(_whole, least=1, most=30)  # a number of significant digits
 
 
 def magnification(text: str) -> float:

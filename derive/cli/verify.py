@@ -36,14 +36,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     robot = load(arguments.robot)
     imported = verify_import(arguments.robot)
+    if imported is not None and not (arguments.json or arguments.quiet):
+        print(one_line(str(imported)))
     if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:
             print_json({"robot": robot.name, "import": imported.as_dict(), "remarks": robot.remarks_as_dicts})
-        elif not arguments.quiet:
-            print(one_line(str(imported)))
         return 0
-    if imported is not None and not (arguments.json or arguments.quiet):
-        print(one_line(str(imported)))
     report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         further = {} if imported is None else {"import": imported.as_dict()}

@@ -145,11 +145,10 @@ def tips(urdf: Urdf) -> tuple[str, ...]:
 def moving_tips(urdf: Urdf) -> tuple[str, ...]:
     """Those of `tips` between which and the root some joint is not fixed."""
     carrying = _carrying(urdf)
-    return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(urdf, carrying, tip)))
+    return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(carrying, tip)))
 
 
 def _carrying(urdf: Urdf) -> dict[str, UrdfJoint]:
-    """The joint that each link hangs on."""
     carrying: dict[str, UrdfJoint] = {}
     for joint in urdf.joints:
         if joint.child in carrying:
@@ -159,7 +158,7 @@ def _carrying(urdf: Urdf) -> dict[str, UrdfJoint]:
     return carrying
 
 
-def _ancestry(urdf: Urdf, carrying: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
+def _ancestry(carrying: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
     """The joints from a link up to the one that hangs on none."""
     way: list[UrdfJoint] = []
     while link in carrying:
@@ -185,7 +184,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     if tip is None:
         ends = moving_tips(urdf)
         if not tips(urdf):
-            _ancestry(urdf, carrying, next(iter(urdf.bodies)))  # raises: every link carries another
+            _ancestry(carrying, next(iter(urdf.bodies)))  # raises: every link carries another
         if not ends:
             remedy = "give a robot with a joint that moves"
             raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
@@ -193,9 +192,9 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
             found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
             raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
     end = ends[0] if tip is None else tip
-    down = _ancestry(urdf, carrying, end)
+    down = _ancestry(carrying, end)
     start = base if base is not None else (down[-1].parent if down else end)
-    up = _ancestry(urdf, carrying, start)
+    up = _ancestry(carrying, start)
     # What both ways to the root share is on neither side: they meet at the lowest link that carries both.
     while up and down and up[-1] is down[-1]:
         up, down = up[:-1], down[:-1]
@@ -211,7 +210,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
 def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
     """The joints on the way from one link of a tree to another."""
     carrying = _carrying(urdf)
-    ways = [_ancestry(urdf, carrying, link) for link in (one, other)]
+    ways = [_ancestry(carrying, link) for link in (one, other)]
     names = [{joint.name for joint in way} for way in ways]
     return [joint for way in ways for joint in way if joint.name in names[0] ^ names[1]]
 
@@ -256,7 +255,7 @@ def _placed_chain(
     axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
     snaps = [change for joint, _ in steps for change in _changes(joint, snap)]
     base = WORLD  # seen from the root
-    for joint in reversed(_ancestry(urdf, carrying, ends[0])):
+    for joint in reversed(_ancestry(carrying, ends[0])):
         base = base.then(frame_at(joint.origin, snap))
     return Arm(*ends, axes, frame, base.turned(WORLD.z), tuple(held), tuple(snaps))
 

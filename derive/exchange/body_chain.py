@@ -16,7 +16,7 @@ from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.body_remarks import ROUNDING
-from derive.robot.description import Convention, Inertia, Joint, Link
+from derive.robot.description import INERTIA, Convention, Inertia, Joint, Link
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
@@ -36,8 +36,7 @@ class RigidBody:
     @classmethod
     def of(cls, link: Link) -> RigidBody:
         """A link of numbers in its own DH frame, without its motor."""
-        cells = (getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
-        xx, yy, zz, xy, xz, yz = map(ball, cells)
+        xx, yy, zz, xy, xz, yz = (ball(getattr(link.inertia, key)) for key in INERTIA)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
         return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
@@ -84,7 +83,6 @@ class RigidBody:
         ]
 
     def __add__(self, other: RigidBody) -> RigidBody:
-        """Both as one body."""
         mass, com = self.mass + other.mass, self.com
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)

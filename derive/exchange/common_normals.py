@@ -187,18 +187,11 @@ def _normals(
 
 def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
     """Cells from one frame to the next; what is below `NOTHING` is zero."""
-    if standard:
-        # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), through the foot of x on the z before.
-        foot = plus(before.origin, before.z, dot(plus(after.origin, before.origin, -1), before.z))
-        theta, alpha = _angle(before.x, after.x, before.z), _angle(before.z, after.z, after.x)
-        d, a = dot(plus(foot, before.origin, -1), before.z), dot(plus(after.origin, foot, -1), after.x)
-    else:
-        # Modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), through the foot of the x before on z.
-        foot = plus(after.origin, after.z, -dot(plus(after.origin, before.origin, -1), after.z))
-        theta, alpha = _angle(before.x, after.x, after.z), _angle(before.z, after.z, before.x)
-        a = dot(plus(foot, before.origin, -1), before.x)
-        d = dot(plus(after.origin, foot, -1), after.z)
-    return DHRow(theta, d, a, alpha)
+    # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), about and along the z before and the x behind;
+    # modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), about and along the x before and the z behind.
+    z, x = (before.z, after.x) if standard else (after.z, before.x)
+    apart = plus(after.origin, before.origin, -1)
+    return DHRow(_angle(before.x, after.x, z), dot(apart, z), dot(apart, x), _angle(before.z, after.z, x))
 
 
 def _angle(a: Point, b: Point, about: Point) -> Real:

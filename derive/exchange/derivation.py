@@ -1,10 +1,9 @@
-"""How a table becomes that of the other convention, step by step: as text, and as LaTeX as the handout prints it."""
+"""How a table becomes that of the other convention, step by step, as text; as LaTeX the handout has it."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Any
 
-from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits
 from derive.handouts.parts.conversion import FEW_FACTORS
@@ -16,12 +15,6 @@ from derive.robot.robot import Robot
 from derive.robot.writer import cell_text
 
 WIDTH = 120  # widest grid
-
-
-def derivation_latex(conversion: Conversion) -> str:
-    r"""The derivation as LaTeX for ``\input``, in the notation and the language of the handout."""
-    robot = conversion.source
-    return fragment_text(robot, robot.handout, "conversion")
 
 
 def derivation_text(conversion: Conversion) -> str:

@@ -179,16 +179,6 @@ class _Table:
         """Whether poses may be farther from the URDF's than anybody wants."""
         return self.certificate.position > max(MOST_MOVED * self.arm.reach, ROUNDED)
 
-    def check(self, urdf: Urdf, snap: Fraction) -> None:
-        """Refuse what moves far."""
-        if self.moves_far:
-            most, moved = MOST_MOVED * self.arm.reach, self.certificate.position
-            raise RobotFileError(
-                f"{urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
-                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
-                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
-            )
-
     @property
     def is_far(self) -> bool:
         """Whether a cell is beyond everything that the arm reaches."""
@@ -198,8 +188,6 @@ class _Table:
 
 @dataclass(frozen=True, slots=True)
 class _Chain:
-    """A chain that tables are made of."""
-
     urdf: Urdf  # the file
     written: Arm  # the chain with all angles as they are written
     convention: Convention | None  # of the tables; None for that of the table which the URDF carries, else standard
@@ -221,7 +209,13 @@ class _Chain:
         other = self._table(snap, cut) if is_slanting and cut and snap else plain
         worth = MOST_MOVED * other.arm.reach if plain.is_far else TURNED
         table = plain if other.is_far or other.certificate.position > worth else other
-        table.check(self.urdf, snap)
+        if table.moves_far:
+            most, moved = MOST_MOVED * table.arm.reach, table.certificate.position
+            raise RobotFileError(
+                f"{self.urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
+                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
+                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
+            )
         on_slants = self._remarks_on_slants(table, far, cut if is_slanting else (), table is not plain)
         return table, [*on_slants, *self._remarks_on_cut(table, cut if snap and not is_slanting else ())]
 

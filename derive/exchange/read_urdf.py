@@ -156,26 +156,20 @@ def _mended(data: bytes) -> tuple[bytes, list[str]]:
 
 @dataclass(frozen=True)
 class _UrdfReader:
-    """Elements to data."""
-
     source: str  # file name for messages
     version: str  # of URDF
     notes: list[str] = field(default_factory=list)  # what was read though it is not in order, as sentences
 
     def note(self, element: etree._Element, said: str) -> None:
-        """Remark on an element."""
         self.notes.append(f"{said} (line {element.sourceline or 1})")
 
     def place(self, element: etree._Element) -> Location:
-        """Where an element is."""
         return Location(self.source, element.sourceline or 1)
 
     def refused(self, element: etree._Element, found: str, remedy: str, allowed: str = "") -> RobotFileError:
-        """What to raise."""
         return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
 
     def name(self, element: etree._Element) -> str:
-        """Of a link or joint."""
         name = element.get("name", "").strip()
         if not name:
             raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
@@ -217,7 +211,6 @@ class _UrdfReader:
         raise self.refused(element, found, remedy, allowed)
 
     def origin(self, element: etree._Element) -> Origin:
-        """Where something is."""
         child = element.find("origin")
         if child is None:
             return Origin()
@@ -268,7 +261,6 @@ class _UrdfReader:
         return UrdfBody(value, self.origin(inertial), entries, self.place(inertial), tensor is None)
 
     def joint(self, element: etree._Element, name: str, links: Mapping[str, object]) -> UrdfJoint:
-        """A joint."""
         kind, ends = element.get("type", "").strip(), {}
         for end in ("parent", "child"):
             child = element.find(end)

@@ -34,7 +34,10 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
         limits = axis.limits and (number(rounded(axis.limits[0])), number(rounded(axis.limits[1])))
         largest = (axis.joint.velocity, axis.joint.effort)
         speed, torque = (number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in largest)
-        kind, label = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, joint_name(axis.joint.name)
+        kind, name_there = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, axis.joint.name
+        # As a robot file may have it: on one line, and not too long.
+        label = name_there if name_there.isprintable() else quoted(name_there, len(name_there))[1:-1]
+        label = label[: FILE_LIMITS.title_length]
         cells = (angle(row.theta, snap), distance(row.d, snap), distance(row.a, snap), angle(row.alpha, snap))
         joints.append(Joint(kind, variable, 1, *cells, limits, speed, torque, "" if label == variable else label))
     links: tuple[Link, ...] = ()
@@ -53,11 +56,6 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
         links=links,
         parameters=(("g", number(GRAVITY)),) if links else (),
     )
-
-
-def joint_name(name: str) -> str:
-    """A joint's name as a robot file may have it: on one line, and not too long."""
-    return (name if name.isprintable() else quoted(name, len(name))[1:-1])[: FILE_LIMITS.title_length]
 
 
 def angle(value: Real, snap: Fraction) -> Expression:

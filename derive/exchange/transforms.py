@@ -16,7 +16,6 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import reduce
 from itertools import chain
 
 from derive.algebra.angles import composed, decompose
@@ -77,13 +76,17 @@ def robot_of_transforms(text: str, name: str, convention: Convention = Conventio
     if convention is not robot.convention:
         robot = converted(robot, convention).robot
         robot = Robot.from_text(robot_text(robot, [comment]), f"{name}.yaml")
-    if not _is_equal(robot, product):
+    # The proof: the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials.
+    domain = PolynomialDomain(robot, _atoms(product), rates=False)
+    zero, one = domain.number(0), domain.number(1)
+    ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
+    pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
+    if any(_cleared(a - b, domain) for a, b in pairs):
         raise RobotFileError(f"a table for {quoted(text)}", allowed="allowed: transforms whose product the table has")
     return robot_text(robot, [comment])
 
 
 def _read(text: str) -> Iterator[Elementary]:
-    """The transforms of a text, from left to right."""
     seen: set[str] = set()
     offset = len(text) - len(text.lstrip(_BETWEEN))
     while offset < len(text):
@@ -140,13 +143,11 @@ RIGHT = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosine and sine of 0, 1, 2 and 3 r
 
 
 def _right(axis: int, quarters: int) -> Permutation:
-    """The rotation about an axis by so many right angles."""
     c, s = RIGHT[quarters % 4]
     return _turn(axis, c, s, 0, 1)
 
 
 def _turn(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:
-    """The rotation about an axis by the angle with a cosine and sine."""
     turns = (
         ((one, zero, zero), (zero, c, -s), (zero, s, c)),
         ((c, zero, s), (zero, one, zero), (-s, zero, c)),
@@ -173,13 +174,6 @@ def _sum(parts: Sequence[Elementary], *, turns: bool) -> Expression:
 
 def _signed(sign: int, cell: Expression) -> Expression:
     return cell if sign > 0 else _plus(tree.negate(cell))
-
-
-def _quarters(cell: Expression) -> int | None:
-    """How many right angles an angle is; None where it is another one."""
-    exact = decompose(cell)
-    turns = 2 * exact.pi_multiple
-    return int(turns) if not exact.terms and turns.denominator == 1 else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,9 +312,9 @@ def _without_right_angles(word: Sequence[Elementary]) -> tuple[list[Elementary],
     """The constants with all rotations by right angles at the end, as one permutation of the axes."""
     parts, turn = [], identity(0, 1)
     for part in word:
-        quarters = _quarters(part.cell) if part.turns else None
-        if quarters is not None:
-            turn = matmul(turn, _right(part.axis, quarters))
+        exact = decompose(part.cell)
+        if part.turns and not exact.terms and (quarters := 2 * exact.pi_multiple).denominator == 1:
+            turn = matmul(turn, _right(part.axis, int(quarters)))
         elif part.cell != ZERO:
             axis, sign = _image(turn, part.axis)
             parts.append(replace(part, axis=axis, cell=_signed(sign, part.cell)))
@@ -356,24 +350,21 @@ def _turned(part: Elementary, axis: int, angle: Expression) -> list[Elementary]:
 # -- the proof
 
 
-def _is_equal(robot: Robot, product: Sequence[Elementary]) -> bool:
-    """Whether the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials."""
-    domain = PolynomialDomain(robot, _atoms(product), rates=False)
-    ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
-    zero, one = domain.number(0), domain.number(1)
-    pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
-    return not any(_cleared(a - b, domain) for a, b in pairs)
-
-
 def _atoms(product: Sequence[Elementary]) -> list[Expression]:
-    """What the ring of a product must have."""
     return [x for p in product for x in ([Call("cos", (p.cell,)), Call("sin", (p.cell,))] if p.turns else [p.cell])]
 
 
 def _product(product: Sequence[Elementary], domain: PolynomialDomain) -> Frame[Polynomial]:
     zero, one = domain.number(0), domain.number(1)
-    unit = Frame(identity(zero, one), (zero, zero, zero))
-    return reduce(Frame.__matmul__, [_frame(part, domain) for part in product], unit)
+    unit, found = identity(zero, one), Frame(identity(zero, one), (zero, zero, zero))
+    for part in product:
+        if part.turns:
+            c, s = domain.cosine_sine(part.written)
+            found = found @ Frame(_turn(part.axis, c, s, zero, one), (zero, zero, zero))
+        else:
+            x, y, z = (domain.constant(part.written) if axis == part.axis else zero for axis in range(3))
+            found = found @ Frame(unit, (x, y, z))
+    return found
 
 
 def _cleared(value: Polynomial, domain: PolynomialDomain) -> Polynomial:
@@ -384,12 +375,3 @@ def _cleared(value: Polynomial, domain: PolynomialDomain) -> Polynomial:
             powers = domain.ring.coefficients(value, [place]).items()
             value = sum((part * divisor ** (most - power) for (power,), part in powers), domain.number(0))
     return value
-
-
-def _frame(part: Elementary, domain: PolynomialDomain) -> Frame[Polynomial]:
-    zero, one = domain.number(0), domain.number(1)
-    if not part.turns:
-        x, y, z = (domain.constant(part.written) if axis == part.axis else zero for axis in range(3))
-        return Frame(identity(zero, one), (x, y, z))
-    c, s = domain.cosine_sine(part.written)
-    return Frame(_turn(part.axis, c, s, zero, one), (zero, zero, zero))

@@ -83,14 +83,12 @@ class _Names:
         self._values: list[Expr] = []
 
     def name(self, key: object, value: Callable[[], Expr]) -> Expr:
-        """The symbol of a value."""
         if key not in self._known:
             self._known[key] = len(self._values)
             self._values.append(value())
         return sympy.Symbol(f"{self.letter}{self._known[key] + 1}")
 
     def definitions(self) -> dict[Expr, Expr]:
-        """Symbol to value, in the order of the names."""
         return {sympy.Symbol(f"{self.letter}{i}"): value for i, value in enumerate(self._values, start=1)}
 
 

@@ -171,21 +171,18 @@ def _written(shape: tuple[int, int], make: Callable[[], Matrix]) -> Entries:
     return Entries(shape, lambda i, j: expanded_terms(matrix()[i - 1, j - 1]), lambda i, j: matrix()[i - 1, j - 1])
 
 
-def expanded_terms(expression: Expr) -> int:
-    """Number of terms of a nested expression when multiplied out, before terms meet."""
-    return _count(expression, {})
-
-
-def _count(expression: Expr, known: dict[Expr, int]) -> int:
+def expanded_terms(expression: Expr, known: dict[Expr, int] | None = None) -> int:
+    """Number of terms of a nested expression when multiplied out, before terms meet; that of parts may be known."""
+    known = {} if known is None else known
     if not expression.args:
         return int(expression != 0)
     if expression not in known:
         if expression.is_Add:
-            known[expression] = sum(_count(term, known) for term in expression.args)
+            known[expression] = sum(expanded_terms(term, known) for term in expression.args)
         elif expression.is_Mul:
-            known[expression] = prod(_count(factor, known) for factor in expression.args)
+            known[expression] = prod(expanded_terms(factor, known) for factor in expression.args)
         elif expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
-            known[expression] = _count(expression.base, known) ** int(expression.exp)
+            known[expression] = expanded_terms(expression.base, known) ** int(expression.exp)
         else:
             known[expression] = 1
     return known[expression]

@@ -108,7 +108,6 @@ class KinematicModel:
 
     @cached_property
     def _is_of_short_arm(self) -> bool:
-        """Whether no entry of T has more than `MOST_SHORT_TERMS`."""
         end = self.kinematics.end
         entries = [*(entry for row in end.rotation for entry in row), *end.position]
         return not self._is_long and all(len(self.form.terms(entry)) <= MOST_SHORT_TERMS for entry in entries)
@@ -120,7 +119,6 @@ class KinematicModel:
 
     @property
     def _is_long(self) -> bool:
-        """Whether T is too long to expand."""
         return self.long_chain.is_long(0, self.n)
 
     def _require_index(self, i: int, first: int) -> None:

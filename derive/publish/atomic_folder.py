@@ -62,7 +62,7 @@ def publish(
     staging = target.with_name(f".derive-{target.name}-{secrets.token_hex(4)}")
     try:
         with ExitStack() as lock:
-            with _system_errors(target):
+            with system_errors(target):
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with locked(target.parent):
                     _recover(target.parent)
@@ -73,7 +73,7 @@ def publish(
                     (staging / name).parent.mkdir(exist_ok=True)
                     _write_new(staging / name, data)
             result = check(staging)
-            with _system_errors(target), locked(target.parent):
+            with system_errors(target), locked(target.parent):
                 require_replaceable(target, robot_name, names)
                 if not still():
                     raise OvertakenError(f"{target} was replaced meanwhile")
@@ -87,7 +87,7 @@ def publish(
 
 def rewrite(files: Mapping[str, bytes], folder: Path, target: Path) -> None:
     """Writes those files into the temporary folder of a target that are not in it, or are others."""
-    with _system_errors(target):
+    with system_errors(target):
         for name, data in files.items():
             if contents(folder / name) != data:
                 (folder / name).unlink(missing_ok=True)
@@ -99,7 +99,7 @@ def heal(parent: Path) -> None:
     if os.path.lexists(parent) and not parent.is_dir():
         raise OutputError(f"{parent} is not a folder", remedy="choose another --out")
     if parent.is_dir():
-        with _system_errors(parent), locked(parent):
+        with system_errors(parent), locked(parent):
             _recover(parent)
 
 
@@ -157,20 +157,17 @@ def exchange(one: Path, other: Path) -> bool:
 
 
 @contextmanager
-def _system_errors(target: Path) -> Iterator[None]:
+def system_errors(
+    target: Path, remedy: str = "what was there before is unchanged; make room, or choose another --out"
+) -> Iterator[None]:
     """Errors of the operating system become `OutputError`."""
     try:
         yield
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise OutputError(
-            f"cannot write {target}: {reason}",
-            remedy="what was there before is unchanged; make room, or choose another --out",
-        ) from error
+        raise OutputError(f"cannot write {target}: {error.strerror or error}", remedy=remedy) from error
 
 
 def _write_new(path: Path, data: bytes) -> None:
-    """A file that was not there before."""
     with open(path, "xb") as file:
         file.write(data)
 

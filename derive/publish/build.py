@@ -1,6 +1,7 @@
 """From a robot to its verified folder: render in memory, write beside the target, verify there, take its place."""
 
 import gc
+import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -12,10 +13,10 @@ from typing import Any
 from derive.errors import TargetError
 from derive.interrupts import TemporaryFolder
 from derive.programs.optimise.search_policy import Effort
-from derive.publish.atomic_folder import OvertakenError, heal, publish, require_replaceable, rewrite
+from derive.publish.atomic_folder import OvertakenError, heal, publish, require_replaceable, rewrite, system_errors
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets
-from derive.publish.render import Rendered, compile_libraries, library_names, render_robot, rendering, take_libraries
+from derive.publish.render import Rendered, compile_libraries, library_names, render_robot, rendering
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, require_compiler
@@ -184,7 +185,9 @@ def _compiling(
         def _take(folder: Path) -> None:
             for wait in ready:
                 wait()
-            take_libraries(library_names(targets), temporary, folder)
+            with system_errors(folder, "make room"):
+                for name in library_names(targets):
+                    shutil.copy2(temporary / name, folder / name)
 
         yield _begin, _take
 
@@ -213,14 +216,13 @@ def _uncollected() -> Iterator[None]:
     The search makes millions of small objects and hardly a cycle, as do generated modules that are called: collecting
     them takes a sixth of the time. What is in no cycle is freed as ever.
     """
-    if not gc.isenabled():
-        yield
-        return
+    collects = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
-        gc.enable()
+        if collects:
+            gc.enable()
 
 
 def check_robot(

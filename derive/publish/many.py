@@ -109,7 +109,6 @@ def _attempt(work: Callable[[Robot], R], robot: Robot) -> R | BuildFailure:
 
 
 def _tell(result: BuildResult | CheckResult | BuildFailure, progress: Progress | None) -> None:
-    """Tells the end of a robot."""
     if progress is not None:
         progress(result.robot, "failed" if isinstance(result, BuildFailure) else "done")
 

@@ -1,20 +1,25 @@
 """All files of one robot: texts, a pure function of the robot file and the tool's version, and libraries from them."""
 
 import filecmp
+import multiprocessing
+import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import ParamSpec, TypeVar, cast
 
-from derive.errors import OutputError, QuantityError, TargetError
+from derive.errors import QuantityError, TargetError
+from derive.interrupts import uninterrupted
 from derive.inverse.closed.solve import solve
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
+from derive.publish.atomic_folder import system_errors
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import manifest_text
-from derive.publish.processes import in_another_process, in_two_processes
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.compiler import Command, compile_shared
@@ -22,7 +27,12 @@ from derive.targets.escape import python_docstring
 from derive.targets.target import Source, Target
 from derive.version import __version__
 
+P = ParamSpec("P")
+R = TypeVar("R")
+T = TypeVar("T")
+
 PACKAGE = "__init__.py"
+_WORTH_A_PROCESS = 10_000  # size of work that takes longer than copying a process
 
 # Products and sums may be fused and nobody reads `errno` or traps; nothing here changes the order of operations.
 OPTIONS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
@@ -54,7 +64,8 @@ def rendering(
     if early and len(early) < len(targets):  # program and sheet start from one graph, derived before this is copied
         with suppress(QuantityError):  # told by whoever asks for it
             solve(robot)
-    with in_another_process(_render_early, robot, early) as early_texts:
+    without_program = Source(robot, Program((), ()), __version__)
+    with in_another_process(lambda: {each.name: each.render(without_program) for each in early}) as early_texts:
         source = source_of(robot, targets, effort)
         heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
         package = templating.render("package/__init__.py.jinja", **heading).encode()
@@ -90,12 +101,6 @@ def _encoded(texts: Mapping[str, str]) -> dict[str, bytes]:
     return {name: text.encode() for name, text in texts.items()}
 
 
-def _render_early(robot: Robot, targets: Sequence[Target]) -> dict[str, dict[str, str]]:
-    """The files of targets that need no program, by target."""
-    source = Source(robot, Program((), ()), __version__)
-    return {target.name: target.render(source) for target in targets}
-
-
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:
     """What the targets are rendered from."""
     names = (PACKAGE, *(name for target in targets for name in target.names(robot)), MANIFEST)
@@ -111,24 +116,13 @@ def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
 
 def compile_libraries(folder: Path, targets: Iterable[Target], compiler: Command, former: Path | None = None) -> None:
     """Compile the libraries of some targets."""
-    try:
+    with system_errors(folder, "make room"):
         for target in targets:
             for name, sources in target.compiled.items():
                 if former and _is_same(folder, former, name, sources):
                     shutil.copy2(former / name, folder / name)
                 else:
                     _compile(compiler, folder / sources[0], folder / name)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
-
-
-def take_libraries(names: Iterable[str], origin: Path, folder: Path) -> None:
-    """Copy libraries that were compiled elsewhere."""
-    try:
-        for name in names:
-            shutil.copy2(origin / name, folder / name)
-    except OSError as error:
-        raise OutputError(f"cannot write {folder}: {error.strerror or error}", remedy="make room") from error
 
 
 def _is_same(folder: Path, former: Path, library: str, sources: Iterable[str]) -> bool:
@@ -147,3 +141,84 @@ def _compile(compiler: Command, source: Path, library: Path) -> None:
         except TargetError:
             if not options:
                 raise
+
+
+# -- work beside the search
+
+
+@contextmanager
+def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
+    """Do some work beside what follows.
+
+    It is done in a copy of this process, which ends with it. Where processes cannot be copied safely, where there is
+    but one core, in a process that shares its work already, and if anything goes wrong over there, it is done here
+    once its result is asked for: with the same result and the same errors.
+    """
+
+    def _here() -> R:
+        return work(*arguments, **options)
+
+    def _send() -> None:
+        try:
+            sender.send((_here(),))
+        except Exception:  # done again where it is asked for, and told there
+            sender.close()
+
+    if not _is_worthwhile():
+        yield cache(_here)
+        return
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=_send, daemon=True)
+
+    def _received() -> R:
+        try:
+            (found,) = receiver.recv()
+        except EOFError:
+            return _here()
+        return cast(R, found)
+
+    try:
+        with uninterrupted():
+            process.start()
+        sender.close()
+        yield cache(_received)
+    finally:
+        if process.pid is not None:
+            process.kill()
+            process.join()
+        receiver.close()
+        sender.close()
+
+
+def _is_worthwhile() -> bool:
+    """Whether there is a second core, and a copy is safe.
+
+    A copy of a process with threads may wait for ever for a lock that one of them held: no thread may run, neither of
+    Python nor of a library. Only Linux tells.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    try:
+        threads = len(os.listdir("/proc/self/task"))
+    except OSError:
+        return False
+    return cores > 1 and threads == 1 and multiprocessing.parent_process() is None
+
+
+def in_two_processes(work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
+    """Do pieces of work that do not depend on each other, half of them in another process."""
+    halves: tuple[list[int], list[int]] = ([], [])
+    loads = [0, 0]
+    for place in sorted(range(len(pieces)), key=lambda place: -sizes[place]):
+        lighter = loads.index(min(loads))
+        halves[lighter].append(place)
+        loads[lighter] += sizes[place]
+
+    def _half(places: Sequence[int]) -> dict[int, R]:
+        return {place: work(pieces[place]) for place in sorted(places)}
+
+    if sum(sizes) < _WORTH_A_PROCESS:
+        return [work(piece) for piece in pieces]
+    with in_another_process(_half, halves[1]) as others:
+        done = _half(halves[0]) | others()
+    return [done[place] for place in range(len(pieces))]

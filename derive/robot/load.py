@@ -38,12 +38,6 @@ def catalogue_names() -> tuple[str, ...]:
 
 def catalogue_text(name: str) -> str:
     """The robot file of a built-in robot."""
-    if name not in catalogue_names():
-        raise UnknownRobotError(
-            f"{quoted(name)} is not a built-in robot",
-            allowed="allowed: a path, or a name from derive list",
-            remedy=near_miss(name, catalogue_names()),
-        )
     return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
 
 
@@ -55,16 +49,11 @@ _TAKEN = {
 }
 
 
-def load_description(path_or_name: str | Path) -> Description:
-    """Load a robot file, or a robot of the catalogue.
+def robot_file_bytes(path_or_name: str | Path) -> bytes:
+    """Contents of a robot file, or of the file of a robot of the catalogue.
 
     A text that is exactly a catalogue name means the catalogue; write ``./name`` for a file of that name.
     """
-    return description_from_bytes(robot_file_bytes(path_or_name), str(path_or_name))
-
-
-def robot_file_bytes(path_or_name: str | Path) -> bytes:
-    """Contents of a robot file, or of the file of a robot of the catalogue."""
     text = str(path_or_name)
     if text in catalogue_names():
         return catalogue_text(text).encode()

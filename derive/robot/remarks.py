@@ -24,9 +24,7 @@ LARGEST_ARM, LEAST_ARM = 20.0, 0.01  # between them all lengths of an arm togeth
 # Among degrees only a number with so many decimals is taken for radians: 0.52 degrees is a calibrated angle.
 DEGREE_DECIMALS = 3
 _LIKE_PI = ("Pi", "PI", "pI", "M_PI")
-
 _PARAMETERS = "; numbers of parameters are in radians unless units: {angle: deg, parameters: file} is written"
-
 _UNITS = ", or units: {angle: deg} for the whole file"
 
 

@@ -7,7 +7,7 @@ from typing import Self
 
 from derive.robot.description import Convention, Description
 from derive.robot.expression import to_text
-from derive.robot.load import description_from_bytes, load_description
+from derive.robot.load import description_from_bytes, robot_file_bytes
 from derive.robot.names import free_symbols
 from derive.robot.units import joint_in_file_units
 
@@ -103,7 +103,7 @@ class Robot(Description):
             RobotFileError: The file cannot be read or does not describe a robot.
             UnknownRobotError: Neither a file nor a catalogue name.
         """
-        return cls.of(load_description(path_or_name))
+        return cls.from_bytes(robot_file_bytes(path_or_name), str(path_or_name))
 
     @classmethod
     def from_text(cls, text: str, source: str = "<text>") -> Self:

@@ -58,7 +58,6 @@ class _Row:
         self._moving, self._fixed = ("theta", "d") if self._type is JointType.REVOLUTE else ("d", "theta")
 
     def read(self) -> Joint:
-        """The joint of this row."""
         raw: dict[str, Expression] = {}
         for key in ("a", "alpha", self._fixed):
             raw[key] = self._cells.raw((*self._path, key))

@@ -1,12 +1,14 @@
 """Motions from Python: files complete or untouched."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 import derive
-from derive.api import move as module
+from derive.api.move import FORMS
 from derive.errors import DeriveError, OutputError
+from derive.motion.output import page
 
 SWING = """\
 robot: {name: p, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
@@ -41,7 +43,8 @@ def test_with_a_simulation_the_rows_are_its_own(plan: Path, tmp_path: Path) -> N
 
 def test_another_ending_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
     for option, name in (("plot", "tau.jpg"), ("gif", "a.mp4"), ("mp4", "a.gif")):
-        with pytest.raises(DeriveError, match=rf"'{name}' has the ending of another kind of file; allowed: \."):
+        said = f"'{name}' has the ending of another kind of file; allowed: {', '.join(FORMS[option])}"
+        with pytest.raises(DeriveError, match=re.escape(said)):
             derive.move("no-such-plan", **{option: tmp_path / name})  # type: ignore[arg-type]
 
 
@@ -49,10 +52,10 @@ def test_when_one_file_fails_none_is_touched(plan: Path, tmp_path: Path, monkeyp
     (tmp_path / "run.csv").write_text("mine")
 
     def refuse(*_: object) -> bytes:
-        raise OutputError("no film")
+        raise OutputError("no page")
 
-    monkeypatch.setitem(module.FORMS, "gif", module.FileForm((".gif",), lambda: None, refuse))
-    with pytest.raises(OutputError, match="no film"):
-        derive.move(plan, csv=tmp_path / "run.csv", gif=tmp_path / "a.gif", force=True)
+    monkeypatch.setattr(page, "motion_page", refuse)
+    with pytest.raises(OutputError, match="no page"):
+        derive.move(plan, csv=tmp_path / "run.csv", html=tmp_path / "a.html", force=True)
     assert (tmp_path / "run.csv").read_text() == "mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.csv", "swing.yaml"]

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from derive.programs.build import build_program
-from derive.publish.processes import in_another_process, in_two_processes
+from derive.publish.render import in_another_process, in_two_processes
 from derive.robot.robot import Robot
 
 

@@ -42,4 +42,4 @@ def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_moto
 
 def test_unknown_catalogue_names_are_refused() -> None:
     with pytest.raises(UnknownRobotError, match="did you mean 'kuka-kr5'"):
-        catalogue_text("kuka-kr6")
+        Robot.load("kuka-kr6")

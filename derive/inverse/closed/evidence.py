@@ -26,6 +26,7 @@ POSES = 3  # random poses; what vanishes at all of them vanishes everywhere, but
 _SPECIAL_POSES = 32  # poses at which formulas may fail: most joints are at zero or at right angles
 # Values of a change: five (three) determine a polynomial of degree 2, one more checks it.
 _ANGLE_NODES, _LENGTH_NODES = 6, 4
+_RIGHT = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosines and sines of right angles
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 
 
@@ -110,7 +111,9 @@ class Evidence:
             links = [self._turned(g, 0, base)]
             for k in range(1, len(group) + 1):
                 # phi_k of link k is the sum of the joint angles before it, by the addition theorems.
-                added = (turned(pair, self._angle()) for pair in base)
+                is_right = (self._special and self._random.random() < 0.6 for _ in base)
+                angles = (self._random.choice(_RIGHT) if right else self._circle_point() for right in is_right)
+                added = (turned(pair, angle) for pair, angle in zip(base, angles, strict=True))
                 base = [(c % self.prime, s % self.prime) for c, s in added]
                 links.append(self._turned(g, k, base))
             self.turns.append(links)
@@ -144,14 +147,7 @@ class Evidence:
         scale = pow(1 + t * t, -1, p)
         return (1 - t * t) * scale % p, 2 * t * scale % p
 
-    def _angle(self) -> tuple[int, int]:
-        """Cosine and sine of the variable of a joint."""
-        if self._special and self._random.random() < 0.6:
-            return self._random.choice([(1, 0), (0, 1), (-1, 0), (0, -1)])
-        return self._circle_point()
-
     def _motion(self, joint: int, start: int) -> tuple[Residue, ...]:
-        """The motion of a joint in every sample."""
         row, sign = self.robot.joints[joint], self.robot.joints[joint].sign
         if not row.is_revolute:
             return (Residue(self.prime, sign * self.slides[joint][None, :]),)
@@ -227,7 +223,6 @@ class Evidence:
         return bool(np.all(self._plain(self.pose.entry(name)) == self._plain(self.other.entry(name))))
 
     def _entries(self) -> dict[tuple[int, int], Residue]:
-        """The entries of T by row and column, from 0."""
         entries = {(i, j): self.end.rotation[i][j] for i in range(3) for j in range(3)}
         return entries | {(i, 3): self.end.position[i] for i in range(3)}
 

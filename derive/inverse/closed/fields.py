@@ -23,11 +23,9 @@ class _ArrayMasks:
     """What fields of arrays have in common: masks of one truth value per pose."""
 
     def never(self, mask: Masks) -> bool:
-        """Whether a mask holds at no pose."""
         return not np.any(mask)
 
     def truth(self, value: bool) -> Masks:
-        """A mask that holds everywhere or nowhere."""
         return np.bool_(value)
 
 
@@ -177,13 +175,11 @@ class PrimeField(_ArrayMasks):
         """Cosine and sine as they are: nothing is rounded."""
         return cosine, sine
 
-    def conic(self, coefficients: Sequence[Residue]) -> Sequence[tuple[Residue, Residue, Masks, Masks, Masks]]:
-        """Not needed: graphs with quartics are counted over the complex numbers."""
+    def conic(self, *_: Any, **__: Any) -> Sequence[Any]:
+        """Not needed: graphs with quartics are counted over the complex numbers, general nodes by themselves."""
         raise NotImplementedError
 
-    def general(self, formula: NodeFormula, values: Mapping[str, Residue]) -> Sequence[Any]:
-        """Not needed: graphs with general nodes have a count of their own."""
-        raise NotImplementedError
+    general = conic
 
     def _power(self, base: Residue, exponent: int) -> Residue:
         result, values = np.ones_like(base.values), base.values

@@ -223,7 +223,6 @@ def without(ring: Ring, unknown: Unknown, p: Polynomial, q: Polynomial) -> Polyn
 
 
 def _in_lowest_terms(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Two polynomials without their common factor."""
     common = p.raw.gcd(q.raw)
     return p.ring.wrap(divmod(p.raw, common)[0]), p.ring.wrap(divmod(q.raw, common)[0])
 

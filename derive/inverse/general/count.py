@@ -32,23 +32,10 @@ class _AtRest(ResidueDomain):
     """Residues of an arm whose joint variables are zero."""
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of a joint's constant angle."""
         return self.cosine_sine(joint.theta)
 
     def joint_offset(self, index: int, joint: Joint) -> Any:
-        """A joint's constant displacement."""
         return self.constant(joint.d)
-
-
-def residue_loop(robot: Robot, seed: int = 0) -> Loop:
-    """An arm modulo a prime, with random numbers for its symbols."""
-    plain = replace(robot, links=(), gravity=None)
-    domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
-    chain = build_chain(plain, domain)
-    zero, one = chain.zero, chain.one
-    gaps = [_integers(joint.fixed @ joint.motion(zero, one)) for joint in chain.joints]
-    loop = Loop(tuple(joint.revolute for joint in chain.joints), (*gaps, _integers(chain.tool)), domain.prime)
-    return replace(loop, gaps=(loop.product(_integers(chain.base), gaps[0]), *loop.gaps[1:]))
 
 
 def _integers(frame: Frame[Any]) -> Array:
@@ -60,8 +47,14 @@ def count_solutions(
     robot: Robot, elimination: Elimination, given: Sequence[int] = (), seed: int = 0, *, tip: bool = False
 ) -> int:
     """How many complex solutions a generic pose has."""
-    loop, draw = residue_loop(robot, seed), random.Random(seed + 1)
-    motions = []
+    # The arm modulo a prime, with random numbers for its symbols.
+    plain = replace(robot, links=(), gravity=None)
+    domain = _AtRest(PolynomialDomain(plain, rates=False), 1, seed)
+    chain = build_chain(plain, domain)
+    first, *others = (_integers(joint.fixed @ joint.motion(chain.zero, chain.one)) for joint in chain.joints)
+    loop = Loop(tuple(joint.revolute for joint in chain.joints), (first, *others, _integers(chain.tool)), domain.prime)
+    loop = replace(loop, gaps=(loop.product(_integers(chain.base), first), *loop.gaps[1:]))
+    motions, draw = [], random.Random(seed + 1)
     for turns in loop.revolute:
         # A rational point of the circle: cosine and sine of the angle whose half has the tangent t.
         t = draw.randrange(2, loop.prime - 1)
@@ -139,7 +132,6 @@ class _System:
         return self.loop.settle(moved)
 
     def count(self) -> int:
-        """The number of solutions, 0 where it is not decided."""
         columns, prime = self.coefficients.shape[2], self.prime
         # Random combinations of all rows: one more than there are columns.
         mixer = [[self.draw.randrange(prime) for _ in range(self.coefficients.shape[1])] for _ in range(columns + 1)]

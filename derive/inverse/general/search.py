@@ -301,16 +301,13 @@ class GeneralFormula:
             first = next(numbers)
             given.append(np.arctan2(next(numbers), first) if len(names) == PAIR else first)
         found = self.solution.solve(chain, poses, np.stack(given, axis=-1) if given else None)
-        return [self._branch(chain, found, k, last.shape) for k in range(self.branches)]
-
-    def _branch(self, chain: NumericChain, found: Array, k: int, shape: tuple[int, ...]) -> tuple[Any, Any]:
-        exists = np.isfinite(found[:, k, 0]) if k < found.shape[1] else np.zeros(len(found), dtype=bool)
-        q = np.nan_to_num(found[:, k] if k < found.shape[1] else np.zeros((len(found), chain.n)))
-        numbers: list[tuple[Any, ...]] = []
-        for joint in self.order:
-            value = q[:, joint].reshape(shape)
-            numbers.append((np.cos(value), np.sin(value)) if chain.revolute[joint] else (value,))
-        return tuple(numbers), exists.reshape(shape)
+        branches: list[tuple[tuple[tuple[Any, ...], ...], Any]] = []
+        for k in range(self.branches):
+            own = found[:, k] if k < found.shape[1] else np.full((len(found), chain.n), np.nan)
+            angles = [(joint, np.nan_to_num(own[:, joint]).reshape(last.shape)) for joint in self.order]
+            pairs = tuple((np.cos(x), np.sin(x)) if chain.revolute[joint] else (x,) for joint, x in angles)
+            branches.append((pairs, np.isfinite(own[:, 0]).reshape(last.shape)))
+        return branches
 
 
 @lru_cache(maxsize=64)

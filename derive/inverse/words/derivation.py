@@ -229,7 +229,6 @@ class PrintedDerivation:
         return sympy.Add(*(sign * q for sign, q in zip(unknown.signs, variables, strict=True)))
 
     def _named(self, unknown: Unknown) -> Expr:
-        """The variable, or the name of the sum."""
         symbol = self._symbol(unknown)
         return self.sums.get(symbol, symbol)
 

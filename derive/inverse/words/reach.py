@@ -129,7 +129,6 @@ class _Reading:
         self._values = parameter_numbers(found.robot, random.Random(12))
 
     def reach(self) -> Reach:
-        """The bounds, with what they are about."""
         bounds, others = [], []
         nodes = (node for node in self._found.graph.nodes for _ in node.unknowns)
         for node, step in zip(nodes, self._found.steps, strict=True):

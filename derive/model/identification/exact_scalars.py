@@ -92,11 +92,6 @@ def is_zero(value: Exact) -> bool:
     return bool(value == 0) if isinstance(value, fmpq) else bool(abs(value) < NOTHING)
 
 
-def is_rational(value: Exact) -> bool:
-    """Whether a scalar is known without any error."""
-    return isinstance(value, fmpq)
-
-
 def as_fraction(value: Exact) -> Fraction:
     """A scalar as a rational number; of a ball its middle."""
     if isinstance(value, fmpq):

@@ -27,7 +27,7 @@ from derive.model.identification.nearest_bodies import BORDER, EXISTING, Bodies
 from derive.model.identification.regressor_null_space import WIDTH, Direction, bare_chain, body_of, parameters_of
 from derive.model.identification.semidefinite import Array
 from derive.model.identification.witness import refusal
-from derive.robot.description import Inertia, Link
+from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.expression import Expression, number, to_text
 from derive.robot.names import without_lost_symbols
 from derive.robot.robot import Robot
@@ -35,8 +35,7 @@ from derive.robot.writer import robot_text
 
 # Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
 INERTIAS = ("given", "possible")
-MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")  # entries of an inertia tensor
-CELLS = ("mass", "com x", "com y", "com z", *MOMENTS)  # of a link
+CELLS = ("mass", "com x", "com y", "com z", *INERTIA)  # of a link
 # To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse.
 UNITS = (1e-8, 1e-11, 1e-14)
 
@@ -108,7 +107,8 @@ def possible(robot: Robot) -> Possible:
             return Possible(robot, (), border)
         bodies = nearest_bodies.weighed(bodies, target)
         changed = nearest_bodies.needed(bodies, target)
-        fewer = regressor_null_space.keeping(basis, [i for i in range(robot.n) if i not in changed])
+        still = [WIDTH * i + k for i in range(robot.n) if i not in changed for k in range(WIDTH)]
+        fewer = regressor_null_space.fixing(basis, still)
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
             alone = replace(nearest_bodies.in_own_units(parameters, among, size), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
@@ -166,7 +166,7 @@ def _result(
         if all(map(is_zero, change)):
             continue
         links[i] = _moved_link(link, chain, i, change, domain)
-        cells = ((x.mass, *x.com, *(getattr(x.inertia, key) for key in MOMENTS)) for x in (link, links[i]))
+        cells = ((x.mass, *x.com, *(getattr(x.inertia, key) for key in INERTIA)) for x in (link, links[i]))
         changed = tuple(cell for cell in zip(CELLS, *cells, strict=True) if cell[1] != cell[2])
         if changed:
             changes.append(Change(i + 1, float(np.sqrt((shapes.along[i] ** 2).sum())), changed))
@@ -192,7 +192,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
         com = (x, y, z)
     r = add(end.position, multiply(end.rotation, tuple(map(domain.constant, com))))
     tensor = from_matrix(conjugate(turned, (body.inertia + steiner(-m, r)).matrix))
-    inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in MOMENTS))
+    inertia = Inertia(*(_kept(getattr(link.inertia, name), getattr(tensor, name), domain) for name in INERTIA))
     return replace(link, mass=mass, com=com, inertia=inertia)
 
 

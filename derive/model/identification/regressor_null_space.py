@@ -81,11 +81,6 @@ def _place(parameter: Parameter) -> int:
     return WIDTH * (parameter.joint - 1) + LINK_PARTS.index(parameter.part)
 
 
-def keeping(basis: Sequence[Direction], links: Sequence[int]) -> list[Direction]:
-    """Those changes that leave some links as they are."""
-    return fixing(basis, [WIDTH * i + k for i in links for k in range(WIDTH)])
-
-
 def fixing(basis: Sequence[Direction], places: Sequence[int]) -> list[Direction]:
     """Those changes that leave some parameters as they are."""
     rows = [[direction[place] for direction in basis] for place in places]

@@ -32,7 +32,7 @@ from derive.mechanics.joint_motion import origin, to_child
 from derive.mechanics.regressor import with_unit_rotors
 from derive.mechanics.vectors import add, scale
 from derive.model.identification.base_parameters import base_set
-from derive.model.identification.exact_scalars import Exact, as_fraction, is_rational, is_zero, null_space
+from derive.model.identification.exact_scalars import Exact, as_fraction, is_zero, null_space
 from derive.model.identification.regressor_null_space import WIDTH, Direction, combined, parameters_of
 from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed
 from derive.model.identification.unit_dynamics import UnitDynamics
@@ -137,7 +137,7 @@ def find_witness(
             for i, matrix in enumerate(matrices, 1)
             if not all(is_zero(entry) for row in matrix for entry in row)
         )
-        exact = all(is_rational(entry) for entries in (total, parameters, *basis) for entry in entries)
+        exact = all(isinstance(entry, fmpq) for entries in (total, parameters, *basis) for entry in entries)
         return Witness(functions, as_fraction(value) / unit, exact)
     return None
 

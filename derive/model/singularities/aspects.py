@@ -124,22 +124,20 @@ class _Look:
         ratio = determinant(sample) / product
         self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
         self.conditions = singular.conditions if self.is_same else ()
-        moving = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
-        self._joints = moving or [self._moving(sample)]
+        self._joints = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
+        if not self._joints:  # those that change det J itself
+            found, rng = [], np.random.default_rng(7)
+            for k in range(chain.n):
+                moved = sample.copy()
+                moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
+                if np.abs(determinant(moved) - determinant(sample)).max() > 1e-9:
+                    found.append(k)
+            self._joints = [tuple(found)]
         self._roads: dict[tuple[int, ...], Roadmap] = {}
 
     def _number(self, expression: Expr, q: Array) -> Array:
         known: Numbers = self._known | {symbol: q[..., k] for k, symbol in enumerate(self._q)}
         return np.broadcast_to(np.asarray(array_value(expression, known)), q.shape[:-1])
-
-    def _moving(self, sample: Array) -> tuple[int, ...]:
-        found, rng = [], np.random.default_rng(7)
-        for k in range(self._chain.n):
-            moved = sample.copy()
-            moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
-            if np.abs(self._determinant(moved) - self._determinant(sample)).max() > 1e-9:
-                found.append(k)
-        return tuple(found)
 
     def signs(self, q: Array) -> Array:
         """The signs of all factors, (..., factors); of det J where it has none."""

@@ -8,6 +8,7 @@ at the poses that the arm then has.
 import random
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from itertools import product
 from typing import Any
 
 import mpmath
@@ -35,18 +36,17 @@ def coincidences(
     places = [(factor, list(_zeros(found, factor))) for factor in moving]
 
     def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
-        return tuple(factor for factor, zeros in places if conditions and _vanish(conditions, zeros))
+        vanishing = []
+        for factor, zeros in places if conditions else ():
+            pairs = product(conditions, zeros)
+            with mpmath.workdps(DIGITS), suppress(ArithmeticError, ValueError):  # what has no value is not zero
+                if zeros and all(abs(value_of(e, known)) < _VANISHES for e, known in pairs):
+                    vanishing.append(factor)
+        return tuple(vanishing)
 
     # Values of a step become one where its condition, an inequality, holds with equality.
     merged = (() if step.exists is sympy.true else (step.exists.lhs - step.exists.rhs,) for step in found.steps)
     return tuple((_where_zero(own), _where_zero(step.free)) for own, step in zip(merged, found.steps, strict=True))
-
-
-def _vanish(conditions: Sequence[Expr], places: Sequence[Numbers]) -> bool:
-    """Whether expressions are zero at all of these places; one that has no value there is not."""
-    with mpmath.workdps(DIGITS), suppress(ArithmeticError, ValueError):
-        return bool(places) and all(abs(value_of(e, known)) < _VANISHES for e in conditions for known in places)
-    return False
 
 
 def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers]:

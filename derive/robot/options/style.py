@@ -144,39 +144,23 @@ class Style:
     name, ``Style.of("gravity: body")``.
     """
 
-    # what is grouped first in entries of frames and Jacobians without a length
     rotations: Annotated[Order, "Kinematic entries without a length: from base or tool."] = Order.BASE
-    # what is grouped first in those with lengths
     positions: Annotated[LengthOrder, "Those with lengths: from base, tool, by length."] = LengthOrder.USUAL
-    # whether short ones of both are grouped too
     short: Annotated[ShortSums, "Whether kinematic sums of up to three terms are nested."] = ShortSums.NESTED
-    # what is grouped first in B
     inertia: Annotated[Grouping, "What is grouped first in the inertia matrix."] = Grouping.USUAL
-    # what is grouped first in a Christoffel symbol, hence in C
     christoffel: Annotated[Grouping, "What is grouped first in Christoffel symbols."] = Grouping.USUAL
-    # what is grouped first in g
     gravity: Annotated[Grouping, "What is grouped first in torques of gravity."] = Grouping.USUAL
-    # what is grouped first in the coefficients of torques; as in B and Christoffel symbols if `USUAL`
+    # as in B and Christoffel symbols if `USUAL`
     torques: Annotated[Grouping, "What is grouped first in the coefficients of torques."] = Grouping.USUAL
-    # what is grouped first in the potential energy
     potential: Annotated[Grouping, "What is grouped first in the potential energy."] = Grouping.USUAL
-    # how the kinetic energy is written
     kinetic: Annotated[Kinetic, "Kinetic energy by entries of B, or by bodies."] = Kinetic.MATRIX
-    # whether products of sums stay products within one body
     products: Annotated[Products, "Whether products of sums stay products."] = Products.KEPT
-    # which bodies' coefficients stand in brackets
     brackets: Annotated[Brackets, "Which bodies' coefficients stand in brackets."] = Brackets.ALL
-    # which common factors stand in front of a body's bracket
     factors: Annotated[CommonFactors, "What is taken out of a body's bracket."] = CommonFactors.FUNCTIONS
-    # where the acceleration of gravity stands
     g: Annotated[GravityPlace, "Gravity in every term, or in front of more."] = GravityPlace.BRACKET
-    # how the rates are collected in C, N and dB/dt
     coriolis: Annotated[Rates, "How rates are collected in C, N and dB/dt."] = Rates.SYMBOL
-    # how the products of velocities are collected in torques
     velocities: Annotated[Rates, "How products of velocities are collected in torques."] = Rates.USUAL
-    # how the accelerations are collected in torques
     accelerations: Annotated[Rates, "How accelerations are collected in torques."] = Rates.PRODUCT
-    # which sums of joint angles are contracted
     contraction: Annotated[Contraction, "Which sums of joint angles are contracted."] = Contraction.ALIGNED
 
     @classmethod

@@ -14,9 +14,7 @@ from derive.robot.options.inverse import ROWS
 
 _NUMBER = r"(?<![\w.])(?:\d+(?:\.\d*)?|\.\d+)"
 _WORD = r"[A-Za-z][A-Za-z0-9_]*"
-
 _IN_METRES = {"mm": Fraction(1, 1000), "cm": Fraction(1, 100), "dm": Fraction(1, 10), "in": Fraction(254, 10000)}
-
 _RADIANS = "angles are in radians unless the file says units: {angle: deg}"
 
 
@@ -242,9 +240,7 @@ def choice_hint(key: str, text: str) -> str:
 
 
 _TYPE = "type the table of its data sheet into a file that derive new NAME --joints N writes"
-
 _IMPORT = "derive import makes a robot file of it: write derive import FILE -o NAME.yaml"
-
 _XML = r"(?s)\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*"  # what may stand before the first element
 # How files begin that are no robot files, what they are, and what to do.
 _FILES: tuple[tuple[str, str, str], ...] = (

@@ -277,7 +277,6 @@ def check_structure(document: Document, model: type[Strict] = RobotFile) -> None
 
 
 def _plain(node: Node) -> Any:
-    """The tree as dicts, lists and texts."""
     match node:
         case YamlScalar():
             return node.text
@@ -355,20 +354,20 @@ def _expected(model: type[BaseModel], path: KeyPath, kind: str) -> str:
     if kind in ("list_type", "tuple_type"):
         return "allowed: a list"
     if kind == "union_tag_invalid":
-        return f"allowed: {' or '.join(dict.fromkeys(map(_said, _types(model, path))))}"
+        words = {str: "one number, name or expression", dict: "a mapping"}
+        said = [
+            f"a mapping with the keys {listed(of.model_fields)}"
+            if _is_model(of)
+            else words.get(get_origin(of) or of, "a list")
+            for of in _types(model, path)
+        ]
+        return f"allowed: {' or '.join(dict.fromkeys(said))}"
     fields = _fields(model, path)
     return f"allowed: a mapping with the keys {listed(fields)}" if fields else "allowed: a mapping"
 
 
 def _is_model(kind: Any) -> bool:
     return hasattr(kind, "model_fields")
-
-
-def _said(annotation: Any) -> str:
-    if _is_model(annotation):
-        return f"a mapping with the keys {listed(annotation.model_fields)}"
-    words = {str: "one number, name or expression", dict: "a mapping"}
-    return words.get(get_origin(annotation) or annotation, "a list")
 
 
 def _fields(model: type[BaseModel], path: KeyPath) -> tuple[str, ...]:

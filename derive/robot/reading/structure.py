@@ -6,8 +6,6 @@ is looked at here, and its model of pydantic's is made when somebody asks for it
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import EnumType
 from functools import partial, reduce
 from operator import or_
@@ -28,21 +26,17 @@ class Strict:
             setattr(cls, name, Field(default=None, description=kind.__metadata__[0]))
 
 
-@dataclass(frozen=True, eq=False)
 class _Said:
     """What is said of a key or a type in pydantic's words: the class of pydantic's, and its arguments."""
 
-    name: str
-    arguments: tuple[Any, ...]
-    options: Mapping[str, Any]
+    def __init__(self, name: str, *arguments: Any, **options: Any) -> None:
+        self.name, self.arguments, self.options = name, arguments, options
 
 
-def _say(name: str, *arguments: Any, **options: Any) -> Any:
-    return _Said(name, arguments, options)
-
-
-Field, Tag = partial(_say, "Field"), partial(_say, "Tag")
-Discriminator, WithJsonSchema = partial(_say, "Discriminator"), partial(_say, "WithJsonSchema")
+Field: Any = partial(_Said, "Field")
+Tag: Any = partial(_Said, "Tag")
+Discriminator: Any = partial(_Said, "Discriminator")
+WithJsonSchema: Any = partial(_Said, "WithJsonSchema")
 
 
 _read: dict[type[Strict], dict[str, tuple[Any, bool]]] = {}
