@@ -21,7 +21,8 @@ _OR_MARK = "\ue0f0"  # stands for the word between alternatives
 _OR = re.compile(r"\\(?:text|textrm|mathrm|mbox)\s*\{\s*(?:or|oppure|ou|o)\s*\}|\\(?:lor|vee)(?![A-Za-z])")
 _PRIME = re.compile(r"(?:\^\s*(?:\\prime(?![A-Za-z])|\{\s*\\prime\s*\})|')\s*$")
 _NAME = re.compile(
-    r"(\\(?:math[a-z]+|text[a-z]*|operatorname\*?)\s*\{\s*[A-Za-z]+\s*\}|\\[A-Za-z]+|[A-Za-z\u0391-\u03c9])"
+    r"(\\(?:math[a-z]+|text[a-z]*|operatorname\*?)\s*\{\s*[A-Za-z]+\s*\}|\\[A-Za-z]+|(?<![A-Za-z\\])[A-Z]{2}(?=\s*_)"
+    r"|[A-Za-z\u0391-\u03c9])"
     r"\s*((?:_\s*(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?)"
 )
 _BRACED = re.compile(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}")

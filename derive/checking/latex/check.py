@@ -208,12 +208,15 @@ class _Check(SideReading):
     def _defined(self) -> Iterator[Finding | Claim]:
         """Points and then energies of links, which other formulas take as they are defined here."""
         lefts = [(*defined, taken_apart(defined[-1].text)) for defined in self.scope.defined()]
+        moving = self.rates.union(name for cell in self.robot.gravity or () for name in names(cell))
         for name, _, meaning, side, left in lefts:
             if left is not None and left.is_point and (point := self._stands_for(left)) is not None:
                 yield Claim(point, meaning, name, self._typed(side), self.plain.location(side.start), is_open=True)
         for name, _, meaning, side, left in lefts:
             targets = self.meanings.targets(left) if left else ()
             of_links = [target for target in targets if target.quantity.startswith(("kinetic[", "potential["))]
+            if left is not None and left.head in "ku" and moving.isdisjoint(names(meaning)):
+                continue  # a short name
             if not of_links or (right := self.meanings.right(of_links[0])) is None:
                 continue
             (found,) = self._entries(right, Table(((Entry(meaning, self._typed(side), side.start),),)), side.start)
@@ -279,10 +282,19 @@ class _Check(SideReading):
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
             return
         named = self._naming(sides, is_scalar_equation)
-        # products of transforms beside what they are said to be
-        judged = [(side, finding) for side in others if (finding := self._multiplied(named, side)) is not None]
-        yield from (finding for _, finding in judged)
         said = [side for side in sides if side.value is not None and side not in named]
+        # products and sums of named matrices beside what they are said to be
+        judged = [
+            (side, finding)
+            for side in sides
+            if side not in named
+            and (finding := self._multiplied(named, side) or self._by_names(side, named, said)) is not None
+        ]
+        yield from (finding for _, finding in judged)
+        if judged and not named and len(said) < 2:
+            return
+        if not said and first.error is not None and not judged and any(side.factors for side in named):
+            raise first.error
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")
         if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):

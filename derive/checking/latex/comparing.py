@@ -269,6 +269,9 @@ class Comparing:
             return
         # the angle of a planar arm has all joints
         is_angle = name.left.head in ANGLES and isinstance(table.entries[0].formula, Sum) and used == self.joints.keys()
+        is_scalar = table.shape == (1, 1)  # which is right at least for one of them
+        if is_scalar and any(found.verdict.equal for pair in fits for found in self._entries(*pair, 0)):
+            return
         if not (is_energy or is_angle) and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
@@ -287,6 +290,8 @@ class Comparing:
         readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
         for values in readings:
             posed = tuple(tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows)
+            if names_of_pose(*(entry.formula for row in posed for entry in row)):
+                continue  # a name without a value
             with suppress(*([CheckError] if len(readings) > 1 else [])):
                 found = tuple(self._compared(name, Table(posed), offset))
                 if len(readings) == 1 or all(finding.verdict.equal for finding in found):

@@ -142,7 +142,7 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
         printed = text[begin:end].rstrip()
-        end = begin + len(printed if printed.endswith("...") else printed.rstrip(" \n\r.,;:"))
+        end = begin + len(printed if printed.endswith("...") else _without_end(printed))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]
         sides = [whole.part(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
         # spaces and words that part nothing are blank; commas stay, for a formula must not have one
@@ -162,6 +162,39 @@ def _unbracketed(text: str) -> str:
         return text
     begin, end = text.index("("), text.rindex(")")
     return f"{text[:begin]} {text[begin + 1 : end]} {text[end + 1 :]}"
+
+
+def alternatives(sides: Sides) -> Iterator[Sides]:
+    """One equation for each row of alternatives with conditions, and for each pair of ``(x, y) = (a, b)``."""
+    *_, last = sides
+    if last.text.strip() == MATRIX_MARK and last.matrices[0].is_cases and len(sides) > 1:
+        for cell, *_ in last.matrices[0].rows:
+            yield (*sides[:-1], cell.part(0, len(_without_end(cell.text))))
+        return
+    lists = [_listed(side) for side in sides]
+    count = len(lists[0])
+    if len(sides) > 1 and count > 1 and {*map(len, lists)} == {count} and re.search("[a-z]_|sqrt|arc|atan", last.text):
+        yield from zip(*lists, strict=True)
+    else:
+        yield sides
+
+
+def _listed(side: LatexPiece) -> list[LatexPiece]:
+    """What stands between the commas of a list in round brackets that is a whole side; nothing of another side."""
+    text = side.text
+    begin, end = text.find("(") + 1, text.rfind(")")
+    if text[:begin].strip() != "(" or text[end:].strip() != ")" or _depths(text, begin, end):
+        return []
+    commas = [i for i in range(begin, end) if text[i] == "," and not _depths(text, begin, i)]
+    edges = [begin, *(edge for i in commas for edge in (i, i + 1)), end]
+    return [side.part(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _without_end(text: str) -> str:
+    """A formula without the marks and spaces behind it."""
+    while (shorter := text.rstrip(" \n\r\v.,;:").removesuffix("\\quad").removesuffix("\\qquad")) != text:
+        text = shorter
+    return text
 
 
 def _unmerged(sides: Sides) -> Iterator[Sides]:

@@ -100,18 +100,21 @@ class LatexReader:
             raise self._refused(piece.start, "matrix where a formula is expected")
         return found
 
-    def value(self, piece: LatexPiece) -> Expression | Table:
-        """What a piece says."""
+    def value(self, piece: LatexPiece, known: Mapping[int, Table] | None = None) -> Expression | Table:
+        """What a piece says; known are the matrices at some of its marks."""
         self._check_size(piece)
-        marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK] if piece.matrices else []
-        tables = {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=True)}
+        tables: dict[int, Expression | Table] = {**(known or {})}
+        marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK and i not in tables]
+        tables |= {i: self._matrix(matrix) for i, matrix in zip(marks, piece.matrices, strict=bool(piece.matrices))}
         try:
             text = _DOUBLE_PLUS.sub(" ", piece.text)
             if self.names.signs is not None:  # a document, with labels of branches and primed names of its own
                 text = _BRANCH.sub(lambda m: m[1].ljust(len(m[0])), text)
                 if ALTERNATIVE.search(text):
                     raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
+                text = _BARS.sub("\\1\ue003\\2\ue004\\3", text.replace("\\vert", "|    "))
                 text = _ARGUMENTS.sub(lambda m: m[1].ljust(len(m[0])), text)
+                text = _SEEN_FROM.sub(self._seen_from, text)
                 text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
@@ -134,6 +137,8 @@ class LatexReader:
         """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
         left = taken_apart(text)
         energy = None if left is None or self.names.knows(left.flat) else self.names.entry(f"{ENERGY}{left.flat}")
+        if MATRIX_MARK in text:
+            raise CheckError("derivative of a matrix")
         found = energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
         if isinstance(found, Table):
             raise CheckError("derivative of a matrix")
@@ -150,6 +155,15 @@ class LatexReader:
             return match[0]
         sign = self.names.sign(run)
         return sign.rjust(len(run)) + match[0][len(run) :]
+
+    def _seen_from(self, match: re.Match[str]) -> str:
+        """One sign for a coordinate of a frame, or an entry of its axes, that is seen from another one; none for 0."""
+        if match["entry"]:
+            return match["entry"].rjust(len(match[0]))
+        frame = re.sub("[^0-9]", "", (match["before"] or "") + (match["behind"] or ""))
+        name = match["letter"] + match["frame"] + match["axis"]
+        entry = self.names.entry(f"{name}^{frame}") if len(frame) == 1 else None
+        return match[0] if entry is None else self.names.standing_for(entry).ljust(len(match[0]))
 
     def _primed(self, match: re.Match[str]) -> str:
         """One sign for a letter with primes."""
@@ -243,6 +257,12 @@ _ARGUMENTS = re.compile(
 _COLUMN_OF_FRAME = re.compile(
     r"((?<![A-Za-z\\])[nsoa]\s*_\s*(?:[xyz]|\{\s*[xyz]\s*\}))\s*\^\s*(?:[3-9]|\{\s*[3-9]\s*\})"
 )
+_RAISED = r"\^\s*(?:[0-9]|\{\s*[0-9]\s*\})"
+# P_{6x}^0 and {}^1n_{4z}, and an entry of the pose with the base before it, {}^0r_{11}.
+_SEEN_FROM = re.compile(
+    rf"(?:\{{\s*\}}\s*)?(?P<before>{_RAISED}\s*)?(?<![A-Za-z\\])(?P<letter>[pPnsoa])\s*_\s*\{{?\s*(?P<frame>[1-9])\s*,?\s*(?P<axis>[xyz])\s*\}}?"
+    rf"(?:\s*(?P<behind>{_RAISED}))?|\{{\s*\}}\s*\^\s*(?:0|\{{\s*0\s*\}})\s*(?P<entry>[rRnsoap]\s*_)"
+)
 _INDEX = r"\s*_\s*(?:\{[^{}]*\}|\w)"
 _PRIMED_NAME = re.compile(
     rf"(?P<letter>\\(?:{'|'.join(filter(str.isascii, FLAT))})|(?<![A-Za-z\\])[A-Za-z])(?P<sub>{_INDEX})?"
@@ -251,6 +271,9 @@ _PRIMED_NAME = re.compile(
 _BRACKET = re.compile(r"[][(){}]")
 _OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
+
+
+_BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a formula
 
 
 def without_derivatives(

@@ -17,7 +17,20 @@ from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, LatexNames, Symbol
 from derive.checking.latex.typography import PRIMED
 from derive.errors import CheckError, DeriveError
-from derive.robot.expression import Call, Expression, Number, Pi, Power, Product, add, multiply, negate, number, power
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Number,
+    Pi,
+    Power,
+    Product,
+    add,
+    multiply,
+    negate,
+    number,
+    power,
+)
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 
 
@@ -193,7 +206,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             terms.append(_each(settled, negate) if sign == "-" else settled)
         tables = [term for term in terms if isinstance(term, Table)]
         formulas = [term for term in terms if not isinstance(term, Table)]
-        if tables and formulas:
+        if tables and any(formula != ZERO for formula in formulas):
             raise CheckError("sum of a matrix and a formula", remedy="add matrices only")
         return reduce(Table.plus, tables) if tables else add(*formulas)
 

@@ -95,7 +95,7 @@ class Left:
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
             # velocities, energies of links, speeds, forces on a body
             or self.head in ("v", "xi", "nu")
-            or (self.head in ("V", "v", "F", "f", "u", "h") and len(self.sub) == 1 and self.sub.isdigit())
+            or (self.head in ("V", "v", "F", "f", "u", "h", "k") and len(self.sub) == 1 and self.sub.isdigit())
         )
 
     @property
@@ -144,7 +144,7 @@ def taken_apart(text: str) -> Left | None:
         rest = "_{" + digits[0] + "}" + rest[digits.end() :]
     after, rest = _scripts(rest)
     arguments = ""
-    if match := _ARGUMENTS.match(rest):
+    if (match := _ARGUMENTS.match(rest)) and not re.search(r"\\times|\{\}", match[0]):  # R (v + omega x p) is a product
         arguments, rest = match[0], rest[match.end() :]
         more, rest = _scripts(rest)
         after = {mark: after.get(mark, "") + more.get(mark, "") for mark in "_^'"}
@@ -170,12 +170,12 @@ def _undressed(text: str) -> tuple[str, bool]:
         rest, determinant = match[1], True
         while (inner := re.fullmatch(r"[({](.*)[)}]", rest)) and _ARGUMENTS.fullmatch("(" + inner[1] + ")"):
             rest = inner[1]
-    rest = re.sub(r"^\{\}", "", rest)
-    rest = re.sub(r"^\{([_^](?:\{\w+\}|\w))\}", r"\1", rest)
     while (single := re.sub(r"\{\{([^{}]*)\}\}", r"{\1}", rest)) != rest:
         rest = single
     if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
         rest = whole[1] + rest[whole.end() :]
+    rest = whole[1] if (whole := re.fullmatch(r"\[([^][]*)\]", rest)) else rest
+    rest = re.sub(r"^\{\}|^\{((?:[_^](?:\{\w+\}|\w))+)\}", r"\1", rest)
     return rest, determinant
 
 

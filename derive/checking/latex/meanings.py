@@ -29,6 +29,7 @@ from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_SEEN_FROM = re.compile(r"([pPnsoa])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
     r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"
 )
@@ -294,6 +295,10 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
     if name[0] == ENERGY:
         return meanings.differentiated(name[1:])
+    if seen := _SEEN_FROM.fullmatch(name):
+        letter, sub, frame = seen.groups()
+        rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, frame))))
+        return next((expression_from_sympy(right.value[0, 0]) for right in rights if right), None)
     left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     for target in meanings.targets(left) if left else ():
         if is_scalar(target) and (right := meanings.right(target)):

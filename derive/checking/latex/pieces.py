@@ -27,7 +27,7 @@ _STRUCTURE = re.compile(
     rf"\\begin\s*\{{(?P<begin>[A-Za-z]+)\*?\}}(?:\s*\[[a-z|]*\])?(?P<columns>\s*{_BRACES})?"
     r"|\\end\s*\{(?P<end>[A-Za-z]+)\*?\}"
     rf"|(?P<row>\\\\\*?{_LENGTH}|\\(?:cr|tabularnewline|newline)(?![A-Za-z]){_LENGTH})"
-    r"|(?P<cell>(?<!\\)&)"
+    r"|(?P<cell>(?<!(?<!\\)\\)&)"
 )
 _WITH_COLUMNS = ("array", "alignat", "alignedat", "IEEEeqnarray", "tabular")
 # Signs between the sides of an equation.
@@ -88,6 +88,7 @@ class PrintedMatrix:
 
     rows: tuple[tuple[LatexPiece, ...], ...]  # its entries
     is_determinant: bool = False  # whether it stands between bars, or behind ``det``
+    is_cases: bool = False  # whether its rows are alternatives, each with its condition
 
 
 @dataclass(slots=True)
@@ -148,7 +149,7 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
             if child.name in _GRIDS and not _holds_equations(plain, child):
                 inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
                 rows = tuple(tuple(row.split("\v")) for row in inner if row.text.strip("\v \n\r"))
-                found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV")))
+                found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV", child.name.endswith("cases"))))
                 signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
             else:
                 signs += [(child.begin, " "), (child.end, " ")]

@@ -1,4 +1,4 @@
-"""Quantities that pages print and the registry does not have: velocities, centres of mass, energies of links, rates."""
+"""Quantities that pages print and the registry does not have: motion, forces and energies of single links, rates."""
 
 import re
 from typing import Any
@@ -8,12 +8,18 @@ import sympy
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
+from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Call
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
+# Of a link in the axes of a frame, by Newton and Euler; accelerations count gravity as one of the base, or do not.
+OF_LINK = (
+    "omega", "alpha", "velocity", "acceleration", "acceleration_com", "still_acceleration", "still_acceleration_com",
+    "inertial_force", "inertial_moment", "joint_force", "joint_moment",
+)  # fmt: skip
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
-OWN = ("twist", "rates", "centre", "lagrangian", "omega", "gravity", "task", "base", "tool", "J_at")
+OWN = (*OF_LINK, "twist", "rates", "centre", "lagrangian", "gravity", "task", "base", "tool", "J_at")
 
 
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
@@ -26,9 +32,9 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return jacobian * rates
         case "rates", _:
             return rates
-        case "omega", [link, frame]:  # of a link, in the axes of a frame: the sum over the joints before it
-            omega = jacobian[3:, :link] * rates[:link, :]
-            return model.frame(frame)[:3, :3].T * omega if frame else omega
+        case (kind, [link, frame]) if kind in OF_LINK:
+            of_link = _of_link(model, kind, link)
+            return model.frame(frame)[:3, :3].T * of_link if frame else of_link
         case "J_at", [frame]:  # of the origin of a frame
             q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in robot.joints])
             return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(q).col_join(jacobian[3:, :])
@@ -44,6 +50,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:
             return (model.frame(link) * _centre(robot, link))[:3, :]
+        case "centre", [link, frame]:  # from a frame, in its axes
+            return (model.quantity(f"T[{frame},{link}]") * _centre(robot, link))[:3, :]
         case "p", [end, start] if "-" in name:
             return model.frame(end)[:3, 3] - model.frame(start)[:3, 3]
         case "lagrangian", _:
@@ -55,6 +63,47 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             height = (gravity.T * model.quantity(f"T[0,{link}]") * _centre(robot, link))[0, 0]
             return -expression_to_sympy(robot.links[link - 1].mass) * height
     return None
+
+
+def _of_link(model: Model, kind: str, link: int) -> Matrix:
+    """Motion of a link, in the base; the link behind the last one is the end effector (Craig, section 6.5)."""
+    robot, moving = model.robot, min(link, model.n)
+    if kind.startswith(("inertial", "joint")):
+        return _force_on_link(model, kind, link)
+    if kind in ("omega", "alpha"):  # the sum over the joints before it
+        rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints[:moving]])
+        omega = sympy.Matrix(model.quantity("J"))[3:, :moving] * rates
+        return omega if kind == "omega" else slope(robot, omega, "t")
+    place = (model.quantity("T") if link > model.n else model.frame(link))[:3, 3]
+    if kind.endswith("_com"):
+        place = own_quantity(model, f"centre[{link}]")
+    velocity = slope(robot, place, "t")
+    if kind == "velocity":
+        return velocity
+    is_still = kind.startswith("still") or robot.gravity is None
+    gravity = sympy.zeros(3, 1) if is_still else own_quantity(model, "gravity")
+    return slope(robot, velocity, "t") - gravity
+
+
+def _force_on_link(model: Model, kind: str, link: int) -> Matrix:
+    """What moves a link, or what the link before exerts on it, in the base."""
+    robot = model.robot
+    body, turn = robot.links[link - 1], model.frame(link)[:3, :3]
+    if kind == "inertial_force":  # F = m a_C, with gravity in a_C
+        return expression_to_sympy(body.mass) * _of_link(model, "acceleration_com", link)
+    if kind == "inertial_moment":  # N = I alpha + omega x I omega
+        rows = [[getattr(body.inertia, min(i + j, j + i)) for j in "xyz"] for i in "xyz"]
+        inertia = turn * sympy.Matrix(3, 3, [expression_to_sympy(cell) for row in rows for cell in row]) * turn.T
+        omega = _of_link(model, "omega", link)
+        return inertia * _of_link(model, "alpha", link) + omega.cross(inertia * omega)
+    # at the frame of its joint: the sums of F, and of N + r x F, over the links from it on
+    joint = model.frame(link - (robot.convention is not Convention.MODIFIED))[:3, 3]
+    total = sympy.zeros(3, 1)
+    for k in range(link, model.n + 1):
+        force = _force_on_link(model, "inertial_force", k)
+        arm = sympy.Matrix(own_quantity(model, f"centre[{k}]")) - joint
+        total += force if kind == "joint_force" else _force_on_link(model, "inertial_moment", k) + arm.cross(force)
+    return total
 
 
 def _centre(robot: Robot, link: int) -> Matrix:

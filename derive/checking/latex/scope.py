@@ -5,10 +5,11 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
-from itertools import islice, product
+from itertools import chain, islice, product
 
-from derive.checking.latex.equations import Sides, equations
+from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
@@ -20,7 +21,7 @@ from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.whole import chained, factors
 from derive.errors import CheckError, Location
 from derive.model.model import Model
-from derive.robot.expression import Expression
+from derive.robot.expression import Call, Expression, Pi, add, multiply, negate, number
 from derive.robot.names import joint_label, robot_symbols
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
@@ -44,6 +45,10 @@ _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
 _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*_")
+# A function of an angle, on a left side.
+_OF_ANGLE = re.compile(
+    r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
+)
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -53,7 +58,8 @@ class Scope:
     def __init__(self, model: Model, text: str, start: Location, document: bool) -> None:
         self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
         has_time = "t" not in robot_symbols(self.robot)
-        found = islice(equations(text, start, document=document, time=has_time), MAX_EQUATIONS + 1)
+        found: Iterator[Sides] = equations(text, start, document=document, time=has_time)
+        found = islice(chain.from_iterable(map(alternatives, found)) if document else found, MAX_EQUATIONS + 1)
         self.equations = tuple(found)  # what is compared, in the order of the text
         if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
             allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
@@ -107,7 +113,9 @@ class Scope:
         """Names that no other formula uses, though what defines them may be wrong."""
         for name, index, _, side in self.defined():
             others = (text for i, e in enumerate(self.equations) if i != index for s in e for text in s.texts)
-            if not side.inline and not any(side.text.strip() in text for text in others):
+            angle = _OF_ANGLE.fullmatch(side.text.strip())
+            own = angle["angle"] if angle else side.text.strip()
+            if not side.inline and not any(own in text for text in others):
                 yield name, side
 
     def defined(self) -> Iterator[tuple[str, int, Expression, LatexPiece]]:
@@ -299,12 +307,26 @@ class Scope:
         for side, its_name in zip(equation, names, strict=True):
             with suppress(CheckError):
                 if not its_name:
-                    meaning = reader.formula(side)
+                    meaning = self._angle(equation[names.index(name)], reader.formula(side))
                     self.definitions.setdefault(name, []).append((index, meaning))
                     self.defining |= {index} if names[0] and len(equation) == 2 else set()
                     self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
                     return True
         return False
+
+    def _angle(self, side: LatexPiece, meaning: Expression) -> Expression:
+        r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
+        match = _OF_ANGLE.fullmatch(side.text.strip())
+        if match is None or self._signs is None:
+            return meaning
+        sign, half = next(self._signs), multiply(number(Fraction(1, 2)), Pi())
+        principal = Call("a" + match["function"], (meaning,))
+        match match["function"]:
+            case "cos":
+                return multiply(sign, principal)
+            case "sin":  # pi/2 +- (pi/2 - asin)
+                return add(half, multiply(sign, add(half, negate(principal))))
+        return add(principal, half, multiply(sign, half))
 
     def _quantities(self, equation: Sides, names: tuple[str, ...]) -> int:
         """Whether sides other than the name are quantities of the robot, such as b_{22}: 0 none, 1 some, 2 all."""
@@ -325,6 +347,9 @@ class Scope:
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
+        if self.document and (match := _OF_ANGLE.fullmatch(side.text.strip())) is not None:
+            angle = taken_apart(match["angle"])
+            return angle.flat if angle and not self.plain.names.knows(angle.flat) and not self._is_pose(angle) else ""
         if left is not None and left.primes and replace(left, primes=0).is_plain and not left.sub and self.document:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or left.arguments or self.is_own(left):
@@ -343,7 +368,7 @@ class Scope:
             is_product = len(left.head) > 1 and bool(self.plain.formula(side))
         if self.document and (is_rate(left.flat) or is_product):
             return ""
-        if self.poses is not None and not left.is_point and self.poses.placeholder(left.flat) is not None:
+        if not left.is_point and self._is_pose(left):
             return ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
@@ -355,6 +380,10 @@ class Scope:
         parts = (part for i, e in enumerate(self.equations) if i != index for part in e[first:])
         is_used = any(own in text for part in parts if part.text.strip() != own for text in part.texts)
         return left.flat if is_used else ""
+
+    def _is_pose(self, left: Left) -> bool:
+        """Whether a left side is a name of a pose."""
+        return self.poses is not None and self.poses.placeholder(left.flat) is not None
 
     def is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""

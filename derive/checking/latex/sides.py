@@ -11,6 +11,7 @@ from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
 from derive.checking.latex.comparing import Comparing, Side
 from derive.checking.latex.left import Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.scope import Scope
@@ -32,6 +33,7 @@ class SideReading(Comparing):
     def __init__(self, scope: Scope, quantity: str) -> None:
         super().__init__(scope, quantity)
         self.reader = scope.reader(0)
+        self._matrices = MatrixNames(scope.meanings, self.reader)
 
     def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
         """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
@@ -55,6 +57,20 @@ class SideReading(Comparing):
             return None
         repair = Repair((), "the order of the factors: each begins at the frame to which the one before it leads", ZERO)
         return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+
+    def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
+        """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
+        if side.error is None or not self.document:
+            return None
+        rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
+        tables = [other.value for other in said if isinstance(other.value, Table)]
+        for table in self._matrices.values(side.piece):
+            quantity = next((right.quantity for right in rights if right.fits(table) == 1), "")
+            if quantity or any(are_alike(table, other) for other in tables):
+                text, where = self._typed(side.piece), self.plain.location(side.piece.start)
+                role = Role.PRINTED if quantity else Role.IDENTITY
+                return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
+        return None
 
     def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
         """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, Turned
+from derive.checking.latex.quantities import OF_LINK
 from derive.model.quantities import REGISTRY
 
 Indices = tuple[int, ...]
@@ -65,13 +66,13 @@ def candidates(
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
-_VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction"))
+_VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", *OF_LINK))
 _SCALARS = ("christoffel", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
 def is_scalar(target: Target) -> bool:
     """Whether a target is one formula."""
-    entry = len(target.rows) == 1 and (len(target.columns) == 1 or target.quantity in _VECTORS)
+    entry = len(target.rows) == 1 and (len(target.columns) == 1 or target.quantity.partition("[")[0] in _VECTORS)
     return entry or bool(target.entry) or target.is_determinant or target.quantity.startswith(_SCALARS)
 
 
@@ -135,7 +136,7 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
         energy = "kinetic" if left.flat == "k" else "potential"
     if energy and not left.dots and not left.factor:
         yield Target(energy)
-    of_link = _ENERGIES.get(left.head, "")
+    of_link = _ENERGIES.get(left.head, {"k": "kinetic", "u": "potential"}.get(left.head, ""))
     if of_link and left.head != "L" and len(indices) == 1 and not left.dots and not left.factor:
         yield Target(f"{of_link}[{indices[0]}]")
 
@@ -145,9 +146,7 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
     is_velocity = (left.head in ("v", "V", "xi", "nu") and not left.dots) or (left.head in "pP" and left.dots == 1)
     if is_velocity and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((), (1, 2, 3), (1, 2), (1, 2, 6)))
-    if left.head == "omega" and not left.dots and left.sub.isdigit() and 0 < int(left.sub) <= n:
-        name = f"omega[{left.sub},{left.sub if (left.sup or left.before) == left.sub else 0}]"
-        yield from (Target(name, rows) for rows in ((), (3,)))
+    yield from _of_link(left, n)
     if left.head == "omega" and not left.dots and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((4, 5, 6), (6,)))
     if (
@@ -160,6 +159,37 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
         yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
     if left.head in ("q", "theta") and left.dots == 1 and not left.sub + left.sup + left.arguments:
         yield Target("rates")
+
+
+# Letters of Newton and Euler's recursion with their dots, of a frame and of a centre of mass; gravity counts as an
+# acceleration, or it does not.
+_RECURSION = {
+    ("omega", 0, False): ("omega",),
+    ("omega", 1, False): ("alpha",),
+    ("alpha", 0, False): ("alpha",),
+    ("v", 0, False): ("velocity",),
+    ("v", 1, False): ("acceleration", "still_acceleration"),
+    ("v", 1, True): ("acceleration_com", "still_acceleration_com"),
+    ("a", 0, False): ("acceleration", "still_acceleration"),
+    ("a", 0, True): ("acceleration_com", "still_acceleration_com"),
+    ("F", 0, False): ("inertial_force",),
+    ("N", 0, False): ("inertial_moment",),
+    ("f", 0, False): ("joint_force",),
+    ("n", 0, False): ("joint_moment",),
+}
+
+
+def _of_link(left: Left, n: int) -> Iterator[Target]:
+    r"""Motion of a link and forces on it, in the axes of a frame: ``{}^2\dot v_{C_2}``, ``{}^1n_1``, ``{}^2F_{2y}``."""
+    match, frame = re.fullmatch(r"([cCgG]?)([1-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
+    kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
+    if match is None or not kinds or not frame.isdigit() or int(frame) > n or (left.sup and left.head in "vaFN"):
+        return  # v_2^2 is a square
+    link = int(match[2]) if match[2].isdigit() else n + 1
+    if link > n + (kinds[0] in ("velocity", "omega")) or (frame == "0" and left.head != "omega"):
+        return
+    rows = [(AXES[match[3]],)] if match[3] else [(), (3,)] if left.head in ("omega", "alpha") else [()]
+    yield from (Target(f"{kind}[{link},{int(frame)}]", part) for kind in kinds for part in rows)
 
 
 def _jacobians(left: Left, n: int) -> Iterator[Target]:
@@ -254,13 +284,15 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
-    if (
-        head in ("p", "P", "r")
-        and left.sup in ("", "0")
-        and not left.before
-        and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub))
-    ):
-        yield from (Target(f"centre[{centre[1]}]", rows) for rows in ((), (1, 2)))
+    seen_from = left.sup or left.before or "0"
+    if head in ("p", "P", "r") and seen_from.isdigit() and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub)):
+        name = f"centre[{centre[1]}]" if seen_from == "0" else f"centre[{centre[1]},{seen_from}]"
+        yield from (Target(name, rows) for rows in ((), (1, 2)))
+    # a coordinate of a frame, or an entry of its axes, seen from another one: P_{6x}^0, n_{4z}^1
+    place = re.fullmatch(r"([1-9])([xyz])", left.sub)
+    if head in ("p", "P", "n", "o", "s", "a") and place and (left.sup or left.before) and seen_from.isdigit():
+        place_column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head, 4)
+        yield Target(f"T[{seen_from},{place[1]}]", (AXES[place[2]],), (place_column,))
     column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
     if column and plain and not left.sub:
         yield Target("T", (1, 2, 3), (column,))

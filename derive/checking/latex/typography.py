@@ -37,7 +37,8 @@ _INK = re.compile(
     r"|_\s*\{\s*[0-9]\s*\\times\s*[0-9]\s*\}"  # the size of a matrix
     r"|\\[,;:!> /]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
-    r"|\{\s*\}"
+    # nothing in braces, but where it bears the scripts of the letter behind it: {}^0T_1
+    r"|(?<=[A-Za-z0-9)}\]])\{\s*\}(?=\s*\^\s*(?:\{[^{}]*\}|[0-9])(?![_^]|\\?[A-Za-z{]))|\{\s*\}(?!\s*[_^])"
 )
 _STAR = re.compile(rf"\^\s*(?:\{{\s*(?:\*|\\(?:ast|star){_END})\s*\}}|\*|\\(?:ast|star){_END})")  # of what moves
 # theta_2^* = theta_2 - 90 degrees, where the star makes another name
@@ -55,7 +56,9 @@ _RATE = re.compile(
 _OF_TIME = re.compile(r"(?P<primes>'{0,2})(?P<space>\s*)(?:\{\s*\(\s*t\s*\)\s*\}|\(\s*t\s*\))")
 _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
-    r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{[^{}]*[_^\\])"
+    r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
+    r"|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{(?:[^{}_^\\]|\\_)*(?:[_^]|\\[^_]))"
+    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])"
 )
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(

@@ -1,0 +1,146 @@
+r"""Matrices and vectors that a formula names: ``{}^2_1R\,{}^1\omega_1 + \dot\theta_2\hat Z_2`` is a sum of columns.
+
+A name may mean several matrices, T_1 the pose of frame 1 or the matrix of row 1. So a formula has several values, and
+one of them may be equal to what it stands beside; that none is says nothing.
+"""
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from itertools import islice, product
+
+from derive.checking.latex.formula import LatexReader
+from derive.checking.latex.left import AXES, taken_apart
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.meanings import ALIKE, Meanings, at_a_point
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.targets import Target
+from derive.errors import CheckError
+from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.robot.expression import ZERO, Call, Expression, negate, number
+
+MAX_WAYS = 32  # values of one formula that are tried, of each size
+MAX_NAMES = 8  # names of matrices in one formula
+_SCRIPT = r"[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\[a-z]+|\w)"
+_FONTS = r"\\(?:mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
+_PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?<![A-Za-z\\])[A-Za-z](?![A-Za-z])"
+_LETTER = rf"(?:{_FONTS}\s*\{{\s*[A-Za-z]\s*\}}|{_FONTS}\s+[A-Za-z]|{_PLAIN})"
+_DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
+_BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
+_ONE = (
+    rf"(?:\{{\s*(?:{_SCRIPT}\s*)*\}}\s*)?(?:{_SCRIPT}\s*)*(?:{_DOTTED}|{_LETTER})(?:{_SCRIPT})*"
+    rf"(?:\s*\((?:\\?[A-Za-z]+|,|_[0-9]|\s|\{{|\}})*\)(?:{_SCRIPT})*)?"
+)
+_NAME = re.compile(rf"[\[(]\s*{_ONE}\s*[\])]\s*\^\s*(?:\{{[^{{}}]*\}}|T)|{_ONE}")
+# A turn or a shift along one axis, or a shift by three numbers: R_z(\theta_1), Rot(x, \alpha), Trans(a, 0, 0), T_{z,d}.
+_ELEMENTARY = re.compile(
+    r"(?<![A-Za-z\\])(?:\\(?:text|mathrm|operatorname|mathbf|mathit|boldsymbol)\s*\{\s*)?(?:(?P<turn>R(?:ot)?|rot)|T(?:r(?:ans(?:l)?)?)?|trans|D)\s*\}?"
+    rf"\s*(?:_\s*(?:\{{\s*)?\\?(?:hat\s*\{{)?(?P<axis>[xyzXYZ])\}}?(?:\s*,\s*(?P<below>[^{{}}]+|[^{{}}]*\{{[^{{}}]*\}}))?\s*\}}?)?"
+    rf"\s*(?P<arguments>{_BRACKETS})?"
+)
+_UNIT = re.compile(
+    rf"\\(?:hat|widehat|vec|overrightarrow|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}?)?"
+)
+
+
+class MatrixNames:
+    """Reads formulas of one text with the matrices that it names."""
+
+    def __init__(self, meanings: Meanings, reader: LatexReader) -> None:
+        self._meanings, self._reader = meanings, reader
+        self._tables: dict[Target, Table] = {}
+
+    def values(self, piece: LatexPiece) -> Iterator[Table]:
+        """The matrices that a formula with names of matrices may be."""
+        text, found = piece.text, dict[int, list[Table]]()
+        for pattern, meaning in ((_ELEMENTARY, self._elementary), (_UNIT, self._unit), (_NAME, self._named)):
+            for match in pattern.finditer(text):
+                if tables := meaning(match, piece.offset):
+                    found[match.start()] = tables
+                    text = text[: match.start()] + MATRIX_MARK.ljust(len(match[0])) + text[match.end() :]
+        if not 0 < len(found) <= MAX_NAMES:
+            return
+        rest = LatexPiece(text, piece.offset, piece.matrices)
+        for size in (4, 3, 2):  # transforms, then rotations and vectors, then those of a plane
+            fitting = ([t for t in tables if t.shape[0] == size] or tables for tables in found.values())
+            for chosen in islice(product(*fitting), MAX_WAYS):
+                with suppress(CheckError):
+                    value = self._reader.value(rest, dict(zip(found, chosen, strict=True)))
+                    if isinstance(value, Table):
+                        yield value
+
+    def _elementary(self, match: re.Match[str], offset: int) -> list[Table]:
+        """A turn as a matrix of four rows and of three; a shift as one of four."""
+        texts = [match["below"]] if match["below"] else _arguments(match["arguments"] or "")
+        axis = (match["axis"] or "").lower()
+        if not axis and len(texts) == 2:
+            axis, texts = re.sub(r"\\hat|[^A-Za-z]", "", texts[0]).lower(), texts[1:]
+        if not texts or (axis not in AXES and (match["turn"] or len(texts) != len(AXES))):
+            return []
+        try:
+            values = [self._reader.formula(LatexPiece(text, offset)) for text in texts]
+        except CheckError:
+            return []
+        if not match["turn"]:
+            shift = values if axis not in AXES else [values[0] if name == axis else ZERO for name in AXES]
+            return [_table([[*_unit_row(i)[:3], shift[i]] for i in range(3)] + [_unit_row(3)])]
+        # the two axes behind it turn: [c -s; s c]
+        k = AXES[axis] - 1
+        turn, i, j = [_unit_row(row)[:3] for row in range(3)], (k + 1) % 3, (k + 2) % 3
+        turn[i][i] = turn[j][j] = Call("cos", (values[0],))
+        turn[j][i], turn[i][j] = Call("sin", (values[0],)), negate(Call("sin", (values[0],)))
+        return [_table([*([*row, ZERO] for row in turn), _unit_row(3)]), _table(turn)]
+
+    def _unit(self, match: re.Match[str], _: int) -> list[Table]:
+        """A unit vector in its own axes, and that of a frame in the base."""
+        letter = match["axis"].lower()
+        axis = AXES.get(letter) or "ijk".index(letter) + 1
+        tables = [_table([[number(int(i == axis))] for i in (1, 2, 3)])]
+        if match["frame"]:
+            tables += self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,)))
+        return tables
+
+    def _named(self, match: re.Match[str], _: int) -> list[Table]:
+        left = taken_apart(match[0].replace("[", "(").replace("]", ")"))
+        if left is None or (left.is_plain and self._reader.names.knows(left.flat)):
+            return []
+        return [table for target in self._meanings.targets(left) for table in self._of(target)]
+
+    def _of(self, target: Target) -> list[Table]:
+        if target not in self._tables:
+            right = self._meanings.right(target)
+            if right is None or right.value.shape == (1, 1) or 0 in right.value.shape:
+                return []
+            self._tables[target] = _table([[expression_from_sympy(e) for e in row] for row in right.value.tolist()])
+        return [self._tables[target]]
+
+
+def are_alike(one: Table, other: Table) -> bool:
+    """Whether two matrices have the same values at a point."""
+    if one.shape != other.shape:
+        return False
+    values = at_a_point(*(entry.formula for table in (one, other) for entry in table.entries))
+    half = len(values) // 2
+    return bool(values) and all(
+        abs(a - b) <= ALIKE * (1 + abs(b)) for a, b in zip(values[:half], values[half:], strict=True)
+    )
+
+
+def _table(rows: list[list[Expression]]) -> Table:
+    return Table(tuple(tuple(map(Entry, row)) for row in rows))
+
+
+def _unit_row(i: int) -> list[Expression]:
+    return [number(int(i == j)) for j in range(4)]
+
+
+def _arguments(text: str) -> list[str]:
+    """What stands between the commas in brackets."""
+    inner, parts, depth = text.strip()[1:-1], [""], 0
+    for letter in inner:
+        depth += (letter in "({") - (letter in ")}")
+        if letter == "," and not depth:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return parts if inner.strip() else []
