@@ -17,7 +17,6 @@ from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import LatexReport
 from derive.checking.latex.check import check_latex as compare_latex
-from derive.checking.latex.several import divided
 from derive.checking.report import (
     Printout,
     all_lines,
@@ -28,6 +27,7 @@ from derive.checking.report import (
     summary,
     what,
 )
+from derive.checking.several import divided
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits

@@ -9,7 +9,7 @@ from derive.exchange.certificate import ball
 from derive.mechanics.space import Real, decimal
 from derive.robot.description import Convention, Description
 from derive.robot.expression import Expression, Pi, Product, add, negate, number, substitute
-from derive.robot.names import file_symbols, number_of
+from derive.robot.names import file_symbols
 from derive.robot.writer import cell_text
 
 Some = TypeVar("Some", bound=Description)
@@ -20,7 +20,7 @@ MOST_SYMBOLS = 8  # of those that a message names
 def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) -> Some:
     """The robot with numbers in the place of symbols."""
     values: dict[str, Expression] = {}
-    for name, expression in number_of(robot).items():
+    for name, expression in dict(robot.parameters).items():
         values[name] = substitute(expression, values)
     values |= chosen or {}
     missing = [name for name in file_symbols(robot) if name not in values]

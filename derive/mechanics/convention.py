@@ -33,7 +33,7 @@ from derive.robot import expression as tree
 from derive.robot.description import Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, is_constant, number
-from derive.robot.names import number_of, without_lost_symbols
+from derive.robot.names import without_lost_symbols
 from derive.robot.robot import Robot
 from derive.robot.units import turned_angles
 from derive.robot.writer import cell_text
@@ -130,7 +130,7 @@ def _angles(matrix: Sequence[Sequence[Expression]]) -> Iterator[Expression]:
 
 
 def _is_zero(robot: Description, cell: Expression) -> bool:
-    return exact_number(cell, number_of(robot)) == 0
+    return exact_number(cell, dict(robot.parameters)) == 0
 
 
 def _motors(robot: Robot) -> Iterator[tuple[Link, Motor, int]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.expression import to_text
-from derive.robot.names import free_symbols, number_of
+from derive.robot.names import free_symbols
 from derive.targets.target import Source, Target
 
 FILE = "MANIFEST.json"
@@ -32,7 +32,7 @@ def manifest_text(
         "joints": [{"name": joint.variable, "type": joint.type.value} for joint in robot.joints],
         "parameters": {
             "free": list(free_symbols(robot)),
-            "numbers": {name: to_text(value) for name, value in number_of(robot).items()},
+            "numbers": {name: to_text(value) for name, value in dict(robot.parameters).items()},
         },
         "operations": source.program.operations,
         "operations_on_parameters": source.program.hoisted_operations,

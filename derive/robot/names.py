@@ -73,12 +73,7 @@ def without_lost_symbols(before: Description, after: Some) -> Some:
     )
 
 
-def number_of(robot: Description) -> dict[str, Expression]:
-    """The exact numbers that the file gives to symbols."""
-    return dict(robot.parameters)
-
-
 def free_symbols(robot: Description) -> tuple[str, ...]:
     """Symbols that stay arguments of generated code: without a number, or named in ``runtime``."""
-    baked = number_of(robot).keys() - set(robot.runtime)
+    baked = dict(robot.parameters).keys() - set(robot.runtime)
     return tuple(name for name in robot_symbols(robot) if name not in baked)

@@ -6,7 +6,7 @@ from functools import partial
 from derive.errors import Location
 from derive.programs.program import ARGUMENTS, GIVEN, POSE, Program, cost_text, joint_lines
 from derive.robot.expression import to_text
-from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
@@ -89,7 +89,7 @@ def render(source: Source) -> dict[str, str]:
 
 def _numbers(robot: Robot) -> list[tuple[str, ...]]:
     """Symbols whose number is part of the code: it in SI units and in those of the robot file."""
-    free, numbers, write = free_symbols(robot), number_of(robot), partial(number_text, decimals=True, digits=None)
+    free, numbers, write = free_symbols(robot), dict(robot.parameters), partial(number_text, decimals=True, digits=None)
     baked = [(name, numbers[name]) for name in robot_symbols(robot) if name in numbers and name not in free]
     return [(name, to_text(x, write), to_text(in_symbol_units(robot, name, x), write)) for name, x in baked]
 

@@ -7,7 +7,6 @@ from math import isfinite
 from derive.algebra.constants import exact_number, to_float
 from derive.programs.program import Program, joint_lines
 from derive.robot.evaluate import evaluate
-from derive.robot.names import number_of
 from derive.robot.robot import Robot
 
 
@@ -71,7 +70,7 @@ def shape_text(shape: tuple[int, ...]) -> str:
 
 def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
     """Lower and upper limit of each joint [rad or m]; None where there is none or it has no number."""
-    numbers = number_of(robot)
+    numbers = dict(robot.parameters)
     limits: list[tuple[float, float] | None] = []
     for joint in robot.joints:
         bounds = [exact_number(bound, numbers) for bound in joint.limits or ()]

@@ -11,7 +11,7 @@ from derive.exchange.numeric import with_numbers
 from derive.robot.description import Inertia, Link, Motor
 from derive.robot.expression import Expression, number
 from derive.robot.load import catalogue_names
-from derive.robot.names import limit_symbols, number_of, robot_symbols
+from derive.robot.names import limit_symbols, robot_symbols
 from derive.robot.robot import Robot
 from tests.exchange.urdfs import HALF, PI, J, body, urdf
 
@@ -32,7 +32,7 @@ def chosen_numbers(robot: Robot) -> dict[str, Expression]:
     """Lengths for the symbols that have none."""
     random = np.random.default_rng(len(robot.name))
     symbols = dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot)))
-    return {name: decimal(random.uniform(0.3, 0.9)) for name in symbols if name not in number_of(robot)}
+    return {name: decimal(random.uniform(0.3, 0.9)) for name in symbols if name not in dict(robot.parameters)}
 
 
 def numeric(name: str) -> Robot:

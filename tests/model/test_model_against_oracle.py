@@ -20,7 +20,7 @@ from derive.model.long_chain import LongChain, nested_kinematics
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.load import catalogue_names
-from derive.robot.names import number_of, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import rates
 from derive.verification.oracle.functions import Oracle
@@ -36,11 +36,13 @@ class Numbers:
     def __init__(self, robot: Robot, seed: int, contraction: str | None = None) -> None:
         rng = random.Random(seed)
         self.model = Model(robot, contraction=contraction)
-        parameters = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in number_of(robot)}
+        parameters = {
+            name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in dict(robot.parameters)
+        }
         self.oracle = Oracle.of(robot, parameters)
         self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
         self.values: dict[str, float] = dict(parameters)
-        self.values |= {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
+        self.values |= {name: float(expression_to_sympy(value)) for name, value in dict(robot.parameters).items()}
         rates = ((self.model.q, self.q), (self.model.qd, self.qd), (self.model.qdd, self.qdd))
         for symbols, numbers in rates:
             self.values |= {s.name: float(x) for s, x in zip(symbols, numbers, strict=True)}

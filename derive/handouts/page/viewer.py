@@ -33,7 +33,6 @@ from derive.programs.program import Program
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
-from derive.robot.names import number_of
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
@@ -144,7 +143,7 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
     cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
     cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
     symbols = (*(name for cell in cells for name in names(cell)), *parameters)
-    known = {name: evaluate(number, {}) for name, number in number_of(robot).items()}
+    known = {name: evaluate(number, {}) for name, number in dict(robot.parameters).items()}
     return dict.fromkeys(symbols, _FALLBACK) | known | dict(values)
 
 

@@ -35,7 +35,6 @@ from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.description import IDENTITY, Link, Motor
 from derive.robot.expression import ZERO, Expression, substitute
 from derive.robot.inertial_parameters import JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
-from derive.robot.names import number_of
 from derive.robot.robot import Robot
 
 MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
@@ -137,7 +136,7 @@ class BaseSet:
 @lru_cache(maxsize=64)
 def base_set(robot: Robot) -> BaseSet:
     """The base parameters of a robot with links."""
-    numbers = {name: value for name, value in number_of(robot).items() if name not in robot.runtime}
+    numbers = {name: value for name, value in dict(robot.parameters).items() if name not in robot.runtime}
     found = _base_set(robot, numbers)
     if not numbers or not any(relation.terms for relation in found.relations):
         return found

@@ -15,7 +15,7 @@ from derive.errors import ExpressionError
 from derive.mechanics.space import NOTHING
 from derive.robot.description import Joint
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
-from derive.robot.names import number_of, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
 Exact = Any  # a rational number (flint.fmpq) or a ball (flint.arb)
@@ -26,7 +26,7 @@ class ExactDomain:
 
     def __init__(self, robot: Robot) -> None:
         self._values: dict[str, Exact] = {}
-        for name, cell in number_of(robot).items():
+        for name, cell in dict(robot.parameters).items():
             self._values[name] = self._value(cell)
         missing = [name for name in robot_symbols(robot) if name not in self._values]
         if missing:

@@ -15,7 +15,6 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.errors import ExpressionError
 from derive.robot.evaluate import to_float
-from derive.robot.names import number_of
 
 Array = npt.NDArray[np.float64]
 
@@ -33,7 +32,7 @@ class RealZeros:
     """Judges the polynomials of one domain, with the numbers that the file has."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
-        self.domain, numbers = domain, {name: to_float(e, {}) for name, e in number_of(domain.robot).items()}
+        self.domain, numbers = domain, {name: to_float(e, {}) for name, e in dict(domain.robot.parameters).items()}
         self._values: list[float | None] = [None] * len(domain.generators)
         for i, g in enumerate(domain.generators):
             with suppress(ExpressionError):  # a symbol without a number

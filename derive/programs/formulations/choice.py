@@ -22,7 +22,7 @@ from derive.programs.tape.cost import Cost, program_cost
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import OPERATION_COST, PARAMETER, InputSource, Layer, Tape
 from derive.programs.tape.value import Value
-from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.robot import Robot
 
 
@@ -42,7 +42,7 @@ class FormulationChoice:
         self._effort = effort
         # For each symbol its number, or its place in the parameter vector.
         numbers: dict[int, InputSource | Constant] = {}
-        free, known = {name: k for k, name in enumerate(free_symbols(robot))}, number_of(robot)
+        free, known = {name: k for k, name in enumerate(free_symbols(robot))}, dict(robot.parameters)
         for i, name in enumerate(robot_symbols(robot)):
             numbers[i] = InputSource(PARAMETER, free[name]) if name in free else exact_number(known[name], {})
             assert numbers[i] is not None, "the loader admits only numbers as parameters"

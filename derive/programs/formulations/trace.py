@@ -23,7 +23,7 @@ from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.evaluate import evaluate
-from derive.robot.names import free_symbols, number_of, robot_symbols
+from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.robot import Robot
 
 _TOLERANCE = 1e-14
@@ -35,7 +35,7 @@ def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
 
     A file may write them in decimals with six places; then identities of rotations hold to six places only.
     """
-    numbers = number_of(robot)
+    numbers = dict(robot.parameters)
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
     for first in _TRIALS:
         values = fixed | {name: first + 0.071 * k for k, name in enumerate(free_symbols(robot))}

@@ -17,7 +17,7 @@ from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
 from derive.robot.description import Joint
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
-from derive.robot.names import number_of, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
 Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"  # kinds of arguments
@@ -32,7 +32,7 @@ class TapeDomain:
     def __init__(self, robot: Robot, graph: Graph) -> None:
         self.graph = graph
         self._joints = robot.joints
-        self._numbers = {k: v for k, v in number_of(robot).items() if k not in robot.runtime}
+        self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
         symbols = enumerate(robot_symbols(robot))
         self._known: dict[Expression, Value] = {
             Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in symbols

@@ -22,7 +22,7 @@ from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import Motor
-from derive.robot.names import acceleration_name, number_of, robot_symbols, velocity_name
+from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.options.handout import PARTS, HandoutOptions, InertiaLetter
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames
@@ -69,10 +69,10 @@ class Numbers:
     def __init__(self, robot: Robot) -> None:
         rng = random.Random(5)
         self.robot = robot
-        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in number_of(robot)}
+        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in dict(robot.parameters)}
         self.oracle = Oracle.of(robot, free)
         self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
-        given = {name: float(evaluate(expression_to_sympy(cell), {})) for name, cell in number_of(robot).items()}
+        given = {name: float(evaluate(expression_to_sympy(cell), {})) for name, cell in dict(robot.parameters).items()}
         self.values = {**free, **given}
         for name, numbers in ((str, self.q), (velocity_name, self.qd), (acceleration_name, self.qdd)):
             pairs = zip(robot.joints, numbers, strict=True)

@@ -14,7 +14,7 @@ from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.blocks import ALL
 from derive.model.singularities.conditions import Condition
 from derive.model.singularities.singularities import Outcome
-from derive.robot.names import number_of, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian
@@ -54,7 +54,7 @@ class SingularArm:
     def __init__(self, robot: Robot, seed: int = 1) -> None:
         self.model = KinematicModel(robot)
         self.rng = np.random.default_rng(seed)
-        known = {name: float(expression_to_sympy(value)) for name, value in number_of(robot).items()}
+        known = {name: float(expression_to_sympy(value)) for name, value in dict(robot.parameters).items()}
         free = {name: float(self.rng.uniform(0.3, 1.7)) for name in robot_symbols(robot) if name not in known}
         self.arm = Oracle.of(robot, free).arm
         self.values = known | free

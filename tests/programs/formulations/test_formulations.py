@@ -39,7 +39,7 @@ from derive.programs.tape.scalars import QD, QDD, Q
 from derive.programs.tape.tape import PARAMETER, Operations, evaluate
 from derive.programs.tape.value import Value
 from derive.robot.evaluate import evaluate as number_in
-from derive.robot.names import number_of, robot_symbols
+from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from tests.programs.formulations.test_recursions import ARITHMETIC
 from tests.random_robots import random_robot, seeds
@@ -67,7 +67,7 @@ def _row_of(rng: random.Random, i: int) -> str:
 def numbers(trace: Trace, values: Sequence[Value]) -> npt.NDArray[np.float64]:
     """The values as traced, at q = 0.3, 0.7, ..., qd = 1.3, ..., qdd = 2.3, ... and free symbols 0.5, 0.6, ..."""
     tape = cut(trace.graph, [value.ref for value in values])
-    given, symbols = number_of(trace.robot), robot_symbols(trace.robot)
+    given, symbols = dict(trace.robot.parameters), robot_symbols(trace.robot)
     inputs = {kind: [0.3 + 0.4 * i + k for i in range(trace.n)] for k, kind in enumerate((Q, QD, QDD))}
     inputs[PARAMETER] = [number_in(given[x], {}) if x in given else 0.5 + 0.1 * k for k, x in enumerate(symbols)]
     return np.array(evaluate(tape, inputs, ARITHMETIC)).real
