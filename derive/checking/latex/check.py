@@ -272,11 +272,7 @@ class _Check(SideReading):
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
             sides[1:] = [self._said(side, turned) for side in sides[1:]]
-        for i, side in enumerate(sides[1:], 1):
-            is_identity = side.value is None and _IDENTITY.fullmatch("".join(_PLAIN.sub("", side.piece.text).split()))
-            if is_identity and self.document and (table := self._constant_matrix(sides[:1], True)) is not None:
-                sides[i] = Side(side.piece, value=table)
-        first, *others = sides
+        first, *others = sides = [sides[0], *(self._identity(side, sides[0]) for side in sides[1:])]
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
@@ -315,6 +311,12 @@ class _Check(SideReading):
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
+
+    def _identity(self, side: Side, first: Side) -> Side:
+        """A side, where it is the letter of an identity matrix with the matrix in the shape of the first side."""
+        is_identity = side.value is None and _IDENTITY.fullmatch("".join(_PLAIN.sub("", side.piece.text).split()))
+        table = self._constant_matrix([first], True) if is_identity and self.document else None
+        return side if table is None else Side(side.piece, value=table)
 
     def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
         """The sides that name quantities; conditions in their arguments are kept."""

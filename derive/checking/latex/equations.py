@@ -171,7 +171,7 @@ def alternatives(sides: Sides) -> Iterator[Sides]:
         for cell, *_ in last.matrices[0].rows:
             yield (*sides[:-1], cell.part(0, len(_without_end(cell.text))))
         return
-    lists = [_listed(side) for side in sides]
+    lists = [listed(side) for side in sides]
     count = len(lists[0])
     if len(sides) > 1 and count > 1 and {*map(len, lists)} == {count} and re.search("[a-z]_|sqrt|arc|atan", last.text):
         yield from zip(*lists, strict=True)
@@ -179,7 +179,7 @@ def alternatives(sides: Sides) -> Iterator[Sides]:
         yield sides
 
 
-def _listed(side: LatexPiece) -> list[LatexPiece]:
+def listed(side: LatexPiece) -> list[LatexPiece]:
     """What stands between the commas of a list in round brackets that is a whole side; nothing of another side."""
     text = side.text
     begin, end = text.find("(") + 1, text.rfind(")")

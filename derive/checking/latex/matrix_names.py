@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from itertools import islice, product
 
+from derive.checking.latex.equations import listed
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -71,7 +72,8 @@ class MatrixNames:
 
     def _elementary(self, match: re.Match[str], offset: int) -> list[Table]:
         """A turn as a matrix of four rows and of three; a shift as one of four."""
-        texts = [match["below"]] if match["below"] else _arguments(match["arguments"] or "")
+        arguments = listed(LatexPiece(match["arguments"] or "", offset))
+        texts = [match["below"]] if match["below"] else [argument.text for argument in arguments]
         axis = (match["axis"] or "").lower()
         if not axis and len(texts) == 2:
             axis, texts = re.sub(r"\\hat|[^A-Za-z]", "", texts[0]).lower(), texts[1:]
@@ -132,15 +134,3 @@ def _table(rows: list[list[Expression]]) -> Table:
 
 def _unit_row(i: int) -> list[Expression]:
     return [number(int(i == j)) for j in range(4)]
-
-
-def _arguments(text: str) -> list[str]:
-    """What stands between the commas in brackets."""
-    inner, parts, depth = text.strip()[1:-1], [""], 0
-    for letter in inner:
-        depth += (letter in "({") - (letter in ")}")
-        if letter == "," and not depth:
-            parts.append("")
-        else:
-            parts[-1] += letter
-    return parts if inner.strip() else []

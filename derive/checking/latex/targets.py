@@ -255,6 +255,9 @@ def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
             yield Target("J", (pair[0] + 3,), pair[1:])
 
 
+_COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3}  # of a rotation
+
+
 def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     """Transforms, rotations, positions, and their entries."""
     if left.dots or left.primes or left.factor:
@@ -284,18 +287,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
-    seen_from = left.sup or left.before or "0"
-    if head in ("p", "P", "r") and seen_from.isdigit() and (centre := re.fullmatch(r"[cCG]([1-9])", left.sub)):
-        name = f"centre[{centre[1]}]" if seen_from == "0" else f"centre[{centre[1]},{seen_from}]"
-        yield from (Target(name, rows) for rows in ((), (1, 2)))
-    # a coordinate of a frame, or an entry of its axes, seen from another one: P_{6x}^0, n_{4z}^1
-    place = re.fullmatch(r"([1-9])([xyz])", left.sub)
-    if head in ("p", "P", "n", "o", "s", "a") and place and (left.sup or left.before) and seen_from.isdigit():
-        place_column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head, 4)
-        yield Target(f"T[{seen_from},{place[1]}]", (AXES[place[2]],), (place_column,))
-    column = {"n": 1, "s": 2, "o": 2, "a": 3}.get(head)
-    if column and plain and not left.sub:
-        yield Target("T", (1, 2, 3), (column,))
+    yield from _seen_from(left)
+    if head in _COLUMNS and plain and not left.sub:
+        yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
     elif head in ("p", "P", "o", "O", "d", "r", "x", "X"):
@@ -308,6 +302,17 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     if head in ("z", "Z") and (left.sub or left.before):
         for name in _frames(left, n, first):
             yield Target(name, (1, 2, 3), (3,))
+
+
+def _seen_from(left: Left) -> Iterator[Target]:
+    """Centres of mass, and a coordinate of a frame or an entry of its axes: {}^1P_{C_1}, P_{6x}^0, n_{4z}^1."""
+    frame = left.sup or left.before or "0"
+    place, centre = re.fullmatch(r"([1-9])([xyz])", left.sub), re.fullmatch(r"[cCG]([1-9])", left.sub)
+    if left.head in ("p", "P", "r") and frame.isdigit() and centre:
+        name = f"centre[{centre[1]}]" if frame == "0" else f"centre[{centre[1]},{frame}]"
+        yield from (Target(name, rows) for rows in ((), (1, 2)))
+    if left.head in ("p", "P", *_COLUMNS) and place and (left.sup or left.before).isdigit():
+        yield Target(f"T[{frame},{place[1]}]", (AXES[place[2]],), (_COLUMNS.get(left.head, 4),))
 
 
 def _frames(left: Left, n: int, first: int) -> Iterator[str]:

@@ -12,7 +12,6 @@ J_22 (Siciliano et al., Robotics, sec. 3.3.1).
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.mechanics.exact_kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
@@ -25,20 +24,19 @@ ALL = (1, 2, 3, 4, 5, 6)
 
 @dataclass(frozen=True)
 class SquareBlock:
-    """A square block of J."""
+    """A square block of J, exact."""
 
     name: str  # ``J``, or ``J_11`` and ``J_22`` of a block triangular J
     rows: tuple[int, ...]  # its rows of J, from 1; none where they are combinations of these
     columns: tuple[int, ...]  # its columns of J, from 1
     reference: Reference  # the point and the axes
-    matrix: Any  # its entries: exact ones row by row, or a matrix of SymPy's
+    entries: tuple[tuple[Polynomial, ...], ...]  # its entries, row by row
     others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
     task: tuple[str, ...] = ()  # what its rows are the velocities of; empty for all of J
 
     def determinant(self) -> Polynomial:
         """Its determinant."""
-        found: Polynomial = determinant(self.matrix)
-        return found
+        return determinant(self.entries)
 
 
 def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
@@ -70,14 +68,14 @@ def _shortest(
 
 
 def _length(block: SquareBlock) -> int:
-    return sum(len(entry) for row in block.matrix for entry in row)
+    return sum(len(entry) for row in block.entries for entry in row)
 
 
 def matrices(kinematics: Kinematics) -> Iterator[Sequence[Sequence[Polynomial]]]:
     """Rows of J that decide for an arm without a square block, in several axes and about several points."""
     robot = kinematics.robot
     if robot.inverse.task != POSE:
-        yield from (block.matrix for block in _task_rows(kinematics))
+        yield from (block.entries for block in _task_rows(kinematics))
         return
     for k in range(robot.n + 1) if robot.n <= 7 else (robot.n // 2,):
         with suppress(TooManyTerms):

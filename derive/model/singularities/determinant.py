@@ -24,7 +24,7 @@ from derive.model.singularities.blocks import matrices, square_blocks, task_word
 from derive.model.singularities.conditions import Condition, zero_condition
 from derive.model.singularities.rank import Zero, rank_loss
 from derive.model.singularities.real_zeros import RealZeros
-from derive.model.singularities.singularities import Outcome, SingularFactor, Singularities
+from derive.model.singularities.singularities import JacobianBlock, Outcome, SingularFactor, Singularities
 from derive.robot.expression import Number
 from derive.robot.options.inverse import FREEDOMS, POSE
 from derive.robot.options.style import Contraction, Style
@@ -59,8 +59,10 @@ def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
     determinants = [block.determinant() for block in blocks]
     if not blocks or not all(determinants):
         return None
-    grids = (sympy.ImmutableMatrix([[write(entry) for entry in row] for row in block.matrix]) for block in blocks)
-    written = tuple(replace(block, matrix=matrix) for block, matrix in zip(blocks, grids, strict=True))
+    written = []
+    for b in blocks:
+        matrix = sympy.ImmutableMatrix([[write(entry) for entry in row] for row in b.entries])
+        written.append(JacobianBlock(b.name, b.rows, b.columns, b.reference, b.others_are_zero, matrix))
     found = []
     for factor in _factors(zeros, determinants):
         if zeros.vanishes(factor.value):
@@ -73,7 +75,7 @@ def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
     families = tuple((f.condition,) for f in found if f.condition is not None)
     outcome = Outcome.FOUND if families else Outcome.NEVER
     shape, task = (robot.n, robot.n), blocks[0].task
-    return Singularities(outcome, written, determinant, tuple(found), task, shape, robot.n, families)
+    return Singularities(outcome, tuple(written), determinant, tuple(found), task, shape, robot.n, families)
 
 
 def _of_minors(robot: Robot, style: Style) -> Singularities:

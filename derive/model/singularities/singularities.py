@@ -7,8 +7,8 @@ from typing import Any
 
 import sympy
 
-from derive.lecture.sympy_conversion import Expr
-from derive.model.singularities.blocks import SquareBlock
+from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.mechanics.exact_kinematics import Reference
 from derive.model.singularities.conditions import Condition
 
 Write = Callable[[Any], str]
@@ -21,6 +21,18 @@ class Outcome(StrEnum):
     NEVER = "never"  # the rank is the same in every configuration
     EVERYWHERE = "everywhere"  # the rank is less than the numbers of rows and columns in every configuration
     UNSOLVED = "no closed form"  # no closed form was found of where the rank is less than usual
+
+
+@dataclass(frozen=True)
+class JacobianBlock:
+    """A square block of J."""
+
+    name: str  # ``J``, or ``J_11`` and ``J_22`` where J is block triangular about the wrist centre
+    rows: tuple[int, ...]  # its rows of J, from 1
+    columns: tuple[int, ...]  # its columns of J, from 1
+    reference: Reference  # the point and the axes that J is taken about and in
+    others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
+    matrix: Matrix  # the block
 
 
 @dataclass(frozen=True)
@@ -38,7 +50,7 @@ class Singularities:
     """Where an arm is singular."""
 
     outcome: Outcome  # what was found
-    blocks: tuple[SquareBlock, ...] = ()  # whose determinants are multiplied; none where no square block decides
+    blocks: tuple[JacobianBlock, ...] = ()  # whose determinants are multiplied; none where no square block decides
     determinant: Expr | None = None  # their product in factors; 0 if singular everywhere, None where there is none
     factors: tuple[SingularFactor, ...] = ()  # without a determinant what alone makes all minors zero
     task: tuple[str, ...] = ()  # whose velocities the rows are: x, y, z, phi, position, ...; empty for all of J

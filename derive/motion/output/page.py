@@ -28,8 +28,8 @@ from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Document, Section
 from derive.handouts.sheet.latex_writer import latex
 from derive.motion.motion import Motion
+from derive.motion.output.code import Kernel
 from derive.motion.output.film import motion_normal
-from derive.motion.output.kernels import Kernel
 from derive.motion.simulation.simulation import Run
 from derive.plans.hermite import TIME, Piece, basis
 from derive.plans.profile import Curve

@@ -13,8 +13,7 @@ from derive.api.move import move
 from derive.errors import OutputError, QuantityError, VerificationError
 from derive.motion.motion import Motion
 from derive.motion.output import code
-from derive.motion.output.code import MODULE, MotionCode, VerifiedCode
-from derive.motion.output.kernels import kernel_of
+from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, kernel_of
 from derive.motion.output.printed import printed
 from derive.motion.torques.functions import module_of
 from derive.plans.hermite import TIME
