@@ -22,6 +22,7 @@ from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
+from derive.checking.latex.targets import is_scalar as is_scalar_target
 from derive.checking.latex.whole import is_no_claim, other_factorisation, uncertain_entries
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -302,7 +303,7 @@ class _Check(SideReading):
             if side.error is not None and side not in named:
                 yield from self._unread(side, named, side is sides[-1])
         if not named and not self.asked and len(said) > 1:
-            yield from self._identities(said)
+            yield from self._identities(said, is_nameless=first in said)
             return
         if not named and not self.asked and (said or first.error is None):
             remedy = "write its left side, such as T_3^0 = or b_{11} =, or give the quantity"
@@ -328,12 +329,19 @@ class _Check(SideReading):
                         self._states(side.piece, part, ways(values), is_of_side=True)
         first, *others = sides
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        if is_scalar:  # a length of the robot, not a vector with its letter
+            named = [s for s in named if s is not first or not self._is_length(s)]
         named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
         if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
         # r_1 = p_3 - p_0 says what r_1 is
         named = [side for side in named if side.left is None] or named
         return [side for side in named if side.left is None or side.left.head not in ANY] or named
+
+    def _is_length(self, side: Side) -> bool:
+        """Whether a side is a symbol of the robot that is a vector's letter elsewhere, such as d_4."""
+        is_own = side.left is not None and not side.left.arguments and self.scope.is_own(side.left)
+        return is_own and not any(map(is_scalar_target, side.targets))
 
     def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
         """What is said against what is named; open where another side cannot be read."""

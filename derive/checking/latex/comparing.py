@@ -35,12 +35,14 @@ from derive.robot.expression import (
     names,
     negate,
     number,
+    power,
     substitute,
 )
 from derive.robot.names import own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
+MOVING = 6  # entries with symbols of a matrix that is not one step, as a turn about an axis is
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
@@ -92,8 +94,8 @@ class Comparing:
         if values:
             self.conditions.append(Condition(line, end, text, values, is_of_side))
 
-    def _identities(self, said: list[Side]) -> Iterator[Finding | Claim]:
-        """Sides that say the same, or should."""
+    def _identities(self, said: list[Side], *, is_nameless: bool = False) -> Iterator[Finding | Claim]:
+        """Sides that say the same, or should; nameless if no other side says what they are."""
         first = said[0]
         is_parameter = (
             isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
@@ -102,6 +104,7 @@ class Comparing:
         is_name = is_angle or isinstance(first.value, Name | Call)
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
+        is_parameter = is_parameter and not names_of_pose(*others)  # d_4 = s_1 p_x - c_1 p_y is one
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
@@ -110,7 +113,11 @@ class Comparing:
             raise self._refused(first.piece, f"{quoted(self._typed(first.piece))} is {what}", remedy)
         for side in said[1:]:
             if isinstance(first.value, Table) and isinstance(side.value, Table):
-                yield from self._entry_by_entry(first.piece, first.value, side.piece, side.value)
+                found_all = tuple(self._entry_by_entry(first.piece, first.value, side.piece, side.value))
+                is_right = all(isinstance(one, Finding) and one.verdict.equal for one in found_all)
+                if is_nameless and is_right and (like := self._almost(side.value)):
+                    raise self._refused(side.piece, f"the matrices are equal, and like {like} but for some entries")
+                yield from found_all
                 continue
             if isinstance(first.value, Table) or isinstance(side.value, Table) or not first.value or not side.value:
                 raise self._refused(side.piece, "matrices on both sides")
@@ -168,6 +175,17 @@ class Comparing:
         if not is_right and all(self._constrains(a.formula, b.formula) for a, b in entries):
             raise self._refused(second, "a condition on the joints")
         yield from found
+
+    def _almost(self, table: Table) -> str:
+        """The transform whose entries a matrix without a name has, but for three at most; none if it has all."""
+        if table.shape != (4, 4) or sum(not is_constant(entry.formula) for entry in table.entries) < MOVING:
+            return ""
+        n = self.robot.n
+        names = (f"T[{i},{j}]" for i in range(n) for j in range(i + 1, n + 1))
+        rights = (self.meanings.right(Target(name)) for name in ("T", *names))
+        fits = {right.quantity: right.fits(table) for right in rights if right is not None}
+        best = max(fits, key=lambda name: fits[name])
+        return best if 13 / 16 <= fits[best] < 1 else ""
 
     def _rounded(self, found: Finding, one: Expression, other: Expression, left: str, right: str) -> Finding:
         """Angles are equal up to full turns, numbers to a few units of the last printed digit; more is uncertain."""
@@ -344,6 +362,13 @@ class Comparing:
                 others = other_orders(self.model, right.quantity)
                 question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
                 found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+                if right.quantity == "manipulability" and found.question and not found.verdict.equal:
+                    # the root of a determinant, of which lengths are taken out as if they were positive
+                    squares = (power(e, 2) for e in (found.question.printed, found.question.right))
+                    equal = compare(self.robot, *squares).equal
+                    found = replace(
+                        found, verdict=Verdict(equal=equal, exact=True), note=", up to a sign" if equal else ""
+                    )
                 if right.quantity.startswith("potential") and found.question and not found.verdict.equal:
                     # a potential energy counts from any height
                     difference = add(question.printed, negate(question.right))

@@ -23,12 +23,14 @@ _WORDS = (
 _SEPARATOR = re.compile(
     r"\\(?:qquad|quad|enspace|Rightarrow|Longrightarrow|implies|rightarrow|Leftrightarrow|iff|therefore|land)(?![A-Za-z])"
     r"|\\(?:text|textrm|mathrm|mbox|intertext|shortintertext|textnormal)\s*"
-    rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
+    rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|[^{{}}]*,|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
     r"|(?<![A-Za-z\\_^{])(?:where|with|then|and)(?![A-Za-z_^}])"
     r"|(?P<mark>[,;])"
 )
 # The number of an equation that is typed behind it.
 _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
+# A condition behind a comma that is no equation, such as 0 < \theta_3 < \pi or e \in \{1, -1\}.
+_RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
 _LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
@@ -141,6 +143,8 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         whole = replace(display, text=text)
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
+        if (behind := _RANGE.search(text, begin, end)) and _depths(text, begin, behind.start()) == 0:
+            end = behind.start()
         printed = text[begin:end].rstrip()
         end = begin + len(printed if printed.endswith("...") else _without_end(printed))
         ends = [begin, *(edge for span in _relations(text, begin, end) for edge in span), end]

@@ -151,7 +151,8 @@ class LatexReader:
             return match[0]
         sub = re.sub(r"[^A-Za-z0-9]", "", match["sub"] or "")
         knows = self.names.knows
-        if not knows(run + sub) or all(map(knows, (*run[:-1], run[-1] + sub))):
+        is_defined = run + sub in self.names.abbreviations
+        if not knows(run + sub) or (not is_defined and all(map(knows, (*run[:-1], run[-1] + sub)))):
             return match[0]
         sign = self.names.sign(run)
         return sign.rjust(len(run)) + match[0][len(run) :]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from derive.checking.latex.names import FLAT, PRIME
+from derive.checking.latex.typography import PRIMED
 
 FONT = re.compile(
     r"\\(?:mathbf|boldsymbol|bm|pmb|mathcal|mathscr|mathrm|mathit|mathsf|mathtt|mathnormal|vec|text|textrm|textbf|textit|"
@@ -92,9 +93,11 @@ class Left:
         return (
             self.is_point
             or is_angle
+            or self.sub.lower() in ("elbow", "wrist")
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
             # velocities, energies of links, speeds, forces on a body
             or self.head in ("v", "xi", "nu")
+            or self.flat in ("k", "u")
             or (self.head in ("V", "v", "F", "f", "u", "h", "k") and len(self.sub) == 1 and self.sub.isdigit())
         )
 
@@ -125,12 +128,14 @@ def taken_apart(text: str) -> Left | None:
         return Left("J", f"{row},{partial['label']}")
     if _TWO_LETTERS.search(text):
         return None
+    marks = sum(dots for dots, mark in PRIMED.items() if mark in text)
+    text = text.translate(dict.fromkeys(map(ord, PRIMED.values())))
     # from left to right: scripts before the letter, dots, the letter, scripts, arguments, a velocity behind it
     rest, determinant = _undressed(text)
     before, rest = _scripts(rest)
-    dots = 0
+    dots = marks
     if match := re.match(r"\\(d?)dot", rest):
-        dots, rest = 1 + bool(match[1]), rest[match.end() :]
+        dots, rest = dots + 1 + bool(match[1]), rest[match.end() :]
     while (match := re.match(r"[{(\[]([^{}()\[\]]*)[)}\]]", rest)) and match[1]:
         if inner := re.match(r"\\(d?)dot", match[1]):
             dots += 1 + bool(inner[1])
@@ -174,7 +179,7 @@ def _undressed(text: str) -> tuple[str, bool]:
         rest = single
     if (whole := re.match(r"\((?!\\d?dot)(.*)\)(?=[_^][^()]*$)", rest)) and _ARGUMENTS.fullmatch(f"({whole[1]})"):
         rest = whole[1] + rest[whole.end() :]
-    rest = whole[1] if (whole := re.fullmatch(r"\[([^][]*)\]", rest)) else rest
+    rest = whole[1] or whole[2] if (whole := re.fullmatch(r"\[([^][]+)\]|\{((?:[^{}]|\{[^{}]*\})+)\}", rest)) else rest
     rest = re.sub(r"^\{\}|^\{((?:[_^](?:\{\w+\}|\w))+)\}", r"\1", rest)
     return rest, determinant
 

@@ -104,6 +104,8 @@ class MatrixNames:
 
     def _named(self, match: re.Match[str], _: int) -> list[Table]:
         left = taken_apart(match[0].replace("[", "(").replace("]", ")"))
+        if left is not None and left.head.lower() in AXES and left.sub and left.sub == left.before + left.sup:
+            return [_table([[number(int(i == AXES[left.head.lower()]))] for i in (1, 2, 3)])]  # in its own frame
         if left is None or (left.is_plain and self._reader.names.knows(left.flat)):
             return []
         return [table for target in self._meanings.targets(left) for table in self._of(target)]

@@ -28,7 +28,7 @@ from derive.robot.expression import Expression, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
-_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|M|D|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
 _SEEN_FROM = re.compile(r"([pPnsoa])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
     r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"

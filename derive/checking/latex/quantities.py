@@ -19,7 +19,20 @@ OF_LINK = (
     "inertial_force", "inertial_moment", "joint_force", "joint_moment",
 )  # fmt: skip
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
-OWN = (*OF_LINK, "twist", "rates", "centre", "lagrangian", "gravity", "task", "base", "tool", "J_at")
+OWN = (
+    *OF_LINK,
+    "twist",
+    "rates",
+    "centre",
+    "lagrangian",
+    "gravity",
+    "task",
+    "centre_task",
+    "base",
+    "tool",
+    "end",
+    "J_at",
+)
 
 
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
@@ -38,10 +51,19 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
         case "J_at", [frame]:  # of the origin of a frame
             q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in robot.joints])
             return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(q).col_join(jacobian[3:, :])
+        case "end", [frame]:  # the end effector seen from a frame
+            last = model.quantity(f"T[{frame},{model.n}]")
+            return last * own_quantity(model, "tool") if robot.tool else last
         case (("base" | "tool"), _):
             cells = robot.base if name == "base" else robot.tool
             return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
-        case "task", _:  # x, y and the angle of a planar arm
+        case (("task" | "centre_task"), _):  # x, y and the angle of a planar arm, or of one of its links
+            if places:
+                turning, point = jacobian[3:, : places[0]], sympy.Matrix(own_quantity(model, f"centre[{places[0]}]"))
+                if any(turning[:2, :]):
+                    raise QuantityError("the angle of an arm that is not planar")
+                angles = [sympy.Symbol(joint.variable) for joint in robot.joints[: places[0]]]
+                return sympy.Matrix([point[0], point[1], (turning[2, :] * sympy.Matrix(angles))[0, 0]])
             first = expression_from_sympy(model.quantity("T")[0, 0])
             if not (isinstance(first, Call) and first.function == "cos"):
                 raise QuantityError("the angle of an arm that is not planar")

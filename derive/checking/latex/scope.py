@@ -14,15 +14,16 @@ from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
-from derive.checking.latex.names import plus_minus
+from derive.checking.latex.names import Symbol, plus_minus
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.targets import is_scalar
+from derive.checking.latex.typography import cleaned
 from derive.checking.latex.whole import chained, factors
 from derive.errors import CheckError, Location
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, Pi, add, multiply, negate, number
-from derive.robot.names import joint_label, robot_symbols
+from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, multiply, names, negate, number
+from derive.robot.names import joint_label, own_names, robot_symbols
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
@@ -46,6 +47,7 @@ _ARC = re.compile(
 )
 _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*_")
 # A function of an angle, on a left side.
+_SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
 _OF_ANGLE = re.compile(
     r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
 )
@@ -73,7 +75,7 @@ class Scope:
         self.plain = LatexReader(self.robot, text, start)
         columns = self._named_columns() if document else {}
         self.meanings.columns = columns
-        self.poses = Poses(model, text, columns) if document else None
+        self.poses = Poses(model, cleaned(text, has_time), columns) if document else None
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
@@ -316,6 +318,8 @@ class Scope:
 
     def _angle(self, side: LatexPiece, meaning: Expression) -> Expression:
         r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
+        if self.document and _SQUARED.fullmatch(side.text.strip()):
+            return Call("sqrt", (meaning,))
         match = _OF_ANGLE.fullmatch(side.text.strip())
         if match is None or self._signs is None:
             return meaning
@@ -350,9 +354,17 @@ class Scope:
         if self.document and (match := _OF_ANGLE.fullmatch(side.text.strip())) is not None:
             angle = taken_apart(match["angle"])
             return angle.flat if angle and not self.plain.names.knows(angle.flat) and not self._is_pose(angle) else ""
+        if self.document and (match := _SQUARED.fullmatch(side.text.strip())) is not None:
+            left = taken_apart(match["name"])
+            is_known = left is None or self.is_own(left) or left.is_point or self._is_pose(left) or is_rate(left.flat)
+            return "" if is_known or left is None or any(map(is_scalar, self.meanings.targets(left))) else left.flat
+        if self.document and left is not None and self._is_cell(left, index):
+            return left.flat
         if left is not None and left.primes and replace(left, primes=0).is_plain and not left.sub and self.document:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
-        if left is None or not left.is_plain or left.arguments or self.is_own(left):
+        if left is None or not left.is_plain or self.is_own(left):
+            return ""
+        if left.arguments and not (self.document and left.head in "rhlD"):  # r(q_2, q_3), a length in the plane
             return ""
         rest = " ".join(other.text for other in self.equations[index] if other is not side)
         if (
@@ -373,13 +385,30 @@ class Scope:
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
         is_angle = left.head in ANGLES and not left.sub
-        if not is_first or not (is_angle or (left.sub and left.head in _LENT)):
+        if not is_first or not (is_angle or (left.head in _LENT if left.sub else left.flat in "ku")):
             return ""
         # what is a quantity by its letter is a name only where another formula has it
         first, own = 0 if is_angle or left.is_point else 1, side.text.strip()
-        parts = (part for i, e in enumerate(self.equations) if i != index for part in e[first:])
+        others = (e for i, e in enumerate(self.equations) if i != index and len(e) > 1)
+        parts = (part for e in others for part in e[first:])
         is_used = any(own in text for part in parts if part.text.strip() != own for text in part.texts)
         return left.flat if is_used else ""
+
+    def _is_cell(self, left: Left, index: int) -> bool:
+        """Whether a joint's variable by another letter is a cell of its row, such as d_3 = q_3 - l_3."""
+        if not left.is_plain or left.head not in ("d", "theta") or left.flat in own_names(self.robot):
+            return False
+        variable = self.plain.names.meaning(Symbol(left.flat, 0)) if self.is_own(left) else None
+        if not isinstance(variable, Name):
+            return False
+        joints = {joint.variable for joint in self.robot.joints}
+        for side in self.equations[index][1:]:
+            with suppress(CheckError):
+                cell = self.plain.formula(side)
+                terms = cell.terms if isinstance(cell, Sum) else ()
+                if variable in terms and joints.isdisjoint(n for t in terms if t != variable for n in names(t)):
+                    return True
+        return False
 
     def _is_pose(self, left: Left) -> bool:
         """Whether a left side is a name of a pose."""

@@ -9,7 +9,7 @@ from operator import mul
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
 from derive.checking.latex.comparing import Comparing, Side
-from derive.checking.latex.left import Left, taken_apart
+from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
@@ -43,6 +43,12 @@ class SideReading(Comparing):
             return None
         if side.frames in frames:  # they lead from the one to the other frame of what is named
             return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
+        is_turned = side.frames is not None and side.frames[::-1] in frames
+        if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
+            assert side.frames is not None  # of which nothing says the order
+            return Finding(
+                f"T[{side.frames[0]},{side.frames[1]}]", 0, 0, Role.PRINTED, text, right, "", where, same=True
+            )
         rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
         wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
         if wanted is None or None in rights or shapes != {wanted.value.shape}:
@@ -91,6 +97,10 @@ class SideReading(Comparing):
             known = self.plain.names  # a_1^2 is a power of a symbol of the robot
             left = None if left.flat in known.own or (left.head in "dq" and known.knows(left.flat)) else left
         targets = self.meanings.targets(left) if left else ()
+        if may_name and left is not None and left.is_plain and left.flat in self.scope.definitions:
+            targets = ()  # ... = h, where the text says what h is
+        if has_points and left is not None and left.head in AXES:
+            targets = tuple(filter(is_scalar, targets))
         if left is not None and left.dots and self.scope.is_own(replace(left, dots=0)):
             targets = tuple(target for target in targets if not target.by)  # the rate of a joint, not of a vector
         if may_name and left is None and (span := _SPAN.fullmatch("".join(_PLAIN.sub("", piece.text).split()))):
@@ -113,7 +123,9 @@ class SideReading(Comparing):
             if targets := self.meanings.derivatives(piece.text):
                 return Side(piece, None, targets)
         if may_name and left is not None:
-            point = self._stands_for(left) if has_points and left.is_point and not left.dots else None
+            # a coordinate of a point, or an entry of a rotation: which frame is meant is settled by all of them
+            is_open = (left.is_point or re.fullmatch("[rR][1-3]{2}", left.flat)) and not left.dots
+            point = self._stands_for(left) if has_points and is_open else None
             if point is not None:
                 return Side(piece, left, (), point)
             if targets and not self.scope.is_own(left):

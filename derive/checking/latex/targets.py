@@ -56,7 +56,8 @@ def candidates(
     if tool and str(n + 1) in (left.sub, left.before_sub) and left.sup + left.before in _BASE:
         left = replace(left, sub="tool" if left.sub else "", before_sub="tool" if left.before_sub else "")
     found = (*_named(left), *_dynamics(left, n), *_velocities(left, n), *_jacobians(left, n))
-    still = left if left.head in AXES or left.sub[:1] in AXES else replace(left, dots=0)
+    is_coordinate = left.head in AXES and not re.fullmatch("[cCGm][1-9]", left.sub)
+    still = left if is_coordinate or left.sub[:1] in AXES else replace(left, dots=0)
     for label in dict.fromkeys((first, 1)):
         found = (*found, *(replace(target, by=("t",) * left.dots) for target in _kinematics(still, n, label)))
     if left.is_determinant:
@@ -67,7 +68,7 @@ def candidates(
 
 
 _VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", *OF_LINK))
-_SCALARS = ("christoffel", "kinetic", "potential", "lagrangian", "detJ", "singularities")
+_SCALARS = ("christoffel", "manipulability", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
 def is_scalar(target: Target) -> bool:
@@ -132,7 +133,7 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
     if left.head in "gG" and left.sub in ("", "0") and not left.dots + len(left.factor + left.arguments):
         yield Target("gravity")
     energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
-    if left.arguments and left.flat in "ku":  # k(q, qd) and u(q), which are names of anything without arguments
+    if left.flat in ("k", "u"):  # of the arm, or names of anything
         energy = "kinetic" if left.flat == "k" else "potential"
     if energy and not left.dots and not left.factor:
         yield Target(energy)
@@ -185,6 +186,8 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
     if match is None or not kinds or not frame.isdigit() or int(frame) > n or (left.sup and left.head in "vaFN"):
         return  # v_2^2 is a square
+    if left.sup and left.before:
+        return  # relative to another frame
     link = int(match[2]) if match[2].isdigit() else n + 1
     if link > n + (kinds[0] in ("velocity", "omega")) or (frame == "0" and left.head != "omega"):
         return
@@ -269,6 +272,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             # of three rows the rotation alone, or the plane of a planar arm
             parts = ((1, 2, 3), (1, 2, 4)) if head == "T" else ((1, 2, 4),)
             yield from (Target(name), *(Target(name, part, part) for part in parts), Target(name, (1, 2, 3)))
+        if head in "TH" and plain and not left.sub:  # of the frame that a section is about
+            yield from (Target(f"T[0,{k}]") for k in range(1, n + 1))
     if head in ("R", "C", "Rot") and not (head == "C" and plain):
         for name in _frames(left, n, first):
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
@@ -276,7 +281,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield Target("T", pair[:1], pair[1:])
     # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
     of_vector = left.sub[:1] in AXES and left.sub[1:] in ("", *_END)
-    if of_vector or (head.lower() in AXES and left.sub in ("", "P", "p", *_END)):
+    if of_vector or (head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *_END)):
         row = (AXES[left.sub[0] if of_vector else head.lower()],)
         columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
         if not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d"):
@@ -287,12 +292,14 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         return
     if head in AXES and left.sub.isdigit() and plain and (frame := _frame(left.sub, n, 1)):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
+    if head in AXES and plain and left.sub.lower() in ("elbow", "wrist"):
+        yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in range(1, n))
     yield from _seen_from(left)
     if head in _COLUMNS and plain and not left.sub:
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
-    elif head in ("p", "P", "o", "O", "d", "r", "x", "X"):
+    elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t"):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)))
         for name in _frames(left, n, first):
@@ -307,10 +314,11 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
 def _seen_from(left: Left) -> Iterator[Target]:
     """Centres of mass, and a coordinate of a frame or an entry of its axes: {}^1P_{C_1}, P_{6x}^0, n_{4z}^1."""
     frame = left.sup or left.before or "0"
-    place, centre = re.fullmatch(r"([1-9])([xyz])", left.sub), re.fullmatch(r"[cCG]([1-9])", left.sub)
-    if left.head in ("p", "P", "r") and frame.isdigit() and centre:
+    place, centre = re.fullmatch(r"([1-9])([xyz])", left.sub), re.fullmatch(r"[cCGm]([1-9])", left.sub)
+    if left.head in ("p", "P", "r", "x", "X") and frame.isdigit() and centre:
         name = f"centre[{centre[1]}]" if frame == "0" else f"centre[{centre[1]},{frame}]"
         yield from (Target(name, rows) for rows in ((), (1, 2)))
+        yield from (Target(f"centre_task[{centre[1]}]"),) if frame == "0" else ()
     if left.head in ("p", "P", *_COLUMNS) and place and (left.sup or left.before).isdigit():
         yield Target(f"T[{frame},{place[1]}]", (AXES[place[2]],), (_COLUMNS.get(left.head, 4),))
 
@@ -329,6 +337,8 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     lower = re.sub("^0(?:to|rightarrow)", "", lower) if upper in ("", *_BASE) else lower  # P_{0 \\to 3}
     if lower in (str(n + 1), *_END) and upper == str(n):
         yield "tool"
+    if lower == str(n + 1) and upper.isdigit() and int(upper) < n:
+        yield f"end[{int(upper)}]"
     if lower in ("w", "W", "wrist", "wc") and upper in ("", *_BASE) and n > 3:
         yield from (f"T[{k}]" for k in (n - 2, n - 1))
     if lower == "0" and upper in _BASE and upper != "0":
@@ -349,7 +359,9 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     elif lower:
         yield from (f"A[{frame}]",) if left.head == "A" and frame == reference + 1 else ()
         if reference == 0 and frame == n:
-            yield from ("T", f"T[0,{n}]") if lower in _END else (f"T[0,{n}]", "T")
+            yield from (
+                ("T", f"T[0,{n}]", *(["end[0]"] if lower == "tool" else [])) if lower in _END else (f"T[0,{n}]", "T")
+            )
             yield f"T[{n}]"
         else:
             yield f"T[{reference},{frame}]"

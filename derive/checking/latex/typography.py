@@ -60,6 +60,18 @@ _FONT = re.compile(
     r"|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{(?:[^{}_^\\]|\\_)*(?:[_^]|\\[^_]))"
     r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])"
 )
+# Rates as letters behind an index, q_1p for "punto", and as primes, in a text that has accelerations of both kinds.
+_LETTERED = re.compile(
+    r"(?<![A-Za-z\\])(?P<name>(?:[qxyzv]|\\(?:var)?theta)_)(?P<sub>[0-9]|\{[0-9])(?P<dots>pp?)(?P<end>\}?)(?![A-Za-z])"
+)
+_PRIMES = re.compile(
+    r"(?<![A-Za-z\\])(?P<name>q|\\(?:var)?theta)(?P<before>'{0,2})(?P<sub>_(?:\{[0-9]\}|[0-9]))?(?P<after>'{0,2})"
+)
+# The centre of mass of a link by its abbreviation, x_{com_1}, and a font of an index.
+_CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
+_REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
+_DIFFERENCE = re.compile(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])")
+_FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(
     {
@@ -75,9 +87,18 @@ def cleaned(text: str, time: bool = True) -> str:
     r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
     text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
     text = without_comments(text.translate(_SAME))
+    text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
+    text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
+    text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
+    text = _DIFFERENCE.sub(r"\\bm{D\1} ", text)
+    if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
+        text = _LETTERED.sub(lambda m: _marked(m, m["name"] + m["sub"] + m["end"], len(m["dots"])), text)
+    if re.search(r"(?:q|theta)(?:_\{?[0-9]\}?)?''", text):
+        text = _PRIMES.sub(lambda m: _marked(m, m["name"] + (m["sub"] or ""), len(m["before"] + m["after"])), text)
     while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
         text = braced
     text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
+    text = re.sub(r"(\\\\)|\\(?=_[0-9{])", lambda m: m[1] or " ", text)  # \_ for an index, as Markdown needs it
     text = re.sub(r"(\\\\)|\\\n", lambda m: m[1] or r"\\", text)  # a row end that lost a backslash on its way
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
@@ -94,6 +115,11 @@ def without_comments(text: str) -> str:
 def blank(text: str) -> str:
     """Blanks in place of a text, line by line."""
     return re.sub(r"[^\n]", " ", text)
+
+
+def _marked(match: re.Match[str], name: str, dots: int) -> str:
+    """A name with the mark of its derivative, as long as before."""
+    return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
 
 
 def _within(match: re.Match[str]) -> str:
