@@ -226,7 +226,7 @@ def _markdown(text: str) -> str:
             return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
         return blank(match[0])
 
-    text = _CODE.sub(without_code, text)
+    text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
     if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac
         text = re.sub(r"(?:\\\\)+", lambda m: (len(m[0]) // 2 * "\\").rjust(len(m[0])), text)

@@ -55,10 +55,18 @@ def check_latex(
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
-    check = _Check(Scope(model, text, where, document), quantity)
+    # a capital arctangent may take the cosine first: the order with which most formulas are right, else the usual one
+    orders = (False, True) if document and _CAPITAL.search(text) else (None,)
+    checks = [_Check(Scope(model, text, where, document, cosine_first=order), quantity) for order in orders]
     if alone:
-        check.scope.refuse_other_arm()
-    findings = other_factorisation(model, tuple(check.findings()))
+        checks[0].scope.refuse_other_arm()
+    found = [other_factorisation(model, tuple(check.findings())) for check in checks]
+    right = [sum(finding.verdict.equal for finding in findings) for findings in found]
+    check, findings = checks[right.index(max(right))], found[right.index(max(right))]
+    if check is not checks[0]:
+        check.scope.readings.append(
+            f"Atan2 is read with the cosine first ({max(right) - right[0]} more formulas agree)"
+        )
     for lone in uncertain_entries(findings, model.n) if document else ():
         reason = "C is not unique, and the rest of the row is not printed"
         check.skipped.append(Skipped(lone.location, reason, lone.text))
@@ -71,6 +79,7 @@ def check_latex(
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
 
 
+_CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|\\arctan|arctan2|\\tan\s*\^")
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")

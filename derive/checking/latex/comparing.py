@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
@@ -283,7 +284,9 @@ class Comparing:
         if is_torque and used and self.rates.isdisjoint(used):
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} has no velocities")
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
-        if name.left is None or not name.left.is_vague or not fits:
+        # two coordinates of an arm that moves in space may be those in the plane of its links
+        is_flat = table.shape == (2, 1) and self._rises and all(r.columns == (4,) or r.quantity == "p" for r, _ in fits)
+        if name.left is None or not (name.left.is_vague or is_flat) or not fits:
             return
         # the angle of a planar arm has all joints
         is_angle = name.left.head in ANGLES and isinstance(table.entries[0].formula, Sum) and used == self.joints.keys()
@@ -293,6 +296,11 @@ class Comparing:
         if not (is_energy or is_angle) and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
+
+    @cached_property
+    def _rises(self) -> bool:
+        """Whether the height of the end effector depends on the joints."""
+        return not self.joints.keys().isdisjoint(map(str, self.model.quantity("T")[2, 3].free_symbols))
 
     def _refuse_sign(self, name: Side, chosen: tuple[Finding, ...]) -> None:
         """The sign of det J depends on the order of rows; where the text does not print them it is not known."""

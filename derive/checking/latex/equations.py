@@ -31,6 +31,7 @@ _SEPARATOR = re.compile(
 _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
 # A condition behind a comma that is no equation, such as 0 < \theta_3 < \pi or e \in \{1, -1\}.
 _RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
+_REMARK = re.compile(r"\(\s*\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}\s*\)\s*$")  # words in brackets behind a formula
 _LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
@@ -143,6 +144,8 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         whole = replace(display, text=text)
         if number := _NUMBERED.search(shown[begin:end]):
             end = begin + number.start()
+        if remark := _REMARK.search(text, begin, end):
+            end = remark.start()
         if (behind := _RANGE.search(text, begin, end)) and _depths(text, begin, behind.start()) == 0:
             end = behind.start()
         printed = text[begin:end].rstrip()

@@ -81,8 +81,10 @@ class LatexReader:
         abbreviations: Mapping[str, Expression] | None = None,
         entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
+        *,
+        cosine_first: bool | None = None,
     ) -> None:
-        self.names = LatexNames(robot, abbreviations, entry, signs)
+        self.names = LatexNames(robot, abbreviations, entry, signs, cosine_first=cosine_first)
         self._text = text
         self._start = start
 

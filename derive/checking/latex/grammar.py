@@ -286,6 +286,8 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         """The arctangent of two arguments; in some books it has a capital and takes the cosine first."""
         may_turn = self._names.signs is not None and (token.type != "ATAN2" or "A" in token)
         both = [self._tree(argument) for argument in arguments if not isinstance(argument, Token)]
+        if may_turn and self._names.cosine_first is not None:
+            return Call("atan2", tuple(both[::-1] if self._names.cosine_first else both))
         return Call("Atan2" if may_turn else "atan2", tuple(both))
 
     def _power(self, base: Value, exponent: Expression) -> Expression:

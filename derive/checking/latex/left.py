@@ -16,7 +16,8 @@ _SCRIPT = re.compile(r"(?P<mark>[_^])(?P<script>\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\}
 _HEAD = re.compile(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
 AXES = {"x": 1, "y": 2, "z": 3}
-_TWO_LETTERS = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_")  # a product, such as k c_1
+# A product, such as k c_1, or a function of what stands behind it.
+_TWO_LETTERS = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_|^\s*\\(?:arc)?(?:cos|sin|tan)\s+[\\A-Za-z]")
 # The derivative of a coordinate of the end effector, an entry of the Jacobian.
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial\{?(?:p_?\{?)?(?P<what>[xyzXYZ]|\\(?:var)?phi)\}?(?:_\{?(?:e|ee|E|EE|t|T)\}?)?\}?\}"

@@ -5,11 +5,11 @@ one of them may be equal to what it stands beside; that none is says nothing.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import islice, product
 
-from derive.checking.latex.equations import listed
+from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -23,7 +23,7 @@ from derive.robot.expression import ZERO, Call, Expression, negate, number
 MAX_WAYS = 32  # values of one formula that are tried, of each size
 MAX_NAMES = 8  # names of matrices in one formula
 _SCRIPT = r"[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\[a-z]+|\w)"
-_FONTS = r"\\(?:mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
+_FONTS = r"\\(?:hat|widehat|mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
 _PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?<![A-Za-z\\])[A-Za-z](?![A-Za-z])"
 _LETTER = rf"(?:{_FONTS}\s*\{{\s*[A-Za-z]\s*\}}|{_FONTS}\s+[A-Za-z]|{_PLAIN})"
 _DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
@@ -47,14 +47,27 @@ _UNIT = re.compile(
 class MatrixNames:
     """Reads formulas of one text with the matrices that it names."""
 
-    def __init__(self, meanings: Meanings, reader: LatexReader) -> None:
+    def __init__(self, meanings: Meanings, reader: LatexReader, equations: Iterable[Sides] = ()) -> None:
         self._meanings, self._reader = meanings, reader
         self._tables: dict[Target, Table] = {}
+        self._defined: dict[str, list[Table]] = {}  # what the text itself says of a letter
+        for first, *others in equations:
+            left = taken_apart(first.text) if others and not first.matrices else None
+            for side in others if left is not None and left.is_plain else ():
+                with suppress(CheckError):
+                    found = list(self.values(side)) if _ELEMENTARY.search(side.text) else [reader.value(side)]
+                    tables = [value for value in found if isinstance(value, Table)]
+                    self._defined.setdefault(left.flat if left else "", []).extend(tables)
 
     def values(self, piece: LatexPiece) -> Iterator[Table]:
         """The matrices that a formula with names of matrices may be."""
         text, found = piece.text, dict[int, list[Table]]()
-        for pattern, meaning in ((_ELEMENTARY, self._elementary), (_UNIT, self._unit), (_NAME, self._named)):
+        for pattern, meaning in (
+            (_ELEMENTARY, self._elementary),
+            (_NAME, self._by_text),
+            (_UNIT, self._unit),
+            (_NAME, self._named),
+        ):
             for match in pattern.finditer(text):
                 if tables := meaning(match, piece.offset):
                     found[match.start()] = tables
@@ -101,6 +114,11 @@ class MatrixNames:
         if match["frame"]:
             tables += self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,)))
         return tables
+
+    def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
+        """What the text itself says that a name is."""
+        left = taken_apart(match[0])
+        return self._defined.get(left.flat, []) if left is not None and left.is_plain else []
 
     def _named(self, match: re.Match[str], _: int) -> list[Table]:
         left = taken_apart(match[0].replace("[", "(").replace("]", ")"))

@@ -64,8 +64,11 @@ class LatexNames:
         abbreviations: Mapping[str, Expression] | None = None,
         entry: Callable[[str], Expression | None] = lambda name: None,
         signs: PlusMinus | None = None,
+        *,
+        cosine_first: bool | None = None,
     ) -> None:
         self.robot, self.signs, self.entry = robot, signs, entry
+        self.cosine_first = cosine_first  # whether Atan2 takes the cosine first; None if either will do
         self.abbreviations = dict(abbreviations or {})
         self.own = own_names(robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
@@ -165,7 +168,10 @@ class LatexNames:
         if match := _CIRCULAR.fullmatch(text):
             return match[1].lower() + re.sub("[a-z]", "", match[2])
         for likeness, wanted in enumerate(_alike(text)):
-            found = sorted(name for name in self.own if _alike(name)[likeness] == wanted)
+            # a name that the text itself defines, such as A_x, is not another one in small letters
+            known = self.own - self.abbreviations.keys() if likeness == 2 else self.own
+            known = known if likeness < 2 or len(text) > 1 else frozenset()  # D is another letter than d
+            found = sorted(name for name in known if _alike(name)[likeness] == wanted)
             if len(found) > 1:
                 ways = " or ".join(found[:2])
                 raise CheckError(f"{text} can be read in two ways, {ways}", remedy="write the name out")

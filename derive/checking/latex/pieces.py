@@ -166,6 +166,9 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
 def _holds_equations(plain: str, node: _Environment) -> bool:
     """Whether an array is a list of equations rather than a matrix."""
     inner = plain[node.begin[1] : node.end[0]]
+    if node.name.endswith("cases"):  # an equals sign behind the mark of a row belongs to its condition
+        inner = "\n".join(row.partition("&")[0] if "&" in row else row for row in inner.split("\\\\"))
+        return RELATION.search(inner) is not None
     for child in reversed(node.children):
         inner = inner[: child.begin[0] - node.begin[1]] + inner[child.end[1] - node.begin[1] :]
     return RELATION.search(inner) is not None or any(child.name in EQUATION_ENVIRONMENTS for child in node.children)

@@ -57,7 +57,10 @@ _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 class Scope:
     """One text for one robot."""
 
-    def __init__(self, model: Model, text: str, start: Location, document: bool) -> None:
+    def __init__(
+        self, model: Model, text: str, start: Location, document: bool, *, cosine_first: bool | None = None
+    ) -> None:
+        self._cosine_first = cosine_first
         self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
         has_time = "t" not in robot_symbols(self.robot)
         found: Iterator[Sides] = equations(text, start, document=document, time=has_time)
@@ -346,7 +349,8 @@ class Scope:
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
         entry = partial(entry_named, self.meanings, self.poses)
-        return LatexReader(self.robot, self.text, self.start, meanings, entry, self._signs)
+        order = self._cosine_first
+        return LatexReader(self.robot, self.text, self.start, meanings, entry, self._signs, cosine_first=order)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

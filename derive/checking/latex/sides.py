@@ -33,7 +33,7 @@ class SideReading(Comparing):
     def __init__(self, scope: Scope, quantity: str) -> None:
         super().__init__(scope, quantity)
         self.reader = scope.reader(0)
-        self._matrices = MatrixNames(scope.meanings, self.reader)
+        self._matrices = MatrixNames(scope.meanings, self.reader, scope.equations if scope.document else ())
 
     def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
         """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
@@ -66,8 +66,8 @@ class SideReading(Comparing):
 
     def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
         """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
-        if side.error is None or not self.document:
-            return None
+        if side.error is None or side.left is not None or not self.document:
+            return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
         for table in self._matrices.values(side.piece):

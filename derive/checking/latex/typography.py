@@ -71,6 +71,7 @@ _PRIMES = re.compile(
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
 _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
 _DIFFERENCE = re.compile(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])")
+_SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
 _FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(
@@ -89,6 +90,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = without_comments(text.translate(_SAME))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
+    text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
     text = _DIFFERENCE.sub(r"\\bm{D\1} ", text)
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
