@@ -30,7 +30,7 @@ _DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
 _BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
 _ONE = (
     rf"(?:\{{\s*(?:{_SCRIPT}\s*)*\}}\s*)?(?:{_SCRIPT}\s*)*(?:{_DOTTED}|{_LETTER})(?:{_SCRIPT})*"
-    rf"(?:\s*\((?:\\?[A-Za-z]+|,|_[0-9]|\s|\{{|\}})*\)(?:{_SCRIPT})*)?"
+    rf"(?:\s*\((?:[\\A-Za-z,\s{{}}]|_[0-9])*\)(?:{_SCRIPT})*)?"
 )
 _NAME = re.compile(rf"[\[(]\s*{_ONE}\s*[\])]\s*\^\s*(?:\{{[^{{}}]*\}}|T)|{_ONE}")
 # A turn or a shift along one axis, or a shift by three numbers: R_z(\theta_1), Rot(x, \alpha), Trans(a, 0, 0), T_{z,d}.

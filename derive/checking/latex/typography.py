@@ -79,6 +79,7 @@ _SAME = str.maketrans(
         **dict.fromkeys("\u2212\u2010\u2011\u2013", "-"),
         **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7\u2217", "*"),
         **dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " "),
+        **dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?"),  # signs of our own
         **{"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"},
     }
 )
