@@ -71,10 +71,7 @@ def multiply(a: Constant, b: Constant) -> Constant:
 def reciprocal(a: Constant) -> Constant:
     """The reciprocal, 1/a."""
     if a == 0:
-        raise QuantityError(
-            "division by zero in a cell once the parameters have their numbers",
-            remedy="change the parameter or name it in runtime",
-        )
+        raise _no_value("division by zero")
     if isinstance(a, Fraction):
         return 1 / a
     return _settle(1 / a, 0)
@@ -83,10 +80,7 @@ def reciprocal(a: Constant) -> Constant:
 def square_root(a: Constant) -> Constant:
     """The square root."""
     if a < 0:
-        raise QuantityError(
-            "square root of a negative number in a cell once the parameters have their numbers",
-            remedy="change the parameter or name it in runtime",
-        )
+        raise _no_value("square root of a negative number")
     if isinstance(a, Fraction):  # the root of a square of rationals is rational
         top, bottom = isqrt(a.numerator), isqrt(a.denominator)
         if top * top == a.numerator and bottom * bottom == a.denominator:
@@ -112,6 +106,11 @@ def arctangent(y: Constant, x: Constant) -> Constant:
 def less(a: Constant, b: Constant) -> bool:
     """Whether one constant is less than another."""
     return bool(_real(a) < _real(b))
+
+
+def _no_value(what: str) -> QuantityError:
+    found = f"{what} in a cell once the parameters have their numbers"
+    return QuantityError(found, remedy="change the parameter or name it in runtime")
 
 
 def _real(value: Constant) -> Any:
@@ -147,7 +146,6 @@ def _settle(value: Any, scale: Any) -> Constant:
 
 
 def _restored(sign: int, mantissa: int, exponent: int, bits: int) -> Constant:
-    """A constant from its parts."""
     return _CONTEXT.make_mpf((sign, mpmath.libmp.MPZ(mantissa), exponent, bits))
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.checking.latex.typography import blank, without_comments
-from derive.checking.spelling import from_plain_text, spelled
+from derive.checking.spelling import Spelled, from_plain_text, spelled
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {
@@ -246,12 +246,7 @@ _PROSE = re.compile(r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}")
 
 def _balanced(text: str) -> str:
     """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
-    letters = list(text)
-
-    def drop(mark: re.Match[str]) -> None:
-        letters[mark.start() : mark.end()] = " " * len(mark[0])
-
-    marks = list(_DOLLAR.finditer(text))
+    marks, dropped = list(_DOLLAR.finditer(text)), list[re.Match[str]]()
     index = 0
     while index < len(marks):
         mark = marks[index]
@@ -260,12 +255,14 @@ def _balanced(text: str) -> str:
         inner = text[mark.end() : marks[closing].start()] if closing is not None else ""
         ends = _PROSE if mark[0] == "$$" else re.compile(r"\n[ \t]*\n")
         if closing is None or ends.search(inner):
-            drop(mark)
+            dropped.append(mark)
             index += 1
         else:
-            for between in marks[index + 1 : closing]:
-                drop(between)
+            dropped += marks[index + 1 : closing]
             index = closing + 1
+    letters = list(text)
+    for mark in dropped:
+        letters[mark.start() : mark.end()] = " " * len(mark[0])
     return "".join(letters)
 
 
@@ -299,13 +296,9 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
     while match := _DEFINITION.search(letters, position):
         end = closing_brace(letters, match.end())
         body = letters[match.end() + 1 : end]
-        if match["operator"]:
-            macros[match["operator"]] = Macro(0, None, f"\\operatorname{{{body}}}")
-        elif match["def"]:
-            macros[match["def"]] = Macro(len(match["arguments"]) // 2, None, body)
-        else:
-            name, count = match["braced"] or match["bare"] or match["provided"], match["count"] or match["number"]
-            macros[name] = Macro(int(count or 0), match["default"], body)
+        name = match["operator"] or match["def"] or match["braced"] or match["bare"] or match["provided"]
+        count = len(match["arguments"] or "") // 2 or int(match["count"] or match["number"] or 0)
+        macros[name] = Macro(count, match["default"], f"\\operatorname{{{body}}}" if match["operator"] else body)
         letters = letters[: match.start()] + blank(letters[match.start() : end + 1]) + letters[end + 1 :]
         position = end
     if not macros:
@@ -326,61 +319,53 @@ class _Expansion:
             begin, name = match.start(), match[1]
             if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro
-            found = self._arguments(self._macros[name], text, match.end())
+            macro, here = self._macros[name], origins[begin]
+            found = self._arguments(macro, text, origins, here, match.end())
             if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
                 continue
-            spans, end = found
+            arguments, end = found
             self._left -= 1
-            body, inner = self._filled(self._macros[name], text, origins, spans, origins[begin])
+            # the body with the arguments in it; what the body itself says comes from the place of the call
+            filled: list[Spelled] = []
+            for part in re.split(r"(#[1-9])", macro.body):
+                number = int(part[1:]) if re.fullmatch(r"#[1-9]", part) else 0
+                filled.append(arguments[number - 1] if 0 < number <= len(arguments) else (part, [here] * len(part)))
+            body, inner = "".join(said for said, _ in filled), [place for _, at in filled for place in at]
             self._room -= len(body)
             body, inner = self.written(body, inner, depth + 1)
             # a letter behind the call must not lengthen the name of a macro that ends the text written out
             gap = " " if re.search(r"\\[A-Za-z]+$", body) and text[end : end + 1].isalpha() else ""
             pieces += [text[last:begin], body, gap]
-            places += [*origins[last:begin], *inner, *([origins[begin]] if gap else [])]
+            places += [*origins[last:begin], *inner, *([here] if gap else [])]
             last = end
         return "".join([*pieces, text[last:]]), [*places, *origins[last:]]
 
-    def _arguments(self, macro: Macro, text: str, end: int) -> tuple[list[tuple[int, int] | None], int] | None:
-        """Where the arguments of a call stand, and where it ends; None where they are not all there."""
-        spans: list[tuple[int, int] | None] = []
+    def _arguments(
+        self, macro: Macro, text: str, origins: list[int], here: int, end: int
+    ) -> tuple[list[Spelled], int] | None:
+        """The arguments of a call, and where it ends; None where they are not all there."""
+        found: list[Spelled] = []
         for index in range(macro.count):
             begin = end
             while text[begin : begin + 1].isspace():
                 begin += 1
             if index == 0 and macro.default is not None:
                 closing = text.find("]", begin) if text[begin : begin + 1] == "[" else -1
-                spans.append((begin + 1, closing) if closing >= 0 else None)
-                end = closing + 1 if closing >= 0 else end
-            elif text[begin : begin + 1] == "{":
-                closing = closing_brace(text, begin)
-                spans.append((begin + 1, closing))
+                if closing < 0:
+                    found.append((macro.default, [here] * len(macro.default)))
+                    continue
+                inside = slice(begin + 1, closing)
                 end = closing + 1
+            elif text[begin : begin + 1] == "{":
+                inside = slice(begin + 1, closing_brace(text, begin))
+                end = inside.stop + 1
             elif token := re.compile(r"\\[A-Za-z]+|[^\s{}\\$&]").match(text, begin):
-                spans.append(token.span())
+                inside = slice(*token.span())
                 end = token.end()
             else:
                 return None
-        return spans, end
-
-    def _filled(
-        self, macro: Macro, text: str, origins: list[int], spans: list[tuple[int, int] | None], here: int
-    ) -> tuple[str, list[int]]:
-        """The body with the arguments in it; what the body itself says comes from the place of the call."""
-        pieces: list[str] = []
-        places: list[int] = []
-        for part in re.split(r"(#[0-9])", macro.body):
-            number = int(part[1:]) if re.fullmatch(r"#[1-9]", part) else 0
-            if not 0 < number <= len(spans):
-                pieces.append(part)
-                places += [here] * len(part)
-            elif (span := spans[number - 1]) is None:
-                pieces.append(macro.default or "")
-                places += [here] * len(macro.default or "")
-            else:
-                pieces.append(text[span[0] : span[1]])
-                places += origins[span[0] : span[1]]
-        return "".join(pieces), places
+            found.append((text[inside], origins[inside]))
+        return found, end
 
 
 def closing_brace(text: str, opening: int) -> int:

@@ -1,18 +1,10 @@
 """One document about several robots: which of them each equation is about, by what is right for one robot only."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from derive.checking.formulas.findings import Finding, Skipped
+from derive.checking.formulas.findings import Skipped
 from derive.checking.latex.check import LatexReport
-
-
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """What is said of one equation for one robot."""
-
-    findings: tuple[Finding, ...]
-    skipped: tuple[Skipped, ...]
 
 
 def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:
@@ -34,7 +26,9 @@ def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequ
     return found
 
 
-def _said(names: Sequence[str], row: Sequence[_Part], right: Sequence[int], beside: Sequence[int]) -> tuple[int, _Part]:
+def _said(
+    names: Sequence[str], row: Sequence[LatexReport], right: Sequence[int], beside: Sequence[int]
+) -> tuple[int, LatexReport]:
     """The robot that an equation is about, and what is said of it; beside are the robots before and behind it."""
     compared = [robot for robot, part in enumerate(row) if part.findings]
     around = [robot for robot in dict.fromkeys(beside) if robot in compared]
@@ -55,15 +49,15 @@ def _said(names: Sequence[str], row: Sequence[_Part], right: Sequence[int], besi
     return robot, row[robot]
 
 
-def _by_equation(report: LatexReport) -> list[_Part]:
-    """The findings and skips of a report by the equation in which they stand."""
+def _by_equation(report: LatexReport) -> list[LatexReport]:
+    """What a report says of each equation."""
     begins = [(place.line, place.column) for place in report.equations]
     ends = [*begins[1:], (10**9, 0)]
     parts = []
     for begin, end in zip(begins, ends, strict=True):
         findings = tuple(f for f in report.findings if begin <= (f.location.line, f.location.column) < end)
         skipped = tuple(s for s in report.skipped if begin <= (s.location.line, s.location.column) < end)
-        parts.append(_Part(findings, skipped))
+        parts.append(replace(report, findings=findings, skipped=skipped))
     return parts
 
 
@@ -76,6 +70,6 @@ def _beside(index: int, sure: Mapping[int, int], sections: Sequence[int]) -> lis
     return [here[at] for at in (before, behind) if at is not None]
 
 
-def _not_compared(part: _Part, reason: str) -> _Part:
+def _not_compared(part: LatexReport, reason: str) -> LatexReport:
     first = part.findings[0]
-    return _Part((), (Skipped(first.location, reason, first.text), *part.skipped))
+    return replace(part, findings=(), skipped=(Skipped(first.location, reason, first.text), *part.skipped))

@@ -88,12 +88,10 @@ def _rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Mat
 
 def _places(match: re.Match[str], new: str, origins: Sequence[int]) -> list[int]:
     """Where the characters of what was written come from: those of the old text in the same order."""
-    old, at, places = match[0], 0, []
+    at, places = 0, []
     for letter in new:
-        found = old.find(letter, at)
-        places.append(origins[match.start() + (at if found < 0 else found)])
-        at = found if found >= 0 else at
-        at = min(at, len(old) - 1)
+        at = max(at, match[0].find(letter, at))
+        places.append(origins[match.start() + at])
     return places
 
 

@@ -82,12 +82,6 @@ class StyleFinding:
         return sum(found.outcome is Outcome.SAME_FORM for found in self.findings)
 
 
-def find_style(examples: Iterable[Example]) -> StyleFinding:
-    """The style that writes most examples as they are printed."""
-    evidence = StyleEvidence(examples)
-    return evidence.finding(evidence.best_style())
-
-
 def printed_examples(findings: Iterable[Finding]) -> list[Example]:
     """The formulas that can be written in more than one way: those that contain a sum."""
     found = []
@@ -169,11 +163,6 @@ class _StyledRobot:
         self._forms: dict[tuple[str, Style], object] = {}
 
     @cached_property
-    def opposed(self) -> bool:
-        """Whether axes that are parallel but opposed could be contracted."""
-        return contracted_groups(self.robot, Contraction.OPPOSED) != contracted_groups(self.robot, Contraction.ALIGNED)
-
-    @cached_property
     def lengths(self) -> frozenset[str]:
         """Symbols of the table and prismatic variables, all that is no angle in a kinematic formula."""
         angles = {joint.variable for joint in self.robot.joints if joint.is_revolute}
@@ -244,7 +233,9 @@ def _effective(style: Style, options: tuple[str, ...]) -> Style:
 def _parts(known: _StyledRobot, example: Example) -> Iterator[_ExamplePart]:
     model = known.model(Style())
     quantity, indices, entry = parse(model, example.quantity)
-    contraction = ("contraction",) if known.opposed else ()
+    # whether axes that are parallel but opposed could be contracted
+    aligned, opposed = (contracted_groups(example.robot, which) for which in (Contraction.ALIGNED, Contraction.OPPOSED))
+    contraction = ("contraction",) if opposed != aligned else ()
     if quantity.name == "tau":
         printed = _by_rates(example.robot, example.formula)
         for title, name in _TORQUE_PARTS.items():

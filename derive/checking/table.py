@@ -112,13 +112,8 @@ def _split(match: re.Match[str], typed: str) -> list[tuple[int, list[str]]]:
 def _head(cells: Sequence[str]) -> dict[str, int] | None:
     """The places of the four columns; None where this is no head."""
     names = [_column_name(cell) for cell in cells]
-    head: dict[str, int] = {}
-    for kind, pattern in _HEADS.items():
-        places = [i for i, name in enumerate(names) if pattern.fullmatch(name)]
-        if len(places) != 1:
-            return None
-        head[kind] = places[0]
-    return head
+    found = {kind: [i for i, n in enumerate(names) if pattern.fullmatch(n)] for kind, pattern in _HEADS.items()}
+    return {kind: places[0] for kind, places in found.items()} if all(len(p) == 1 for p in found.values()) else None
 
 
 def _column_name(cell: str) -> str:

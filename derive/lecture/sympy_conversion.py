@@ -57,19 +57,14 @@ def expression_to_sympy(e: Expression) -> Expr:
 
 def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
     """One printed factor as a SymPy expression."""
-    if factor.kind in (Kind.SINE, Kind.COSINE):
-        angle = expression_to_sympy(domain.printed_angle(factor.joints))
-        function = sympy.sin if factor.kind is Kind.SINE else sympy.cos
-        # SymPy would turn cos(q - pi/6) into sin(q + pi/3)
-        return function(angle, evaluate=not angle.has(sympy.pi))
-    assert factor.argument is not None
-    argument = expression_to_sympy(factor.argument)
+    argument = expression_to_sympy(factor.argument or domain.printed_angle(factor.joints))
+    # SymPy would turn cos(q - pi/6) into sin(q + pi/3), and the sine of 36 degrees into nested roots
+    is_plain = not argument.has(sympy.pi)
     match factor.kind:
-        case Kind.CONSTANT_SINE:
-            return sympy.sin(argument, evaluate=not argument.has(sympy.pi))
-        case Kind.CONSTANT_COSINE:
-            # SymPy would turn the sine of 36 degrees into nested roots
-            return sympy.cos(argument, evaluate=not argument.has(sympy.pi))
+        case Kind.SINE | Kind.CONSTANT_SINE:
+            return sympy.sin(argument, evaluate=is_plain)
+        case Kind.COSINE | Kind.CONSTANT_COSINE:
+            return sympy.cos(argument, evaluate=is_plain)
         case Kind.ROOT | Kind.PRIME_ROOT:
             return sympy.sqrt(argument)
         case Kind.INVERSE:

@@ -9,15 +9,7 @@ from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import fitting_states
 from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
-from derive.verification.tolerance import (
-    FLOOR,
-    TINY,
-    TOLERANCE,
-    Bounds,
-    largest,
-    regressor_size,
-    relative_errors,
-)
+from derive.verification.tolerance import FLOOR, TINY, TOLERANCE, Bounds, largest, regressor_size, relative_errors
 
 SINGULAR = 1e-13  # smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined
 NEAR = 1e-3  # distance from singular angles at which rounding may reach a thousandth of what is allowed
@@ -34,20 +26,13 @@ class Expectation:
     arguments: tuple[Array, ...]  # broadcast arguments, (..., n) each
     value: Array  # the answer, (..., *shape)
     scale: Array  # what an error of each entry is measured against, broadcastable to ``value``
-
-    @property
-    def called(self) -> int:
-        """Number of configurations."""
-        return self.arguments[0][..., 0].size
-
-    @property
-    def compared(self) -> int:
-        """Number of configurations that are compared."""
-        return self.called
+    regular: Array  # (...) where there is a value; configurations without one are called but not compared
 
     def errors(self, got: Array) -> Array:
         """How far off a value is."""
-        return relative_errors(got - self.value, self.scale)
+        errors = relative_errors(got - self.value, self.scale)
+        errors[~self.regular] = 0.0
+        return errors
 
     def farthest_repetitions(self, got: Array) -> Array:
         """For each argument the value farthest off; row i, (rows, *shape), belongs to argument i modulo their count."""
@@ -66,25 +51,7 @@ class Expectation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PartialExpectation(Expectation):
-    """The answer of a function without a value in some configurations, which are called but not compared."""
-
-    regular: Array  # (...) where there is a value
-
-    @property
-    def compared(self) -> int:
-        """Number of configurations with a value."""
-        return int(self.regular.sum())
-
-    def errors(self, got: Array) -> Array:
-        """How far off a value is."""
-        errors = relative_errors(got - self.value, self.scale)
-        errors[~self.regular] = 0.0
-        return errors
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AccelerationExpectation(PartialExpectation):
+class AccelerationExpectation(Expectation):
     """Accelerations, measured by the torque that is left over, since B may be ill conditioned.
 
     The error of row i is |B qdd + h - tau|_i over sqrt(B_ii) sum_j sqrt(B_jj) |qdd_j| + |tau_i| + |h_i|: rounding alone
@@ -112,17 +79,12 @@ class BaseExpectation(Expectation):
     """Base parameters, measured by the torques of random motions: by nothing else are they determined.
 
     An error counts by the share of the torques that it makes, against the parameter's own share where that is not
-    small; and the torques of all parameters together must be right.
+    small; and the torques of all parameters together, which are what is counted, must be right.
     """
 
     matrix: Array  # base regressor of these motions, each row over the natural size of its torque, (states * n, b)
     torques: Array  # their torques over the natural sizes, (states * n,)
     small: float  # a share of the torques below which a parameter's own is small, from the condition of ``matrix``
-
-    @property
-    def called(self) -> int:
-        """The torques that are compared."""
-        return len(self.torques)
 
     def errors(self, got: Array) -> Array:
         """How far off base parameters are."""
@@ -155,7 +117,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         distance = distance_from_singularity(oracle.arm, ANGLES[function], arguments[0])
         regular = distance > NEAR
         near = np.where(regular, distance, 1.0)[..., None, None]
-        return PartialExpectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
+        return Expectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
     if function.startswith("manipulability"):  # what rounding leaves of w^2 is large in w, and in its slope, near zero
         name = function.removesuffix("_dq")
         volume = value if name == function else oracle.evaluate(name, *arguments)
@@ -163,11 +125,12 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         regular, axes = share > NEAR, tuple(range(volume.ndim, value.ndim))
         near = np.expand_dims(np.where(regular, share, 1.0), axes)
         size = np.maximum(np.abs(value[regular]).max(initial=0.0), yardstick)
-        return PartialExpectation(oracle, arguments, value, size / near, regular)
+        return Expectation(oracle, arguments, value, size / near, regular)
     batch = list(range(arguments[0].ndim - 1))
     if function == "link_transforms":  # the frames of all links have one size
         batch.append(len(batch))
-    return Expectation(oracle, arguments, value, np.maximum(np.abs(value).max(axis=tuple(batch)), yardstick))
+    scale = np.maximum(np.abs(value).max(axis=tuple(batch)), yardstick)
+    return Expectation(oracle, arguments, value, scale, np.ones(arguments[0].shape[:-1], dtype=bool))
 
 
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
@@ -203,4 +166,6 @@ def _base_parameters(oracle: Oracle) -> BaseExpectation:
     condition = float(singular[0] / max(singular[-1], TINY))  # by how much a fit multiplies rounding
     small = max(FLOOR, SPARE * np.finfo(float).eps * condition / TOLERANCE)
     value = oracle.evaluate("base_parameters")
-    return BaseExpectation(oracle, (), value, np.ones_like(value), flat, (torques / size).ravel(), small)
+    wanted = (torques / size).ravel()
+    every = np.ones(wanted.shape, dtype=bool)
+    return BaseExpectation(oracle, (), value, np.ones_like(value), every, flat, wanted, small)

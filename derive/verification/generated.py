@@ -139,7 +139,7 @@ class CasadiModel:
 
 def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[GeneratedModel, ...]:
     """The generated modules in Python: those that load a compiled library, the others, or with None all."""
-    chosen = [file for file in _IMPORTED if needing_library in (None, file in _LIBRARIES)]
+    chosen = [file for file in _IMPORTED if needing_library in (None, file == NativeModel.file)]
     return tuple(_IMPORTED[file](_import(folder / file)) for file in chosen if (folder / file).is_file())
 
 
@@ -195,9 +195,9 @@ def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:
 
 
 _IMPORTED: Mapping[str, Callable[[ModuleType], GeneratedModel]] = {
-    "model_numpy.py": NumpyModel,
+    NumpyModel.file: NumpyModel,
     "model_casadi.py": lambda module: CasadiModel(vars(module), partial(getattr, module)),
-    "model_native.py": NativeModel,
+    NativeModel.file: NativeModel,
 }
 
 _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
@@ -205,7 +205,6 @@ _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
     "model_casadi.c": load_casadi_c,
 }
 
-_LIBRARIES = {"model_native.py"}  # modules that load a library of their own
 TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")  # the order in which reports list what was verified
 COMPILED = frozenset(_COMPILED)  # files that are verified where there is a C compiler
 MODULES = COMPILED.union(_IMPORTED)  # files that are verified

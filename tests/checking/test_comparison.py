@@ -6,7 +6,7 @@ from derive.checking.comparison import check_expression, check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.edits import float_value, is_token, spots
 from derive.checking.formulas.findings import FileReport, Finding, Outcome, Role, judge
-from derive.checking.style_finding import Example, StyleEvidence, find_style
+from derive.checking.style_finding import Example, StyleEvidence
 from derive.errors import CheckError, Location, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
@@ -126,16 +126,16 @@ FORMS = [
 
 @pytest.mark.parametrize(("option", "robot", "quantity", "text"), FORMS, ids=[row[0] for row in FORMS])
 def test_an_option_is_found_from_a_formula_that_it_writes(option: str, robot: Robot, quantity: str, text: str) -> None:
-    finding = find_style([example(robot, quantity, text)])
+    evidence = StyleEvidence([example(robot, quantity, text)])
+    finding = evidence.finding(evidence.best_style())
     assert finding.reproduced == 1
     assert [found.outcome for found in finding.findings] == [Outcome.SAME_FORM]
     asked = Style.of(option)
-    evidence = StyleEvidence([example(robot, quantity, text)])
     assert evidence.finding(asked).reproduced == 1
 
 
 def test_of_two_ways_to_write_the_more_frequent_one_is_taken_and_the_other_is_explained() -> None:
-    finding = find_style(
+    evidence = StyleEvidence(
         [
             example(PLANAR, "g[1]", "m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)"),
             example(
@@ -150,6 +150,7 @@ def test_of_two_ways_to_write_the_more_frequent_one_is_taken_and_the_other_is_ex
             example(PLANAR, "B[2,2]", "I2 + m2*l2"),
         ]
     )
+    finding = evidence.finding(evidence.best_style())
     assert finding.style.gravity.value == "body"
     outcomes = [found.outcome for found in finding.findings]
     assert outcomes[-1] is Outcome.WRONG
@@ -164,7 +165,8 @@ def test_an_equation_of_motion_gives_every_part_its_own_option() -> None:
         " + m1*l1**2*qdd1 + m2*a1**2*qdd1 - m2*a1*l2*s2*qd2**2 - 2*m2*a1*l2*s2*qd1*qd2"
         " + m1*g*l1*c1 + m2*g*a1*c1 + m2*g*l2*c12"
     )
-    finding = find_style([example(PLANAR, "tau[1]", craig)])
+    evidence = StyleEvidence([example(PLANAR, "tau[1]", craig)])
+    finding = evidence.finding(evidence.best_style())
     assert finding.reproduced == 1
     assert finding.style.accelerations.value == "term"
     assert finding.style.velocities.value in ("product", "expanded")

@@ -18,19 +18,19 @@ from derive.robot.expression import (
     Sum,
     add,
     children,
-    multiply,
-    number,
+    names,
+    negate,
     power,
     rebuilt,
 )
-from derive.robot.expression import names as names_of
 from derive.robot.robot import Robot
 
 SIGN = "±"  # first letter of the name of a plus-minus
 POINTS = 24  # points at which two sides are compared
 SIGNS = 6  # signs of one equation that are tried in all combinations
 CLOSE = 1e-8  # relative difference of two values, or that of two angles up to full turns
-_ARCS = ("atan2", "Atan2", "acos", "asin", "atan")
+ONLY_AT_POINTS = ("Atan2", "acos", "asin", "atan")  # what only a comparison at points understands
+ARCS = ("atan2", *ONLY_AT_POINTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,28 +46,17 @@ class Branches:
         return 0 < self.alike < self.points
 
 
-def has_branches(e: Expression, roots: bool) -> bool:
-    """Whether a formula stands for several values: signs and arc functions do, and roots if they are to."""
-    kinds = (*_ARCS, "sqrt") if roots else _ARCS
-    return _has(e, kinds)
-
-
-def needs_branches(e: Expression) -> bool:
-    """Whether it has what only a comparison at points understands."""
-    return _has(e, _ARCS[1:])
-
-
-def _has(e: Expression, functions: Sequence[str]) -> bool:
-    """Whether a plus-minus or one of some functions occurs."""
+def has_branches(e: Expression, functions: Sequence[str]) -> bool:
+    """Whether a formula stands for several values: a plus-minus or one of some functions occurs."""
     own = (isinstance(e, Name) and e.name[0] == SIGN) or (isinstance(e, Call) and e.function in functions)
-    return own or any(_has(child, functions) for child in children(e))
+    return own or any(has_branches(child, functions) for child in children(e))
 
 
 def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
     """Compare two sides at many points, with all choices of their signs; angles count up to full turns."""
     joints = {joint.variable for joint in robot.joints if joint.is_revolute}
     modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
-    wanted = sorted({*names_of(one), *names_of(other)})
+    wanted = sorted({*names(one), *names(other)})
     signs = [name for name in wanted if name[0] == SIGN][:SIGNS]
     variants = [(_with_one_arc(one, turned), _with_one_arc(other, turned)) for turned in (False, True)]
     variants = variants[: 1 + any(map(_may_turn, (one, other)))]
@@ -103,7 +92,7 @@ def _is_angle(e: Expression, joints: set[str]) -> bool:
         case Name(name):
             return name in joints
         case Call(function, _):
-            return function in _ARCS
+            return function in ARCS
         case Pi() | Number(0):
             return True
         case Sum(terms):
@@ -126,14 +115,14 @@ def _with_one_arc(e: Expression, turned: bool) -> Expression:
         case Call("Atan2", (y, x)):
             return Call("atan2", (x, y) if turned else (y, x))
         case Call("acos", (x,)):  # acos x = atan2(sqrt(1 - x^2), x)
-            return Call("atan2", (_other_leg(x), x))
+            return Call("atan2", (other_leg(x), x))
         case Call("asin", (y,)):
-            return Call("atan2", (y, _other_leg(y)))
+            return Call("atan2", (y, other_leg(y)))
         case Call("atan", (x,)):
             return Call("atan2", (x, ONE))
     return e
 
 
-def _other_leg(x: Expression) -> Expression:
+def other_leg(x: Expression) -> Expression:
     """The root of 1 - x^2."""
-    return Call("sqrt", (add(ONE, multiply(number(-1), power(x, 2))),))
+    return Call("sqrt", (add(ONE, negate(power(x, 2))),))

@@ -128,7 +128,7 @@ def _smallest_change(question: Question) -> Repair | None:
             search = _Search(question, values, known_names)
         except NO_VALUE:  # a definition or one of the formulas has no value at this point
             continue
-        found = search.one_change() or search.two_changes()
+        found = search.changes()
         if found is None:
             return None
         return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), found[-1].formula)
@@ -166,17 +166,12 @@ class _Search:
             return value
         return float_value(self.outer, {**self.values, "(printed)": value})
 
-    def one_change(self) -> tuple[Edit, ...] | None:
-        """One change, of the first kind that has one."""
+    def changes(self) -> tuple[Edit, ...] | None:
+        """One change, of the first kind that has one; else two changes of one kind."""
         places = self._places(self.question.printed)
         for kind in SlipKind:
             if found := self._least_right([(edit,) for edit in self._hits(places, kind)]):
                 return found
-        return None
-
-    def two_changes(self) -> tuple[Edit, ...] | None:
-        """Two changes of one kind."""
-        places = self._places(self.question.printed)
         for kind in PAIRED:
             firsts = [edit for place in places for edit in edits(place, self.may, kind)]
             if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:  # about as many second changes as first ones

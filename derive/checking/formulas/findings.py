@@ -17,7 +17,7 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.quotients import opaque
-from derive.checking.formulas.branches import branches, has_branches, needs_branches
+from derive.checking.formulas.branches import ARCS, ONLY_AT_POINTS, branches, has_branches
 from derive.checking.formulas.diagnosis import Question, Repair, diagnose
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
@@ -131,28 +131,29 @@ def compared(
 ) -> Finding:
     """The comparison that a question asks; right is what is shown for the right formula."""
     robot, sides = question.robot, (question.right, question.printed)
-    only_points = any(map(needs_branches, sides))
+    # as it stands where the two are compared at points, branch by branch: no search for the slip starts from there
+    plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where, erratum, remark=remark)
+    only_points = any(has_branches(side, ONLY_AT_POINTS) for side in sides)
     verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
-    if not verdict.equal and any(has_branches(side, roots=role is Role.IDENTITY) for side in sides):
+    several = (*ARCS, "sqrt") if role is Role.IDENTITY else ARCS
+    if not verdict.equal and any(has_branches(side, several) for side in sides):
         seen, numbers = branches(robot, *sides), dict(robot.parameters)
         if not seen.alike and numbers:  # the page has numbers where the file has symbols
             one, other = (substitute(side, numbers) for side in sides)
             seen = branches(robot, one, other)
         if only_points and not seen.points:
             if branches(robot, question.right, question.right).points:
-                nowhere = Verdict(equal=False, exact=False)
                 note = ", with no real value at any of many random points"
-                return Finding(quantity, *place, role, text, nowhere, right, where, erratum, remark=remark, note=note)
+                return replace(plain, verdict=Verdict(equal=False, exact=False), note=note)
             found = "formula without a real value at any of many random points"
             raise CheckError(found, remedy="check its roots and denominators", location=where)
         if seen.alike or only_points:
-            verdict = Verdict(equal=seen.alike > 0, exact=False)
-            return Finding(quantity, *place, role, text, verdict, right, where, erratum, remark=remark, some=seen.some)
+            return replace(plain, verdict=Verdict(equal=seen.alike > 0, exact=False), some=seen.some)
     note, turned = "", in_degrees(question.printed)
     if not verdict.equal and turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
         verdict, note = Verdict(equal=True, exact=True), ", with its angles in degrees"
-    return Finding(quantity, *place, role, text, verdict, right, where, erratum, question, remark=remark, note=note)
+    return replace(plain, verdict=verdict, question=question, note=note)
 
 
 def in_degrees(formula: Expression) -> Expression:

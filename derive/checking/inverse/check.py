@@ -177,8 +177,8 @@ class _InverseCheck:
             if rest:
                 is_same = len(rest) == 1 and self._ours.has_form(rest[0])
                 whole = replace(rest[0], text=" or ".join(f.text for f in rest))
-                right = self._ours.text(line)
-                found[rest[0]] = self._finding(line.quantity, whole, RIGHT, right=right, same=is_same)
+                said = self._finding(line.quantity, whole, RIGHT, self._ours.text(line))
+                found[rest[0]] = replace(said, same=is_same)
         done: set[PrintedLine] = set()  # what one change repairs has one verdict
         for line in failing:
             if line not in done:
@@ -208,7 +208,7 @@ class _InverseCheck:
 
     def _other_side(self, line: PrintedLine) -> Repair | None:
         """Another left side for which a line is right: s3 for c3, or another joint."""
-        robot, meaning = self._model.robot, self._printed.joints.meaning(line.target) if line.target else None
+        robot, meaning = self._model.robot, self._printed.meaning(line.target) if line.target else None
         if line.target is None or meaning is None:
             return None
         angle = line.target.arguments[0] if isinstance(line.target, Call) else line.target
@@ -239,22 +239,17 @@ class _InverseCheck:
         both = replace(line, formulas=(*line.formulas, *others))
         lacks = is_partial and self._printed.is_angle(line) and all(self._printed.hits(both, x) for x in ordered)
         repair, repaired = (None, [line]) if lacks and not has_arc else self._repair(line, failing, ordered, kinds)
-        if lacks and repair is None:
-            text = f"second solution missing: or {line.quantity} + pi"
-            either = f"{line.formulas[0].text} or {line.quantity} + pi"
-            said = Repair((SlipKind.PLUS_MINUS,), text, Name(either))
-            finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=said)
-            return [line], replace(finding, some=True), line.formulas[0]
-        is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else not has_arc)
+        is_some = is_partial and (repair.edits[0].kind is SlipKind.PLUS_MINUS if repair else lacks or not has_arc)
         self.is_wrong = self.is_wrong or not is_some
         if repair is not None:
             return repaired, replace(self._repaired(repair, verdict), some=is_some), repair.formula
-        other = self._other_side(line)
-        finding = self._finding(line.quantity, line.formulas[0], verdict, right=self._ours.text(line), repair=other)
-        return repaired, replace(finding, some=is_some), line.formulas[0]
+        first, second = line.formulas[0], f"or {line.quantity} + pi"
+        half_turn = Repair((SlipKind.PLUS_MINUS,), f"second solution missing: {second}", Name(f"{first.text} {second}"))
+        said = half_turn if lacks else self._other_side(line)
+        finding = self._finding(line.quantity, first, verdict, right=self._ours.text(line), repair=said)
+        return repaired, replace(finding, some=is_some), first
 
     def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
-        """The verdict on a line that is repaired."""
         robot, line = self._model.robot, repair.line
         text = shown(changes_text(repair.edits, robot))
         whole = shown(notation_text(repair.expression, robot))
@@ -335,17 +330,10 @@ class _InverseCheck:
         return CounterExample(tuple((name.strip("()"), value) for name, value in known.items()), nearest, wanted)
 
     def _finding(
-        self,
-        quantity: str,
-        formula: PrintedFormula,
-        verdict: Verdict,
-        *,
-        right: str = "",
-        repair: Repair | None = None,
-        same: bool = False,
+        self, quantity: str, formula: PrintedFormula, verdict: Verdict, right: str = "", repair: Repair | None = None
     ) -> Finding:
         where = formula.location
-        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair, same=same)
+        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair)
 
     # -- branches
 

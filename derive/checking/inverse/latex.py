@@ -68,17 +68,14 @@ def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: Pl
     word = left.flat if left is not None and left.is_plain and not left.arguments else ""
     # alternatives are the first column of cases, or what stands between the words or
     of_cases = [row[0] for row in piece.matrices[0].rows] if piece.text.strip() == MATRIX_MARK else None
+
+    def formula(part: LatexPiece, meanings: Mapping[str, Expression]) -> Expression:
+        own = own_names(robot)
+        known = {name: meaning for name, meaning in meanings.items() if name not in own}
+        return LatexReader(robot, text, start, known, signs=signs).formula(part)
+
     parts = []
     for part in of_cases or piece.split(_OR_MARK):
         shown = " ".join(text[part.start : part.end].split())
-        read = partial(_formula, part, text, robot, start, signs)
-        parts.append(Alternative(shown, place(text, part.start, start), read))
+        parts.append(Alternative(shown, place(text, part.start, start), partial(formula, part)))
     return Side(tuple(parts), word, is_primed)
-
-
-def _formula(
-    piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus, meanings: Mapping[str, Expression]
-) -> Expression:
-    own = own_names(robot)
-    known = {name: meaning for name, meaning in meanings.items() if name not in own}
-    return LatexReader(robot, text, start, known, signs=signs).formula(piece)

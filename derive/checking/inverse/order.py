@@ -1,6 +1,6 @@
 """In which order the lines of a printed solution can be used, and which joint variables they give."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -13,8 +13,8 @@ from derive.robot.expression import ZERO, substitute
 class Known:
     """What is known of the joint variables: linear combinations, cosines and sines of some."""
 
-    def __init__(self, joints: Sequence[int], n: int) -> None:
-        self._rows: list[Vector] = [unit_vector(j, n) for j in joints]
+    def __init__(self, rows: Iterable[Vector]) -> None:
+        self._rows = list(rows)
         self._functions: set[tuple[str, Vector]] = set()
 
     def has(self, function: str, vector: Vector) -> bool:
@@ -30,11 +30,6 @@ class Known:
         self._functions.add((function, vector))
         if not function or {("cos", vector), ("sin", vector)} <= self._functions:
             self._rows.append(vector)
-
-
-def unit_vector(j: int, n: int) -> Vector:
-    """One joint variable."""
-    return tuple(Fraction(int(k == j)) for k in range(n))
 
 
 def free_joints(printed: PrintedInverse) -> tuple[str, ...]:
@@ -59,18 +54,19 @@ def determined_joints(printed: PrintedInverse) -> tuple[str, ...]:
 
 
 def _units(printed: PrintedInverse) -> dict[str, Vector]:
-    return {joint.variable: unit_vector(j, printed.robot.n) for j, joint in enumerate(printed.robot.joints)}
+    names = [joint.variable for joint in printed.robot.joints]
+    return {name: tuple(Fraction(int(other == name)) for other in names) for name in names}
 
 
 def _meanings(printed: PrintedInverse) -> list[tuple[PrintedLine, tuple[str, Vector]]]:
     """Lines with what is known from them: an angle, a length or a sum, or a cosine, sine or tangent."""
-    return [(line, m) for line in printed.given if line.target and (m := printed.joints.meaning(line.target))]
+    return [(line, m) for line in printed.given if line.target and (m := printed.meaning(line.target))]
 
 
 def _ordered(printed: PrintedInverse, free: Sequence[str]) -> tuple[Known, list[PrintedLine]]:
     """What is known at the end where some joint variables are, and the lines that need each other."""
-    variables = [joint.variable for joint in printed.robot.joints]
-    known, waiting = Known([variables.index(name) for name in free], len(variables)), _meanings(printed)
+    units = _units(printed)
+    known, waiting = Known(units[name] for name in free), _meanings(printed)
     while ready := [step for step in waiting if all(known.has(*need) for need in _needs(printed, step[0]))]:
         for _, found in ready:
             known.add(*found)
@@ -82,4 +78,4 @@ def _needs(printed: PrintedInverse, line: PrintedLine) -> Iterator[tuple[str, Ve
     for part in (*printed.named_before(line), line):
         for formula in part.formulas:
             own = {formula.first: ZERO} if formula.first else {}
-            yield from printed.joints.needed(substitute(formula.expression, own))
+            yield from printed.needed(substitute(formula.expression, own))

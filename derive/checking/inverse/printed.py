@@ -69,44 +69,6 @@ class Place:
     twin: Place | None = None  # the configuration whose second solution it is, where primed lines are printed
 
 
-class JointCombinations:
-    """Reads expressions as linear combinations of joint variables."""
-
-    def __init__(self, robot: Robot, sums: Mapping[str, Expression]) -> None:
-        self._variables = [joint.variable for joint in robot.joints]
-        self._sums = sums
-
-    def combination(self, e: Expression) -> Vector | None:
-        """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
-        variables = self._variables
-        vector = [Fraction(0)] * len(variables)
-        for factor, term in linear_terms(e):
-            if isinstance(term, Name) and term.name in self._sums:
-                whole = self.combination(self._sums[term.name])
-                vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
-            elif isinstance(term, Name) and term.name in variables:
-                vector[variables.index(term.name)] += factor
-            elif any(name in variables or name in self._sums for name in names(term)):
-                return None
-        return tuple(vector) if any(vector) else None
-
-    def meaning(self, e: Expression) -> tuple[str, Vector] | None:
-        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent."""
-        if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
-            vector = self.combination(e.arguments[0])
-            return (e.function, vector) if vector else None
-        vector = self.combination(e)
-        return ("", vector) if vector else None
-
-    def needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
-        """What must be known for an expression to have a value."""
-        if isinstance(e, Name | Call) and (found := self.meaning(e)):
-            yield found
-        elif not isinstance(e, Name):
-            for part in children(e):
-                yield from self.needed(part)
-
-
 class PrintedInverse:
     """The lines of one printed solution."""
 
@@ -115,7 +77,6 @@ class PrintedInverse:
     ) -> None:
         # robot: whose solution it is; lines: its lines; sums: what names such as q23 stand for
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
-        self.joints = JointCombinations(robot, sums)  # reads linear combinations of joint variables
         # the lines that only name quantities, by name
         self.named = {line.name: line for line in self.lines if line.target is None}
         # the lines with a target, but those that are primed
@@ -144,6 +105,38 @@ class PrintedInverse:
         changed = [[replace(f, expression=change(f.expression)) for f in line.formulas] for line in self.lines]
         lines = [replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)]
         return PrintedInverse(self.robot, lines, self.sums, self.close)
+
+    # -- joint variables
+
+    def combination(self, e: Expression) -> Vector | None:
+        """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
+        variables = [joint.variable for joint in self.robot.joints]
+        vector = [Fraction(0)] * len(variables)
+        for factor, term in linear_terms(e):
+            if isinstance(term, Name) and term.name in self.sums:
+                whole = self.combination(self.sums[term.name])
+                vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
+            elif isinstance(term, Name) and term.name in variables:
+                vector[variables.index(term.name)] += factor
+            elif any(name in variables or name in self.sums for name in names(term)):
+                return None
+        return tuple(vector) if any(vector) else None
+
+    def meaning(self, e: Expression) -> tuple[str, Vector] | None:
+        """What is known where an expression is: an angle or length itself, or its cosine, sine or tangent."""
+        if isinstance(e, Call) and e.function in ("cos", "sin", "tan"):
+            vector = self.combination(e.arguments[0])
+            return (e.function, vector) if vector else None
+        vector = self.combination(e)
+        return ("", vector) if vector else None
+
+    def needed(self, e: Expression) -> Iterator[tuple[str, Vector]]:
+        """What must be known for an expression to have a value."""
+        if isinstance(e, Name | Call) and (found := self.meaning(e)):
+            yield found
+        elif not isinstance(e, Name):
+            for part in children(e):
+                yield from self.needed(part)
 
     # -- values
 
@@ -271,7 +264,7 @@ class PrintedInverse:
     def is_angle(self, line: PrintedLine) -> bool:
         """Whether a line is right up to full turns."""
         assert line.target is not None
-        vector = self.joints.combination(line.target)
+        vector = self.combination(line.target)
         revolute = [joint.is_revolute for joint in self.robot.joints]
         return vector is not None and any(c and r for c, r in zip(vector, revolute, strict=True))
 

@@ -10,9 +10,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations
 
-from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.branches import SIGN, other_leg
 from derive.checking.formulas.diagnosis import PAIRED
-from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, is_token, spots
+from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, spots
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
 from derive.errors import CheckError
 from derive.robot.expression import (
@@ -24,13 +24,12 @@ from derive.robot.expression import (
     Product,
     Sum,
     add,
-    children,
     multiply,
+    names,
     negate,
     number,
     power,
 )
-from derive.robot.expression import names as names_in
 
 MAX_TRIED = 6_000  # changes that are tried for one line
 MAX_PAIRS = 6_000  # pairs of changes of one kind that are tried
@@ -45,7 +44,6 @@ class InverseRepair:
     line: PrintedLine  # the line that is changed: the one that is wrong, or a quantity that it needs
     formula: PrintedFormula  # which of its formulas
     edits: tuple[Edit, ...]  # the changes
-    solution: PrintedInverse  # the solution with them made
 
     @property
     def expression(self) -> Expression:
@@ -121,15 +119,15 @@ class Repairer:
             with suppress(CheckError):
                 if not all(changed.hit_together(lines, place) for place in self._places):
                     continue
-                size = sum(_size(edit.old) for edit in made)
-                found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made, changed)))
+                size = sum(1 for edit in made for _ in spots(edit.old))
+                found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made)))
         return min(found)[-1] if found else None
 
 
 def _plus_minus(spot: Spot) -> Iterator[Edit]:
     """A plus-minus before a term, an argument, or a half turn more for the second solution."""
     node = spot.node
-    if not isinstance(node, Number) and not any(name[0] == SIGN for name in names_in(node)):
+    if not isinstance(node, Number) and not any(name[0] == SIGN for name in names(node)):
         yield Edit(SlipKind.PLUS_MINUS, spot, multiply(MISSING, node), node, multiply(MISSING, node))
     if isinstance(node, Product):
         for i, factor in enumerate(node.factors):
@@ -153,7 +151,7 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
         return
     (u,) = spot.node.arguments
     # sin^2 + cos^2 = 1: the other argument is +-sqrt(1 - u^2); of a tangent only the quotient is known
-    other = Call("sqrt", (add(number(1), negate(power(u, 2))),))
+    other = other_leg(u)
     ways: list[tuple[Expression, Expression]] = []
     match spot.node.function:
         case "atan":
@@ -179,7 +177,3 @@ def _quotient(e: Expression) -> tuple[Expression, Expression]:
         above = [number(f.value.numerator) if isinstance(f, Number) else f for f in above]
         below.append(number(fraction.denominator))
     return multiply(*above), multiply(*below)
-
-
-def _size(e: Expression) -> int:
-    return 1 if is_token(e) else 1 + sum(map(_size, children(e)))

@@ -65,10 +65,8 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
         "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
         **{
-            f"manipulability_{part}": Definition(
-                ("q",), False, partial(rates.manipulability, part=part), axes=0, most=16
-            )
-            for part in ("position", "orientation")
+            f"manipulability_{k}": Definition(("q",), False, partial(rates.manipulability, part=k), axes=0, most=16)
+            for k in ("position", "orientation")
         },
         "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
     }
@@ -103,18 +101,15 @@ class Oracle:
         names = []
         for name, definition in FUNCTIONS.items():
             if name in ANGLES:
-                present = self.has_angles(ANGLES[name])
+                # whether the end effector's angles are regular in some configuration
+                q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
+                present = bool((rates.distance_from_singularity(self.arm, ANGLES[name], q) > SINGULAR).any())
             elif definition.identifies:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
             names += [name] * present
         return tuple(names)
-
-    def has_angles(self, kind: str) -> bool:
-        """Whether the end effector's angles ``rpy`` or ``zyz`` are regular in some configuration."""
-        q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
-        return bool((rates.distance_from_singularity(self.arm, kind, q) > SINGULAR).any())
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
         """The value of a generated function."""

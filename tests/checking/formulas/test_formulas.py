@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from derive.checking.formulas import reading
-from derive.checking.formulas.branches import branches, has_branches, needs_branches
+from derive.checking.formulas.branches import ARCS, ONLY_AT_POINTS, branches, has_branches
 from derive.checking.formulas.diagnosis import Question, diagnose
 from derive.checking.formulas.edits import SlipKind, ordinal
 from derive.checking.formulas.printed import Citation
@@ -312,14 +312,14 @@ ROOT = Call("sqrt", (add(number(1), negate(power(COSINE, 2))),))
 def test_an_angle_is_compared_for_every_choice_of_signs(printed: Call, all_of_them: bool, some: bool) -> None:
     seen = branches(PLANAR, ANGLE, printed)
     assert (0 < seen.alike == seen.points, seen.some) == (all_of_them, some)
-    assert has_branches(printed, roots=False)
+    assert has_branches(printed, ARCS)
 
 
 def test_a_root_has_two_signs_only_where_that_is_asked() -> None:
-    assert has_branches(ROOT, roots=True)
-    assert not has_branches(ROOT, roots=False)
-    assert not needs_branches(Call("atan2", (SINE, COSINE)))
-    assert needs_branches(multiply(SIGN, ROOT))
+    assert has_branches(ROOT, (*ARCS, "sqrt"))
+    assert not has_branches(ROOT, ARCS)
+    assert not has_branches(Call("atan2", (SINE, COSINE)), ONLY_AT_POINTS)
+    assert has_branches(multiply(SIGN, ROOT), ONLY_AT_POINTS)
     both = branches(PLANAR, SINE, multiply(SIGN, ROOT))
     assert both.alike == both.points
     assert branches(PLANAR, SINE, ROOT).some

@@ -15,7 +15,7 @@ from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places
-from derive.checking.inverse.printed import JointCombinations
+from derive.checking.inverse.printed import PrintedInverse
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Pi, add, multiply, negate, number
@@ -246,7 +246,7 @@ def test_negative_slides_need_not_be_given_unless_limits_allow_them() -> None:
     assert all(place.required is (place.values["q3"] > 0) for place in free)
 
 
-JOINTS = JointCombinations(load("planar-3r"), {"q23": add(Name("q2"), Name("q3"))})
+JOINTS = PrintedInverse(load("planar-3r"), (), {"q23": add(Name("q2"), Name("q3"))})
 
 
 def test_combinations_are_sums_of_angles_and_what_is_needed_are_their_functions() -> None:

@@ -30,7 +30,7 @@ def test_a_chain_of_sides_names_and_gives_whichever_side_is_the_name() -> None:
     assert vocabulary.new == {"alpha"}
     assert [line.name for line in printed.lines if line.target is None] == ["alpha"]
     assert printed.given[0].quantity == "q1 + q2 - q4"
-    assert not printed.joints.meaning(Name("alpha"))
+    assert not printed.meaning(Name("alpha"))
     printed, _ = solution("planar-2r-perugia", "r = sqrt(x**2 + y**2) = theta2*r; theta2 = r; theta1 = atan2(y, x)")
     assert [line.quantity for line in printed.given] == ["q2*r", "q2", "q1"]
     printed, vocabulary = solution("scara-perugia", "theta1 + theta2 - theta4 = alpha = atan2(r12, r11)")
