@@ -138,7 +138,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     if told is None:
         return None
     source, promised = told
-    path = source.beside(Path(file))
+    path = Path(file).parent / source.file
     if not source.file or not path.is_file():
         return ImportCheck(source.file or "standard input", promised, None, lack="not there")
     folders = [_moved(folder, path.parent, Path()) for folder in source.packages]

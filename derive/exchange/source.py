@@ -72,10 +72,6 @@ class ChainSource:
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
 
-    def beside(self, robot_file: Path) -> Path:
-        """The file that is meant."""
-        return robot_file.parent / self.file
-
 
 @dataclass(frozen=True, slots=True)
 class Opened:

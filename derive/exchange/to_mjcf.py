@@ -78,7 +78,21 @@ class WrittenBody:
 
 def written_bodies(arm: BodyChain) -> list[WrittenBody]:
     """The bodies of the file: links with the rotors that they carry; those that weigh nothing go into the next."""
-    weights, last = _weights(arm), len(arm.segments) - 1
+    # What each link weighs, in its own frame. A link that MuJoCo would refuse, but that looks the same however a joint
+    # beside it turns, such as a point on the axis, is weighed with the link beyond: the next one, or the one before.
+    weights = [s.body.moved(s.dh) for s in arm.segments if s.body is not None]
+    joints = range(1, len(weights))
+    for onwards, joint in (*((True, k) for k in joints), *((False, k) for k in reversed(joints))):
+        link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
+        way = arm.segments[joint].origin
+        seen = weights[link].moved(WORLD.seen_from(way)) if onwards else weights[link]
+        # Whether it looks the same from all sides around its z axis.
+        xx, yy, _, xy, xz, yz = seen.entries
+        is_round = all(bool(abs(part) < LEAST) for part in (*seen.com[:2], xx - yy, xy, xz, yz))
+        if arm.segments[joint].joint.is_revolute and is_too_thin(seen) and is_round and not _is_nothing(seen):
+            weights[beyond] = weights[beyond] + (seen if onwards else seen.moved(way))
+            weights[link] = NO_BODY
+    last = len(arm.segments) - 1
     found, first = [], 0
     for i in range(last + 1):
         body = weights[i] if weights else None
@@ -86,27 +100,6 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
             found.append(WrittenBody(range(first, i + 1), body))
             first = i + 1
     return found
-
-
-def _weights(arm: BodyChain) -> list[RigidBody]:
-    """What each link weighs, in its own frame; empty without dynamics.
-
-    A link that MuJoCo would refuse, but that looks the same however a joint beside it turns, such as a point on the
-    axis, is weighed with the link beyond: with the next one, or with that before.
-    """
-    bodies = [s.body.moved(s.dh) for s in arm.segments if s.body is not None]
-    joints = range(1, len(bodies))
-    for onwards, joint in (*((True, k) for k in joints), *((False, k) for k in reversed(joints))):
-        link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
-        way = arm.segments[joint].origin
-        body = bodies[link].moved(WORLD.seen_from(way)) if onwards else bodies[link]
-        # Whether it looks the same from all sides around its z axis.
-        xx, yy, _, xy, xz, yz = body.entries
-        is_round = all(bool(abs(part) < LEAST) for part in (*body.com[:2], xx - yy, xy, xz, yz))
-        if arm.segments[joint].joint.is_revolute and is_too_thin(body) and is_round and not _is_nothing(body):
-            bodies[beyond] = bodies[beyond] + (body if onwards else body.moved(way))
-            bodies[link] = NO_BODY
-    return bodies
 
 
 def _is_nothing(body: RigidBody) -> bool:

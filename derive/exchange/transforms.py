@@ -16,7 +16,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import chain
+from itertools import accumulate, chain
 
 from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
@@ -94,7 +94,8 @@ def _read(text: str) -> Iterator[Elementary]:
         if match is None:
             word = re.split(r"(?<=\w)\b", text[offset:])[0]
             raise ExpressionError(f"unknown transform {quoted(word)}", allowed=_FORM, location=where)
-        end = _closing(text, match.end())
+        depths = accumulate((letter == "(") - (letter == ")") for letter in text[match.end() :])
+        end = next((i for i, depth in enumerate(depths, match.end()) if depth < 0), None)
         if end is None:
             raise ExpressionError(f"{quoted(match[0])} is never closed", allowed=_FORM, location=where)
         place = Location(_SOURCE, 1, match.end() + 1)
@@ -108,16 +109,6 @@ def _read(text: str) -> Iterator[Elementary]:
         offset = end + 1 + len(rest) - len(rest.lstrip(_BETWEEN))
     if not seen:
         raise ExpressionError("no joint", allowed=_FORM, location=Location(_SOURCE, 1, 1))
-
-
-def _closing(text: str, start: int) -> int | None:
-    """Where the parenthesis closes that is open at a place."""
-    depth = 1
-    for i in range(start, len(text)):
-        depth += {"(": 1, ")": -1}.get(text[i], 0)
-        if depth == 0:
-            return i
-    return None
 
 
 def _elementary(turns: bool, axis: int, text: str, place: Location) -> Elementary:

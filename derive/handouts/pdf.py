@@ -61,11 +61,6 @@ class LatexLog:
         return found
 
     @property
-    def errors(self) -> list[str]:
-        """What LaTeX says of each error."""
-        return [message for message, _ in self.faults]
-
-    @property
     def pages(self) -> int:
         """Pages of the document; 0 if none was written."""
         match = _PAGES.search(self.text.replace("\n", ""))
@@ -96,7 +91,7 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
         if status is None:
             folder.keep()
             raise LatexError(f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {log_file}")
-        if status or log.errors:
+        if status or log.faults:
             folder.keep()
             raise _refusal(text, log, source)
         pdf = source.with_suffix(".pdf").read_bytes()

@@ -29,7 +29,7 @@ from typing import Generic
 
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Chain, ChainJoint
-from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
+from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child, to_parent
 from derive.mechanics.vectors import Matrix, S, Symmetric, Vector, add, add_matrices, cross, multiply, scale
 
 
@@ -135,7 +135,10 @@ class _ColumnWrench(Generic[S]):
 def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     """C(q, qd) in Christoffel form: C + C^T = dB/dt, C qd is the velocity torque."""
     rates = along_axes(chain, qd)
-    omegas = joint_motion.angular_velocities(chain, rates)
+    omegas = [chain.null]  # of the base and the links, each in its own joint frame
+    for joint, rate in zip(chain.joints, rates, strict=True):
+        x, y, z = to_child(joint, omegas[-1])
+        omegas.append((x, y, z + rate if joint.revolute else z))
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):

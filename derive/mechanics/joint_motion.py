@@ -28,15 +28,6 @@ def to_parent(joint: ChainJoint[S], v: Vector[S]) -> Vector[S]:
     return multiply(joint.fixed.rotation, turn_vector(joint.cosine, joint.sine, v))
 
 
-def angular_velocities(chain: Chain[S], rates: Sequence[S]) -> list[Vector[S]]:
-    """Angular velocities [rad/s] of the base, 0, and of links 1..n, each in its own joint frame."""
-    omegas: list[Vector[S]] = [chain.null]
-    for joint, rate in zip(chain.joints, rates, strict=True):
-        x, y, z = to_child(joint, omegas[-1])
-        omegas.append((x, y, z + rate if joint.revolute else z))
-    return omegas
-
-
 def axis(joint: ChainJoint[S]) -> Vector[S]:
     """The joint's axis z_i in joint frame i-1; constant."""
     return column(joint.fixed.rotation, 2)

@@ -215,7 +215,11 @@ def carried_wrenches(
         force, moment = add(force, own_force), add(moment, own_moment)
         yield i, (force, moment)
         force, moment = wrench_to_parent(joint, (force, moment))
-        moment = add(moment, rotor_moment(joint, motions[i].omega, rates[i], accelerations[i]))
+        # What the rotor of the joint asks of the link that carries it, beyond a rigid part of that link.
+        u = axis(joint)
+        turn = cross(motions[i].omega, u)
+        spin = scale(joint.coupling, add(scale(accelerations[i], u), scale(rates[i], turn)))
+        moment = add(moment, spin)
     yield -1, (force, moment)
 
 
@@ -238,10 +242,3 @@ def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = Fal
             (i.zz * az + (i.yy - i.xx) * (x * y)) + (i.yz * u[0][2] - i.xz * u[1][2]) - i.xy * differences[2],
         )
     return force, add(spin, cross(h, a))
-
-
-def rotor_moment(joint: ChainJoint[S], omega: Vector[S], rate: S, acceleration: S) -> Vector[S]:
-    """Moment that the rotor of a joint asks of the link that carries it, beyond a rigid part of that link."""
-    u = axis(joint)
-    turn = cross(omega, u)
-    return scale(joint.coupling, add(scale(acceleration, u), scale(rate, turn)))

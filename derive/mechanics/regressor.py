@@ -47,12 +47,6 @@ class Screw(Generic[S]):
         return Screw(multiply(turned, self.angular), multiply(turned, self.at(frame.position)))
 
 
-def link_screws(chain: Chain[S]) -> list[list[Screw[S]]]:
-    """The screws of joints 1..k of every link k, in joint frame k, rates counted positive along +z."""
-    none: list[Screw[S]] = []
-    return list(accumulate(chain.joints, lambda before, joint: next_screws(chain, joint, before), initial=none))[1:]
-
-
 def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
     """The screws of the link behind a joint."""
     # Joints further in: the same motion, its velocity that of the new origin. The joint itself moves about or along z.
@@ -136,7 +130,10 @@ class Regressor(Generic[S]):
         self._rates, self._accelerations = along_axes(chain, qd), along_axes(chain, qdd)
         motions = link_motions(chain, self._rates, self._accelerations)
         # Links' parameters of the file stand in DH frames, base parameters in joint frames.
-        self._joint_views = [_LinkView(m, s) for m, s in zip(motions[1:], link_screws(chain), strict=True)]
+        # Of every link k the screws of joints 1..k, in joint frame k, rates counted positive along +z.
+        none: list[Screw[S]] = []
+        screws = list(accumulate(chain.joints, lambda inner, joint: next_screws(chain, joint, inner), initial=none))
+        self._joint_views = [_LinkView(m, s) for m, s in zip(motions[1:], screws[1:], strict=True)]
         self._views = self._joint_views
         if ends:
             self._views = [view.seen_from(end) for view, end in zip(self._joint_views, chain.ends, strict=True)]

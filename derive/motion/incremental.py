@@ -56,10 +56,6 @@ class Walker:
         self._values = values
         self._functions = Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
 
-    def place(self, q: Array) -> Array:
-        """Where the hand is, (3,) [m]."""
-        return self.pose(q)[:3, 3]
-
     def pose(self, q: Array) -> Array:
         """The pose of the hand, (4, 4)."""
         return self._functions("forward_kinematics", q)

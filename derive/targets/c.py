@@ -165,10 +165,8 @@ def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:
         "entry_columns": _listed(column for _, column in search.entries),
         "entry_count": len(search.entries),
         "signs": _listed(float(joint.sign) for joint in robot.joints),  # factors of the joint variables
-        "ways": max(
-            len(each.reductions) for each in search.eliminations
-        ),  # most ways around the loop of an elimination
-        # most equations of one
+        # Most ways around the loop of an elimination, and most equations of one.
+        "ways": max(len(each.reductions) for each in search.eliminations),
         "rows": max(sum(way.equations for way in each.reductions) for each in search.eliminations),
         "columns": max(_LEAST, *(max(sum(each.rows), _products(each)) for each in search.eliminations)),
         "size": max(_LEAST, size),

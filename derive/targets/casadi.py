@@ -8,7 +8,7 @@ from typing import Any
 from derive.algebra.constants import to_float
 from derive.interrupts import TemporaryFolder
 from derive.programs.program import NEAR, Function, Inverse
-from derive.programs.tape.tape import PARAMETER, evaluate
+from derive.programs.tape.tape import ALL_NAMES, PARAMETER, Op, evaluate
 from derive.robot.options.solution_policy import POLICY
 from derive.targets.escape import c_comment, python_docstring
 from derive.targets.numpy import python_context
@@ -16,6 +16,8 @@ from derive.targets.target import Source, Target, heading
 from derive.targets.templating import render
 
 FILE, CODE, HEADER = "model_casadi.py", "model_casadi.c", "model_casadi.h"
+# What CasADi calls functions.
+NAMES = ALL_NAMES | {Op.LESS: "lt", Op.SELECT: "if_else", Op.MAXIMUM: "fmax", Op.MINIMUM: "fmin", Op.ABSOLUTE: "fabs"}
 
 
 def render_casadi(source: Source) -> dict[str, str]:
@@ -120,17 +122,6 @@ def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[s
         for name, column in zip(names, inputs, strict=True)
     }
     entries[NEAR] = [casadi.SX(0)] * joints  # where joints are free, they are zero
-    arithmetic = {
-        "number": lambda value: casadi.SX(to_float(value)),
-        "sin": casadi.sin,
-        "cos": casadi.cos,
-        "sqrt": casadi.sqrt,
-        "sign": casadi.sign,
-        "atan2": casadi.atan2,
-        "less": casadi.lt,
-        "select": casadi.if_else,
-        "maximum": casadi.fmax,
-        "minimum": casadi.fmin,
-        "absolute": casadi.fabs,
-    }
+    arithmetic = {name: getattr(casadi, NAMES[op]) for op, name in ALL_NAMES.items()}
+    arithmetic["number"] = lambda value: casadi.SX(to_float(value))
     return names, inputs, evaluate(function.tape, entries, arithmetic)

@@ -87,7 +87,6 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
 
 
 def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> dict[str, Any]:
-    """The texts of one function."""
     tape = function.tape
     kernel = write_kernel(tape, OCTAVE, [matlab_symbol(name, k) for k, name in enumerate(parameters, 1)])
     needed = [parameters[index] for index in kernel.parameters]
@@ -166,7 +165,6 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
 
 
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> dict[str, Any]:
-    """Inverse kinematics and its help."""
     names = [one_line(robot.joints[i].label) for i in inverse.given]
     params = ["params"] if program.parameters else []
     inputs = [*([GIVEN] if names else []), *params]

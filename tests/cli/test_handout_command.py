@@ -32,7 +32,7 @@ def test_the_latex_file_is_written_by_default(folder: Path) -> None:
     assert names(folder) == {"pendulum.tex"}
     assert outcome.stdout.startswith("pendulum.tex\n")
     log = run_latex((folder / "pendulum.tex").read_text(), folder)
-    assert not log.errors
+    assert not log.faults
     assert overfull(log) <= 1
 
 
@@ -86,7 +86,7 @@ def test_fragments_go_into_notes_that_load_amsmath(name: str, folder: Path) -> N
     assert outcome.stdout.startswith("%")
     assert "documentclass" not in outcome.stdout
     assert r"needs \usepackage{amsmath}" in outcome.stdout.splitlines()[0]
-    assert not run_latex(BARE % outcome.stdout, folder).errors
+    assert not run_latex(BARE % outcome.stdout, folder).faults
 
 
 def test_a_sheet_keeps_to_the_pages_that_are_asked_for(folder: Path) -> None:

@@ -44,7 +44,7 @@ def run_latex(text: str, folder: Path) -> LatexLog:
 def run_clean(text: str, folder: Path) -> LatexLog:
     """As `run_latex`, of what has no error and nothing outside of the margins."""
     log = run_latex(text, folder)
-    assert not log.errors
+    assert not log.faults
     assert log.status == 0
     assert overfull(log) <= 1.0
     return log
@@ -55,7 +55,7 @@ def assert_widths(boxes: Sequence[Box], folder: Path) -> None:
     lines = [rf"\setbox0\hbox{{${box.tex}$}}\typeout{{WIDTH \the\wd0}}" for box in boxes]
     text = "\n".join([r"\documentclass{article}\usepackage{amsmath}\begin{document}", *lines, r"x\end{document}"])
     log = run_latex(text, folder)
-    assert not log.errors
+    assert not log.faults
     found = [float(width) for width in re.findall(r"WIDTH ([0-9.]+)pt", log.text)]
     for box, width in zip(boxes, found, strict=True):
         assert width - 0.5 <= box.width <= 1.25 * width + 6.0, (box, width)

@@ -133,8 +133,8 @@ def test_an_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tmp_p
         run_latex(latex(sheet, context.text), tmp_path)
         for sheet in (whole, exercise(whole, context.text), solutions(whole, context.text))
     )
-    assert not asking.errors
-    assert not solved.errors
+    assert not asking.faults
+    assert not solved.faults
     assert overfull(asking) <= 1.0
     assert asking.pages <= 2 * handout.pages
 

@@ -160,7 +160,7 @@ def assert_fits(texts: list[str], document_class: str, folder: Path) -> None:
         "\\end{document}",
     ]
     log = run_latex("\n".join(lines), folder)
-    assert not log.errors, document_class
+    assert not log.faults, document_class
     assert not overfull_boxes(log), document_class
 
 

@@ -110,7 +110,7 @@ def test_both_forms_of_an_error_are_read() -> None:
     placed = LatexLog("./arm.tex:12: Undefined control sequence.\nl.12 \\x\n", 1)
     assert plain.faults == [("Undefined control sequence.", 12)]
     assert plain.faults == placed.faults
-    assert LatexLog("!  ==> Fatal error occurred, no output PDF file produced!\n", 1).errors == []
+    assert LatexLog("!  ==> Fatal error occurred, no output PDF file produced!\n", 1).faults == []
 
 
 def test_pages_are_counted_across_a_wrapped_line() -> None:

@@ -164,14 +164,12 @@ _DIGIT_WIDTH = 5.0
 _TEN_WIDTH = 10.5
 
 
-def magnitude(
-    value: Fraction, decimals: bool, *, digits: int | None = DIGITS, small: bool = True, comma: bool = False
-) -> Box:
+def magnitude(value: Fraction, decimals: bool, *, digits: int | None = DIGITS, comma: bool = False) -> Box:
     """The absolute value of a rational number in print, with so many significant digits, None for all."""
     found, mark = shown(abs(value), decimals=decimals, digits=digits), DECIMAL_COMMA if comma else "."
     if isinstance(found, Fraction):
         numerator, denominator = italic(str(found.numerator)), italic(str(found.denominator))
-        return numerator if found.denominator == 1 else fraction(numerator, denominator, small)
+        return numerator if found.denominator == 1 else fraction(numerator, denominator, small=True)
     # As people write decimals: plainly between 0.0001 and as many digits as are shown, else m 10^e.
     exponent = found.adjusted()
     if -4 <= exponent <= (digits or DIGITS):

@@ -12,7 +12,6 @@ from typing import Any
 from derive.handouts.sheet.language import Text
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
-from derive.targets.javascript import camel_case
 
 Formula = float | str | list[Any]  # a number, the letter ``t``, or an operation and its operands
 SQUARED = "\N{SUPERSCRIPT TWO}"
@@ -207,11 +206,6 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         "joints": joints,
         "notes": html_text(" ".join(_notes(text, playback))),
     }
-
-
-def function_names(playback: Playback | None) -> tuple[str, ...]:
-    """What the script calls the functions that torques need; none without a motion."""
-    return tuple(camel_case(name) for name in playback.functions) if playback else ()
 
 
 def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:

@@ -21,7 +21,7 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.projection import view_along
 from derive.handouts.figure.scene import upwards
 from derive.handouts.notation.notation import Notation
-from derive.handouts.page.player import Playback, function_names, player_texts
+from derive.handouts.page.player import Playback, player_texts
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
@@ -36,7 +36,7 @@ from derive.robot.expression import names
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
-from derive.targets.javascript import javascript_body
+from derive.targets.javascript import camel_case, javascript_body
 from derive.targets.templating import render
 
 FUNCTIONS = ("forward_kinematics", "link_transforms")  # what the figure needs of a robot's program
@@ -112,7 +112,7 @@ def viewer(
         ),
         target=target is not None,
         player=playback is not None,
-        functions=function_names(playback),
+        functions=tuple(map(camel_case, playback.functions)) if playback else (),
         base_torques=playback.base_torques if playback else (),
     )
     assumed = ""  # what is drawn for symbols without a number

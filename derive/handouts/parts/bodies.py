@@ -137,7 +137,6 @@ def energies(context: Context) -> Iterator[Block]:
 
 def inertia(context: Context) -> Iterator[Block]:
     """B, and the contributions of the bodies to it."""
-    _ = context.text
     letter = context.symbols.inertia_letter
     if not context.robot.has_dynamics:
         return
@@ -152,7 +151,7 @@ def inertia(context: Context) -> Iterator[Block]:
         )
         return
     if context.steps:
-        yield Steps(_("Contributions of the bodies"), tuple(_contributions(context)))
+        yield Steps(context.text("Contributions of the bodies"), tuple(_contributions(context)))
     if has_rotors(context.robot) or any(link.armature != ZERO for link in context.robot.links):
         yield context.paragraph(
             "The kinetic energy is $\\tfrac{1}{2}\\,\\dot{\\mathbf{q}}^{T}\\mathbf{%(letter)s}(\\mathbf{q})\\,"
@@ -165,7 +164,7 @@ def inertia(context: Context) -> Iterator[Block]:
             "\\dot{\\mathbf{q}}$.",
             letter=letter,
         )
-    yield formula(context, context.dynamics.closed("B"), "inertia_matrix", _("Find the inertia matrix."))
+    yield formula(context, context.dynamics.closed("B"), "inertia_matrix", context.text("Find the inertia matrix."))
 
 
 def _contributions(context: Context) -> Iterator[Block]:

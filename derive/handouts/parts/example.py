@@ -25,7 +25,7 @@ from derive.workspace.poses import middle
 ANGLES = (1, 2, -1, 3, -2, 4)
 _DISPLACEMENT = Number(Fraction(1, 10))  # of prismatic joints [m]
 _DIGITS = 5  # significant digits in print
-_copied = "{:.12g}".format  # a number to be copied, with twelve digits: beyond them machines differ
+copied = "{:.12g}".format  # a number to be copied, with twelve digits: beyond them machines differ
 _NOISE = 1e-12  # part of the largest entry below which an entry is zero up to rounding
 _LARGEST = 24  # joints of the largest inertia matrix that is printed in numbers
 _METRE = Box("\\,\\mathrm{m}", 11.0)
@@ -38,7 +38,6 @@ Values = Sequence[Sequence[float]]
 
 def example(context: Context) -> Iterator[Block]:
     """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing."""
-    _ = context.text
     given = context.robot
     if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
         return
@@ -52,7 +51,7 @@ def example(context: Context) -> Iterator[Block]:
     chosen = configuration(robot)
     yield from _stated(context, chosen, assumed)
     yield context.paragraph("The end effector; lengths are in metres:")
-    task = _("Compute the transform of the end effector in numbers, lengths in metres.")
+    task = context.text("Compute the transform of the end effector in numbers, lengths in metres.")
     yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
     if all(joint.is_revolute for joint in robot.joints):
         yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
@@ -60,7 +59,7 @@ def example(context: Context) -> Iterator[Block]:
         yield context.paragraph(
             "The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:"
         )
-    task = _("Compute the Jacobian in numbers.")
+    task = context.text("Compute the Jacobian in numbers.")
     yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
     if missing := _unnumbered(robot) if robot.has_dynamics else ():
         yield context.answer(
@@ -102,7 +101,6 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
 
 
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
-    _ = context.text
     square = "\\mathrm{kg\\,m^2}"
     if robot.n > _LARGEST:
         yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
@@ -117,7 +115,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
                 "in kg m between one and the other:",
                 square=square,
             )
-        task = _("Compute the inertia matrix in numbers.")
+        task = context.text("Compute the inertia matrix in numbers.")
         yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
     yield context.paragraph("The gravity vector:")
     values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
@@ -126,9 +124,9 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
     lines = pack(concatenate(name, EQUALS, *pair) for name, *pair in zip(names, numbers, units, strict=True))
     rows = zip(names, numbers, values, strict=True)
-    entries = tuple(Entry(name.tex, number.tex, _copied(value)) for name, number, value in rows)
+    entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
     blanks = tuple(name.tex for name in names)
-    task = _("Compute the gravity vector in numbers, each component with its unit.")
+    task = context.text("Compute the gravity vector in numbers, each component with its unit.")
     yield SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
 
 
@@ -152,7 +150,7 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
     box = concatenate(symbol, EQUALS, cells)
-    python = "[" + ", ".join("[" + ", ".join(map(_copied, row)) + "]" for row in rows) + "]"
+    python = "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
         columns = enumerate(zip(*rows, strict=True), 1)

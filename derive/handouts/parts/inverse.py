@@ -82,7 +82,6 @@ class _InversePart:
 
     def given(self) -> Iterator[Block]:
         """What is known, and what is looked for."""
-        _ = self.context.text
         pose, task = self.found.pose, self.found.graph.task
         if task == POSE:
             yield self.context.paragraph(
@@ -93,7 +92,7 @@ class _InversePart:
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
             yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
         else:
-            entries = and_list(_, [self._math(pose[i, j]) for i, j in self.found.graph.places])
+            entries = and_list(self.context.text, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield self.context.paragraph(
                 "Given the entries %(entries)s of the pose $%(end)s$ of the end effector, find all values of the "
                 "joint variables that reach them.",
@@ -119,7 +118,7 @@ class _InversePart:
 
     def counted(self) -> Iterator[Block]:
         """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
-        _, found = self.context.text, self.found
+        found = self.found
         if given := [self._math(step.unknown) for step in found.steps if step.kind is NodeKind.GIVEN]:
             yield self.context.paragraph(
                 "With %(n)s joints for %(m)s coordinates the arm is redundant of degree $R = N - M = %(r)s$, and "
@@ -128,7 +127,7 @@ class _InversePart:
                 n=self.context.robot.n,
                 m=self.context.robot.n - len(given),
                 r=len(given),
-                given=and_list(_, given),
+                given=and_list(self.context.text, given),
             )
         yield from self.conditions()
         yield self.number_of_solutions()

@@ -14,7 +14,7 @@ from derive.handouts.figure.branches import branches_drawing
 from derive.handouts.layout.lines import EQUALS, matrix
 from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
 from derive.handouts.notation.symbols import bold
-from derive.handouts.parts.example import configuration
+from derive.handouts.parts.example import configuration, copied
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Figure, Paragraph, Rows, SheetFormula, Table
@@ -34,7 +34,6 @@ _PLACES = 4  # decimals of lengths and radians; two less of degrees
 _DIGIT = 5.0  # width of a digit [pt]
 # Widths of the unit of a variable, of a number with its gap, and of all numbers of a configuration in a table [pt].
 _UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0
-_COPIED = "{:.12g}".format
 _LEAST = 1e-9  # two configurations closer to each other than this are one [rad or m]
 
 
@@ -181,7 +180,7 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     cells = [[_position(context, x, j).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
     body = " \\\\ ".join(" & ".join((str(s.number), *row)) for s, row in zip(solutions, cells, strict=True))
     array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
-    python = "[" + ", ".join("[" + ", ".join(map(_COPIED, s.q)) + "]" for s in solutions) + "]"
+    python = "[" + ", ".join("[" + ", ".join(map(copied, s.q)) + "]" for s in solutions) + "]"
     task = _("Compute in numbers all configurations that reach this pose.")
     room = ("",) * max(1, len(solutions) // 2)
     yield SheetFormula(

@@ -31,14 +31,13 @@ _SIDE_OF_ZERO = re.compile(r"(\w+) ([<>]) 0")
 
 def sources(context: Context, equations: Iterable[PrintedEquation]) -> str:
     """Which entries of which product some equations are."""
-    _ = context.text
     groups: dict[tuple[OriginForm, str], list[Origin]] = {}
     for equation in equations:
         for origin in equation.origins:
             groups.setdefault((origin.form, _product(context, origin)), []).append(origin)
     phrases = [_phrase(context, form, matrix, found) for (form, matrix), found in groups.items()]
     if any(len(equation.origins) > 1 for equation in equations):
-        phrases.append(_("the other unknown eliminated"))
+        phrases.append(context.text("the other unknown eliminated"))
     return "; ".join(dict.fromkeys(phrases))
 
 

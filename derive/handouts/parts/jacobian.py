@@ -38,7 +38,6 @@ class Vector:
 
 def jacobian(context: Context) -> Iterator[Block]:
     """J, from axes and origins to its entries, and how the analytic Jacobian follows."""
-    _ = context.text
     axes = _JointAxes(context)
     yield context.paragraph(
         "In the world frame; rows 1 to 3 give the linear velocity of the end effector, rows 4 to 6 its angular "
@@ -46,10 +45,10 @@ def jacobian(context: Context) -> Iterator[Block]:
     )
     yield from _construction(context, axes)
     if context.steps:
-        yield Steps(_("Axes, origins and columns"), tuple(_steps(context, axes)))
+        yield Steps(context.text("Axes, origins and columns"), tuple(_steps(context, axes)))
     name = partial(context.symbols.entry, "J")
     laid_out = context.layouter.lay_out(bold("J"), name, context.entries.J, group=Group.J)
-    yield formula(context, laid_out, "jacobian", _("Find the geometric Jacobian."))
+    yield formula(context, laid_out, "jacobian", context.text("Find the geometric Jacobian."))
     end = context.entries.T
     if end.terms(1, 3) or end.terms(2, 3):  # else the angles ZYZ are singular in every configuration
         phi, theta, psi = (angle.tex.strip() for angle in euler_names(context))

@@ -11,7 +11,7 @@ from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Rows, Steps
-from derive.handouts.sheet.formula import entry_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.formula import entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
 
@@ -24,24 +24,16 @@ def transforms(context: Context) -> Iterator[Block]:
     """A_1 ... A_n; those that fit share lines, the others are given entry by entry."""
     yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
     task = context.text("Write the transform of each row of the table.")
-    fitting: list[LaidOut] = []
+    rows: list[LaidOut] = []
     for i in range(1, context.robot.n + 1):
         symbol, quantity = context.symbols.frame("A", i, i - 1), context.entries.A(i)
-        one = small(context, symbol, quantity, entry_namer(symbol))
-        if one is not None:
-            fitting.append(one)
-            continue
-        if fitting:
-            yield formula(context, side_by_side(fitting), "link_transforms", task)
-        yield formula(context, _laid_out(context, symbol, quantity, Group.row(i)), "link_transforms", task)
-        fitting = []
-    if fitting:
-        yield formula(context, side_by_side(fitting), "link_transforms", task)
+        fitting = small(context, symbol, quantity, entry_namer(symbol))
+        rows.append(fitting or _laid_out(context, symbol, quantity, Group.row(i)))
+    yield from (formula(context, laid_out, "link_transforms", task) for laid_out in in_rows(rows))
 
 
 def end_effector(context: Context) -> Iterator[Block]:
     """T as a product and by its entries, and the names of its columns."""
-    _ = context.text
     end = context.layouter.lay_out(_END, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
     yield context.paragraph("The end effector in the world:")
     n, frame = context.robot.n, context.symbols.frame
@@ -50,10 +42,10 @@ def end_effector(context: Context) -> Iterator[Block]:
         factors.insert(3, _DOTS)
     yield Rows((concatenate(_END, EQUALS, *_between_base_and_tool(context, factors)).tex,))
     if context.steps:
-        yield Steps(_("The product, row by row"), tuple(_steps(context)))
+        yield Steps(context.text("The product, row by row"), tuple(_steps(context)))
     if end.omitted:
         yield from _partial_products(context)
-    task = _("Find the transform $%(end)s$ of the end effector.", end=_END.tex)
+    task = context.text("Find the transform $%(end)s$ of the end effector.", end=_END.tex)
     yield formula(context, end, "forward_kinematics", task)
     yield context.paragraph(
         "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
@@ -103,7 +95,6 @@ def _steps(context: Context) -> Iterator[Block]:
 
 def _partial_products(context: Context) -> Iterator[Block]:
     """Where T is too long: the arm as a product of a few transforms that can be printed, if it is long enough."""
-    _ = context.text
     n, frame = context.robot.n, context.symbols.frame
     cuts = [0]
     for end in range(1, n + 1):
@@ -122,7 +113,7 @@ def _partial_products(context: Context) -> Iterator[Block]:
     for start, end in pairwise(cuts):
         quantity = context.entries.transform(start, end)
         laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
-        yield formula(context, laid_out, "link_transforms", _("Multiply these transforms out."))
+        yield formula(context, laid_out, "link_transforms", context.text("Multiply these transforms out."))
     yield context.paragraph("The arm as a whole is")
     factors = (TexPiece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))

@@ -60,7 +60,6 @@ def coriolis(context: Context) -> Iterator[Block]:
 
 def skew(context: Context) -> Iterator[Block]:
     """N = dB/dt - 2C, why it is skew-symmetric for any robot, and the check for this one."""
-    _ = context.text
     letter, c = context.symbols.inertia_letter, context.symbols.christoffel
     yield textbook("skew_matrix", B=letter)
     yield context.answer(
@@ -68,11 +67,11 @@ def skew(context: Context) -> Iterator[Block]:
     )
     proof = textbook("skew_symmetry", b=letter.lower(), c_ijk=c("i", "j", "k").tex, c_jik=c("j", "i", "k").tex)
     yield replace(proof, is_answer=True)
-    task = _("Find $\\mathbf{N}$ and show that it is skew-symmetric.")
+    task = context.text("Find $\\mathbf{N}$ and show that it is skew-symmetric.")
     entries, is_compact = context.entries, context.dynamics.is_compact
     if context.steps and is_compact(entries.Bdot):
         derivative = formula(context, context.dynamics.closed("Bdot"))
-        yield Steps(_("Derivative of the inertia matrix with respect to time"), (derivative,))
+        yield Steps(context.text("Derivative of the inertia matrix with respect to time"), (derivative,))
     if is_compact(entries.C) and is_compact(entries.N):
         yield formula(context, context.dynamics.closed("N"), _CORIOLIS, task)
     else:
@@ -87,13 +86,13 @@ def skew(context: Context) -> Iterator[Block]:
 
 def gravity(context: Context) -> Iterator[Block]:
     """g, the gradient of the potential energy."""
-    _ = context.text
     if context.robot.gravity is None:
         yield context.answer("The robot file gives no gravity: $\\mathbf{g} = \\mathbf{0}$.")
         return
     yield context.paragraph("The gradient of the potential energy.")
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
-    yield formula(context, context.dynamics.closed("g"), "gravity_vector", _("Find the gravity vector."))
+    task = context.text("Find the gravity vector.")
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector", task)
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:

@@ -43,7 +43,6 @@ Place = tuple[int, int]
 
 def orientation(context: Context) -> Iterator[Block]:
     """The position of the end effector, and its orientation by two sets of angles."""
-    _ = context.text
     yield context.paragraph(
         "The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END
     )
@@ -54,7 +53,7 @@ def orientation(context: Context) -> Iterator[Block]:
         names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
         group = Group.row(context.robot.n + 1)
         laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
-        yield formula(context, laid_out, "forward_kinematics", _("Find the position of the end effector."))
+        yield formula(context, laid_out, "forward_kinematics", context.text("Find the position of the end effector."))
     else:
         yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
     yield from _roll_pitch_yaw(context)
@@ -72,30 +71,32 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         product=_rotations("zyx", names[::-1]),
     )
     task = _("Find roll, pitch and yaw of the end effector.")
-    if not _terms(context, (1, 1), (2, 1)):
+    is_upright = not _terms(context, (1, 1), (2, 1))
+    if is_upright:
         upright_pitch = (TexPiece(minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
         angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
-        yield from _angles(context, names, angles, [(3, 1), (1, 2), (2, 2)], context.entries.rpy, task)
+        used = [(3, 1), (1, 2), (2, 2)]
+    else:
+        by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
+        angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
+        used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
+    yield from _angles(context, names, angles, used, context.entries.rpy, task)
+    if is_upright:
         yield context.answer(
             "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
             "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
             **said,
         )
-        return
-    by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
-    angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
-    used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
-    yield from _angles(context, names, angles, used, context.entries.rpy, task)
-    if not _terms(context, (3, 1)):
+    elif not _terms(context, (3, 1)):
         yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${t(3, 1).tex} = 0$")
-        return
-    yield context.answer(
-        "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
-        "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
-        zeros=f"${t(1, 1).tex} = {t(2, 1).tex} = 0$",
-        **said,
-        right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
-    )
+    else:
+        yield context.answer(
+            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
+            "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
+            zeros=f"${t(1, 1).tex} = {t(2, 1).tex} = 0$",
+            **said,
+            right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
+        )
 
 
 def euler_names(context: Context) -> Names:
@@ -118,32 +119,34 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         product=_rotations("zyz", names),
     )
     task = _("Find the Euler angles ZYZ of the end effector.")
-    if not _terms(context, (1, 3), (2, 3)):
+    is_parallel = not _terms(context, (1, 3), (2, 3))
+    if is_parallel:
         signed = [concatenate(cosine, t(i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
         angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
-        yield from _angles(context, names, angles, [(3, 3), (2, 1), (1, 1)], context.entries.euler_zyz, task)
+        used = [(3, 3), (2, 1), (1, 1)]
+    else:
+        by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
+        angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
+        used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
+    yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
+    if is_parallel:
         yield context.answer(
             "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
             "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
             "zero.",
             **said,
         )
-        return
-    by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
-    angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
-    used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
-    yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
-    if not _terms(context, (3, 3)):
+    elif not _terms(context, (3, 3)):
         yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${cosine.tex} = 0$")
-        return
-    yield context.answer(
-        "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
-        "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
-        zeros=f"${t(1, 3).tex} = {t(2, 3).tex} = 0$",
-        **said,
-        straight="180^{\\circ}" if context.notation.degrees else "\\pi",
-    )
+    else:
+        yield context.answer(
+            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
+            "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+            zeros=f"${t(1, 3).tex} = {t(2, 3).tex} = 0$",
+            **said,
+            straight="180^{\\circ}" if context.notation.degrees else "\\pi",
+        )
 
 
 def _rotations(axes: str, names: Sequence[Box]) -> str:

@@ -72,7 +72,15 @@ def _blocks(
         yield context.paragraph(
             "Of each joint the root mean square of the torque or force, the largest power, and the work:"
         )
-        yield _powers(context, segments)
+        cells = []
+        for peaks in segments:
+            title = _title(peaks.segment)
+            for i, load in enumerate(peaks.loads, 1):
+                values = (f"${_decimal(context, x)}$" for x in (load.rms, load.power, load.work))
+                cells.append((title, f"${context.symbols.torque(i).tex}$", *values))
+                title = ""
+        header = (_("segment"), "", _("root mean square"), _("power [W]"), _("work [J]"))
+        yield Table(header, tuple(cells), long=len(cells) > 30)
     if curves:
         yield Figure(_plots(context, segments, *curves), _("What the joints do over time."))
     others = _other_profiles(context)
@@ -87,7 +95,6 @@ def _blocks(
 
 
 def _title(segment: Segment) -> str:
-    """Its name as it is printed."""
     return segment.name.replace("->", "\N{RIGHTWARDS ARROW}").replace("$", "").replace("`", "")
 
 
@@ -109,21 +116,6 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
                 cells = ("", "")
         if cells[0]:
             rows.append((*cells, "", _("none moves"), ""))
-    return Table(header, tuple(rows), long=len(rows) > 30)
-
-
-def _powers(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
-    _ = context.text
-    rows = []
-    for peaks in segments:
-        title = _title(peaks.segment)
-        for i, load in enumerate(peaks.loads, 1):
-            symbol = context.symbols.torque(i).tex
-            rows.append(
-                (title, f"${symbol}$", *(f"${_decimal(context, x)}$" for x in (load.rms, load.power, load.work)))
-            )
-            title = ""
-    header = (_("segment"), "", _("root mean square"), _("power [W]"), _("work [J]"))
     return Table(header, tuple(rows), long=len(rows) > 30)
 
 

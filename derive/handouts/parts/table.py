@@ -34,12 +34,11 @@ _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
 def dh_table(context: Context) -> Iterator[Block]:
     """The convention in words, the DH table, base and tool."""
-    _ = context.text
     n = context.robot.n
     if context.is_standard:
-        kind = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
+        kind = context.text("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
     else:
-        kind = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
+        kind = context.text("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
     yield Paragraph(f"{kind} {_units(context)}")
     yield table_rows(context)
     if frames := end_lines(context):

@@ -206,11 +206,7 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
 def _said(document: Document, sections: dict[str, Section], touched: list[str], limit: int, text: Text) -> Document:
     """The shorter document with a sentence at its head that names what it lacks."""
     titles = ", ".join(section.title for section in document.sections if section.part in touched)
-    sentence = text(
-        "Omitted or shortened because of the %(pages)s-page limit: %(titles)s.",
-        pages=limit,
-        titles=titles,
-    )
+    sentence = text("Omitted or shortened because of the %(pages)s-page limit: %(titles)s.", pages=limit, titles=titles)
     kept = [sections[section.part] for section in document.sections if section.part in sections]
     first = replace(kept[0], blocks=(Paragraph(sentence, is_answer=True), *kept[0].blocks))
     return replace(document, sections=(first, *kept[1:]))

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut, Namer
-from derive.handouts.notation.pieces import Box, bracketed, concatenate, italic, joined, script
+from derive.handouts.notation.pieces import EMPTY, Box, bracketed, concatenate, italic, joined, script
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
@@ -17,11 +18,10 @@ from derive.model.entries import Entries
 
 def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> SheetFormula:
     """A laid-out quantity as a formula."""
-    _ = context.text
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
     if laid_out.landscape:
         rows.append(Rows(laid_out.landscape, landscape=True))
-    note = unlisted(_, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
+    note = unlisted(context.text, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
     python = PlainPrinter().doprint
     return SheetFormula(
         rows=tuple(rows),
@@ -96,6 +96,13 @@ def side_by_side(items: Sequence[LaidOut]) -> LaidOut:
     )
 
 
+def in_rows(quantities: Iterable[LaidOut]) -> Iterator[LaidOut]:
+    """Quantities in their order; small neighbours share lines."""
+    for is_small, group in groupby(quantities, key=lambda laid_out: laid_out.box != EMPTY):
+        neighbours = list(group)
+        yield from [side_by_side(neighbours)] if is_small else neighbours
+
+
 # -- links and rotors
 
 
@@ -111,23 +118,17 @@ class BodyItem:
 
 def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    row: list[LaidOut] = []
-    for item in items:
-        fitting = small(context, item.symbol, item.quantity, entry_namer(item.symbol))
-        if fitting is not None:
-            row.append(fitting)
-            continue
-        if row:
-            yield formula(context, side_by_side(row), task=task)
-            row = []
-        laid_out = context.dynamics.body(item.symbol, item.quantity, item.group, item.symmetric)
+    quantities = (
+        small(context, item.symbol, item.quantity, entry_namer(item.symbol))
+        or context.dynamics.body(item.symbol, item.quantity, item.group, item.symmetric)
+        for item in items
+    )
+    for laid_out in in_rows(quantities):
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out, task=task), omitted=())
         if laid_out.omitted:
             yield context.answer("These entries are too long to print; multiplied out they have so many terms:")
             yield Rows(laid_out.omitted, is_answer=True)
-    if row:
-        yield formula(context, side_by_side(row), task=task)
 
 
 # -- formulas that hold for every robot

@@ -35,8 +35,9 @@ from derive.programs.program import joint_lines
 from derive.programs.tape.build import cut
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import ONE, Graph
-from derive.programs.tape.tape import BRANCHING_NAMES, FUNCTION_NAMES, LEAVES, Op, Tape
+from derive.programs.tape.tape import LEAVES, Op, Tape
 from derive.programs.tape.value import Value
+from derive.targets import casadi
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string
 from derive.targets.kernel import PYTHON, C, Language, temporary_names, wrapped, write_statements
@@ -170,30 +171,15 @@ def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
     return _FUNCTIONS[formula.func](*(_value(graph, argument, clock) for argument in formula.args))
 
 
-# Functions of <math.h>: one time is no batch for which branches would be too dear.
-C_NAMES = {Op.ARCTANGENT: "atan2", Op.ABSOLUTE: "fabs", Op.MAXIMUM: "fmax", Op.MINIMUM: "fmin"}
-
-
-def with_names(language: Language, names: dict[Op, str]) -> Language:
-    """A language with other names of functions."""
-    return replace(language, names={**language.names, **names})
-
-
 FILES = HEADER, CODE, MODULE = "motion.h", "motion.c", "motion_casadi.py"
 
 TIMES = 200  # random times at which generated code is compared with Python, beside all at which a piece begins or ends
 LONG = 2000  # pieces from which on CasADi looks them up in a table, on MX, instead of choosing among them on SX
 MOST = 100_000  # most pieces; the code of more has tens of megabytes
-_C = with_names(C, C_NAMES)
-
-_CASADI_NAMES = {op: f"casadi.{name}" for op, name in {**FUNCTION_NAMES, **BRANCHING_NAMES}.items()} | {
-    Op.LESS: "casadi.lt",
-    Op.SELECT: "casadi.if_else",
-    Op.MAXIMUM: "casadi.fmax",
-    Op.MINIMUM: "casadi.fmin",
-    Op.ABSOLUTE: "casadi.fabs",
-}
-_CASADI = with_names(PYTHON, _CASADI_NAMES)
+# Functions of <math.h>: one time is no batch for which branches would be too dear.
+_OF_MATH = {Op.ARCTANGENT: "atan2", Op.ABSOLUTE: "fabs", Op.MAXIMUM: "fmax", Op.MINIMUM: "fmin"}
+_C = replace(C, names={**C.names, **_OF_MATH})
+_CASADI = replace(PYTHON, names={op: f"casadi.{name}" for op, name in casadi.NAMES.items()})
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,11 +61,6 @@ class Divergence:
     q: Array  # joint variables then, (n,)
     qd: Array  # velocities then, (n,)
 
-    @property
-    def joint(self) -> int:
-        """Index of the fastest joint."""
-        return int(np.abs(self.qd).argmax())
-
 
 # States at the times that are wanted, and where it ended earlier. A state holds positions, velocities, the work of
 # motors and pushes, what friction took, and the work of a base that moves.

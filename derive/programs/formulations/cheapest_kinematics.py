@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.forward_kinematics import joint_poses
+from derive.mechanics.joint_motion import turn_vector
 from derive.mechanics.vectors import (
     Frame,
     Matrix,
@@ -29,7 +30,7 @@ from derive.mechanics.vectors import (
     transpose,
 )
 from derive.programs.formulations.choice import choose
-from derive.programs.formulations.parallel_axes import ParallelRun, Placement, about_z
+from derive.programs.formulations.parallel_axes import ParallelRun, Placement
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
 from derive.programs.tape.value import Value
@@ -90,7 +91,7 @@ class Stations:
     def inward(self, r: int, v: Vector[Value]) -> Vector[Value]:
         """A vector of a station in the axes of the one before."""
         last = self.runs[r - 1].last
-        return about_z(last.cosine, last.sine, multiply(self.constants[r], v))
+        return turn_vector(last.cosine, last.sine, multiply(self.constants[r], v))
 
     def reach(self, r: int, joint: int = -1, *, beyond: bool) -> Vector[Value]:
         """From a joint of a run to the run's last joint, or on to the end effector."""
@@ -159,7 +160,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
     arm = multiply(transpose(chain.base.rotation), chain.base.position)
     for r, run in enumerate(stations.runs):
         start = add(multiply(transpose(stations.constants[r]), arm), stations.entries[r])
-        arm = about_z(run.last.cosine, -run.last.sine, add(start, run.last.origin))
+        arm = turn_vector(run.last.cosine, -run.last.sine, add(start, run.last.origin))
         meetings = _meetings(stations, r)
         axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
         groups.append(axes)

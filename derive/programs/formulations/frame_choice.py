@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_motion import shift, turn_about_z
+from derive.mechanics.joint_motion import shift, turn_about_z, turn_vector
 from derive.mechanics.newton_euler import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
-from derive.programs.formulations.parallel_axes import SumOfTurns, Turn, about_z
+from derive.programs.formulations.parallel_axes import SumOfTurns, Turn
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.cost import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
@@ -117,7 +117,7 @@ class _Lag:
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
         """A vector of the link in those axes."""
-        return about_z(self.cosine, self.sine, v)
+        return turn_vector(self.cosine, self.sine, v)
 
 
 def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns) -> Chain[Value]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from derive.mechanics.chain import Chain
+from derive.mechanics.joint_motion import turn_vector
 from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, identity, matmul, multiply, scale
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO
 from derive.programs.tape.value import Value
@@ -41,11 +42,11 @@ class Placement:
 
     def turned(self, v: Vector[Value]) -> Vector[Value]:
         """A vector of joint frame i in the axes of the run."""
-        return about_z(self.cosine, self.sine, multiply(self.constant, v))
+        return turn_vector(self.cosine, self.sine, multiply(self.constant, v))
 
     def axis(self) -> Vector[Value]:
         """z_i in the axes of the run."""
-        return about_z(self.cosine, self.sine, column(self.constant, 2))
+        return turn_vector(self.cosine, self.sine, column(self.constant, 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +62,6 @@ class ParallelRun:
     def last(self) -> Placement:
         """The joint frame from which the next run goes on."""
         return self.placements[-1]
-
-
-def about_z(c: Value, s: Value, v: Vector[Value]) -> Vector[Value]:
-    """A vector turned about z."""
-    x, y, z = v
-    return (c * x - s * y, s * x + c * y, z)
 
 
 def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[ParallelRun, ...]:
@@ -97,7 +92,7 @@ def _placements(chain: Chain[Value], first: int, total: SumOfTurns) -> tuple[Pla
         before, constant = constant, matmul(constant, fixed.rotation)
         z = column(constant, 2)
         # The way to joint frame i is constant before the turn so far: K's position, and the offset along z_i.
-        step = about_z(cosine, sine, add(multiply(before, fixed.position), scale(joint.offset, z)))
+        step = turn_vector(cosine, sine, add(multiply(before, fixed.position), scale(joint.offset, z)))
         origin = add(origin, step)
         if joint.revolute:
             # Parallel if z_i is +-z of the run, exactly; the first joint always is.

@@ -224,17 +224,11 @@ class Extractor:
 
 def _common(a: Monomial, b: Monomial) -> Monomial:
     """The greatest common divisor of two monomials."""
-    found: list[int] = []
-    # Merge of two ascending lists of factors.
-    i = k = 0
-    while i < len(a) and k < len(b):
-        if a[i] == b[k]:
-            found.append(a[i])
-            i, k = i + 1, k + 1
-        elif a[i] < b[k]:
-            i += 1
-        else:
-            k += 1
+    found, rest = list[int](), list(b)
+    for variable in a:  # ascending, and so is what is found
+        if variable in rest:
+            rest.remove(variable)
+            found.append(variable)
     return tuple(found)
 
 

@@ -153,7 +153,7 @@ def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
     head = f"\\documentclass{{article}}\n{PREAMBLE}\\setlength{{\\textwidth}}{{{WIDTH}pt}}\n"
     document = f"{head}\\begin{{document}}\n{body}\n\\end{{document}}\n"
     log = run_latex(document, tmp_path)
-    assert log.status == 0, log.errors
+    assert log.status == 0, log.faults
     assert overfull(log) == 0.0
 
 

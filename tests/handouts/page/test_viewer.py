@@ -19,7 +19,6 @@ from derive.handouts.page.player import (
     PlayedPiece,
     PlayedRun,
     PlayedSegment,
-    function_names,
     player_texts,
 )
 from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
@@ -226,8 +225,10 @@ def test_words_of_the_player_are_translated_and_inert() -> None:
 
 
 def test_the_script_calls_functions_by_their_names_there() -> None:
-    assert function_names(replace(MOTION, functions=("inverse_dynamics",))) == ("inverseDynamics",)
-    assert function_names(None) == ()
+    motion = replace(MOTION, functions=("inverse_dynamics",))
+    robot = Robot.load("planar-2r-perugia")
+    script = viewer(robot, build_program(robot, Effort.QUICK), {}, Text(), playback=motion).script
+    assert "return { forwardKinematics, linkTransforms, inverseDynamics };" in script
 
 
 def test_sliders_hold_all_of_the_motion() -> None:

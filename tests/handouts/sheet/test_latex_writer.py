@@ -255,7 +255,7 @@ def clean_pages(name: str, limit: int, derivation: Derivation, folder: Path) -> 
     robot = Robot.load(name)
     context = context_of(robot, replace(robot.handout, derivation=derivation))
     log = run_latex(latex(within(document(context), limit, context.text), context.text), folder)
-    assert not log.errors
+    assert not log.faults
     return log.pages
 
 

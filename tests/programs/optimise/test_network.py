@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from derive.errors import DeriveError
 from derive.programs.build import build_program
 from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
-from derive.programs.optimise.convert import graph_of, network_of
-from derive.programs.optimise.improve import improve
+from derive.programs.optimise.improve import graph_of, improve, network_of
 from derive.programs.optimise.network import Network, Opaque
 from derive.programs.optimise.resubstitute import Resubstitution
 from derive.programs.optimise.search import Search
