@@ -364,7 +364,9 @@ class Scope:
             return "" if is_known or left is None or any(map(is_scalar, self.meanings.targets(left))) else left.flat
         if self.document and left is not None and self._is_cell(left, index):
             return left.flat
-        if left is not None and left.primes and replace(left, primes=0).is_plain and not left.sub and self.document:
+        # of a joint variable or a point a prime may be the label of a branch or a derivative
+        is_point = left is not None and bool(left.sub) and left.head in ("theta", "q", "d", "v", *AXES)
+        if left is not None and left.primes and replace(left, primes=0).is_plain and self.document and not is_point:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or self.is_own(left):
             return ""

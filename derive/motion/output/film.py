@@ -16,8 +16,8 @@ from derive.arrays import Array
 from derive.errors import OutputError, TargetError, install_extra, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.projection import plane_normal, seen, view_along
-from derive.handouts.figure.scene import arm_scene
+from derive.handouts.figure.projection import View, plane_normal, seen, view_along
+from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
@@ -104,15 +104,22 @@ class Film:
         return frames_of(self.motion, self.times, q)
 
     @cached_property
+    def _scenes(self) -> list[Scene]:
+        return [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
+
+    @cached_property
+    def _view(self) -> View:
+        normal, scenes = motion_normal(self.motion), self._scenes
+        return arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
+
+    @cached_property
     def _draw(self) -> Callable[[Any, int], None]:
         """Draws a frame: the way that is wanted of the hand, the arm, and the trace of the hand up to then."""
-        motion = self.motion
-        scenes, normal = [arm_scene(motion.plan.robot, frames) for frames in self._poses], motion_normal(motion)
-        view = arm_view(scenes[len(scenes) // 2]) if normal is None else view_along(normal, scenes[0].up)
+        scenes, view = self._scenes, self._view
         trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
         wanted = trace
         if self.run is not None:
-            wanted = view.project(frames_of(motion, self.times, motion(self.times)[0])[:, -1, :3, 3])[:, :2]
+            wanted = view.project(frames_of(self.motion, self.times, self.motion(self.times)[0])[:, -1, :3, 3])[:, :2]
         flat = np.concatenate([wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
         low, high = flat.min(axis=0), flat.max(axis=0)
         room = np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN
