@@ -79,7 +79,8 @@ def check_latex(
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
 
 
-_CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|\\arctan|arctan2|\\tan\s*\^")
+# An arctangent of two arguments in a spelling that some books give the cosine first.
+_CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")

@@ -182,8 +182,8 @@ class Comparing:
         if table.shape != (4, 4) or sum(not is_constant(entry.formula) for entry in table.entries) < MOVING:
             return ""
         n = self.robot.n
-        names = (f"T[{i},{j}]" for i in range(n) for j in range(i + 1, n + 1))
-        rights = (self.meanings.right(Target(name)) for name in ("T", *names))
+        pairs = (f"T[{i},{j}]" for i in range(n) for j in range(i + 1, n + 1))
+        rights = (self.meanings.right(Target(name)) for name in ("T", *pairs))
         fits = {right.quantity: right.fits(table) for right in rights if right is not None}
         best = max(fits, key=lambda name: fits[name])
         return best if 13 / 16 <= fits[best] < 1 else ""

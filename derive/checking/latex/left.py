@@ -17,7 +17,7 @@ _HEAD = re.compile(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
 AXES = {"x": 1, "y": 2, "z": 3}
 # A product, such as k c_1, or a function of what stands behind it.
-_TWO_LETTERS = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_|^\s*\\(?:arc)?(?:cos|sin|tan)\s+[\\A-Za-z]")
+_NO_NAME = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_|^\s*\\(?:arc)?(?:cos|sin|tan)\s+[\\A-Za-z]")
 # The derivative of a coordinate of the end effector, an entry of the Jacobian.
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial\{?(?:p_?\{?)?(?P<what>[xyzXYZ]|\\(?:var)?phi)\}?(?:_\{?(?:e|ee|E|EE|t|T)\}?)?\}?\}"
@@ -127,7 +127,7 @@ def taken_apart(text: str) -> Left | None:
     if partial := _PARTIAL.fullmatch(tight):
         row = {**AXES, "phi": 6}[partial["what"].removeprefix("\\").removeprefix("var").lower()]
         return Left("J", f"{row},{partial['label']}")
-    if _TWO_LETTERS.search(text):
+    if _NO_NAME.search(text):
         return None
     marks = sum(dots for dots, mark in PRIMED.items() if mark in text)
     text = text.translate(dict.fromkeys(map(ord, PRIMED.values())))

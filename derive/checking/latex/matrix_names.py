@@ -1,7 +1,7 @@
 r"""Matrices and vectors that a formula names: ``{}^2_1R\,{}^1\omega_1 + \dot\theta_2\hat Z_2`` is a sum of columns.
 
-A name may mean several matrices, T_1 the pose of frame 1 or the matrix of row 1. So a formula has several values, and
-one of them may be equal to what it stands beside; that none is says nothing.
+A name may mean several matrices: T_1 is the pose of frame 1, or the matrix of the first row of the table. So a formula
+has several values. It is right if one of them equals what the formula stands beside; if none does, nothing is known.
 """
 
 import re
