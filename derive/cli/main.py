@@ -4,6 +4,7 @@ import argparse
 import atexit
 import gc
 import os
+import signal
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
@@ -75,6 +76,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         with remarks_told(strict=getattr(arguments, "strict", False)):
             status = int(arguments.run(arguments))
         sys.stdout.flush()
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # all is done: an interrupt comes too late
         return status
     except BrokenPipeError:  # the reader has gone; keep the interpreter's last flush from complaining
         from derive.cli.terminal import BROKEN_PIPE
