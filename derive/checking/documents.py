@@ -202,7 +202,7 @@ _UNREAD = re.compile(
     r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
     re.DOTALL,
 )
-_OF_CODE = ("{code", "{literalinclude", "{figure", "{image", "{eval", "{bibliography", "{toctree", "{raw")
+_OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
 _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
 _OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 

@@ -23,12 +23,12 @@ from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
 from derive.checking.latex.targets import is_scalar as is_scalar_target
-from derive.checking.latex.whole import is_no_claim, other_factorisation, uncertain_entries
+from derive.checking.latex.whole import is_no_claim, names_its_columns, other_factorisation, uncertain_entries
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Name, Number, is_constant, names, number
+from derive.robot.expression import ZERO, Name, is_constant, names
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,18 @@ class _Check(SideReading):
         self.lone = len(scope.equations) - len(scope.defining) == 1
 
     def findings(self) -> Iterator[Finding]:
-        """One for each formula and each entry of a matrix; those about a pose once it is known which one is meant."""
+        """One for each formula and each entry of a matrix, then for names of the author's own that are quantities."""
+        found = tuple(self._settled())
+        yield from found
+        places = {finding.location for finding in found}
+        for _, _, meaning, side in self.scope.defined() if self.document else ():
+            where = self.plain.location(side.start)
+            if where not in places and (by_value := self._by_value(meaning, side.text, self._typed(side), where)):
+                self.skipped = [skipped for skipped in self.skipped if skipped.location != where]
+                yield by_value
+
+    def _settled(self) -> Iterator[Finding]:
+        """Findings; those about a pose once it is known which one is meant."""
         found = list(self._findings())
         claims = [one for one in found if isinstance(one, Claim)]
         # a position that is printed rightly says which pose its names mean
@@ -106,12 +117,15 @@ class _Check(SideReading):
         poses = self.scope.poses
         if poses and not known:
             found = self._repositioned(found, poses)
-        wrong = {one for one in found if isinstance(one, Finding) and one in self.loose and not one.verdict.equal}
-        if {self.loose[one] for one in wrong} == {*AXES} and not self.loose.keys() - wrong:
-            reason = "which point x, y and z are is not certain"
-            self.skipped += [Skipped(one.location, reason, one.text) for one in wrong]
+        wrong = [one for one in found if isinstance(one, Finding) and one in self.loose and not one.verdict.equal]
+        if {self.loose[one] for one in wrong} == {*AXES} and not self.loose.keys() - set(wrong):
+            printed = [(f.question.printed, self.loose[f], f.text, f.location) for f in wrong if f.question]
+            meant = [self._by_value(*one) for one in printed]
             found = [one for one in found if one not in wrong]
-        judged = iter(poses.judged(claims, self.scope.readings, known) if poses else ())
+            found += filter(None, meant if all(meant) else ())
+            reason = "which point x, y and z are is not certain"
+            self.skipped += [] if all(meant) else [Skipped(one.location, reason, one.text) for one in wrong]
+        judged = iter(poses.judged(claims, self.scope.readings, known, self._names_the_pose) if poses else ())
         for one in found:
             if isinstance(one, Finding):
                 yield from self._under_conditions(one)
@@ -120,10 +134,22 @@ class _Check(SideReading):
             elif finding is not None:
                 reason = f"{quoted(one.left)} = {quoted(one.right)} is a condition"
                 self.skipped.append(Skipped(one.where, reason, one.right))
+            elif not (names_of_pose(one.other) or one.is_open or one.is_branch) and (
+                meant_by_value := self._by_value(one.other, one.left, one.right, one.where)
+            ):
+                yield meant_by_value
             elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
                 self.skipped.append(Skipped(one.where, reason, one.right))
+
+    @property
+    def _names_the_pose(self) -> bool:
+        """Whether the text says that r_11 ... p_z are the entries of the whole transform, and of no other one."""
+        sides = (e[0] for e in self.scope.equations if any(map(names_its_columns, e)))
+        targets = [self.meanings.targets(left)[:1] for side in sides if (left := taken_apart(side.text))]
+        whole = ("T", f"T[0,{self.robot.n}]", f"T[{self.robot.n},0]")
+        return bool(targets) and all(target.quantity in whole for first in targets for target in first or (Target(""),))
 
     def _under_conditions(self, finding: Finding) -> Iterator[Finding]:
         """A verdict, right where a condition of the text makes it so; none where that is not certain to be meant."""
@@ -177,7 +203,10 @@ class _Check(SideReading):
             except CheckError as error:
                 if not self.document:
                     raise
-                if len(self.skipped) == told:
+                if by_value := tuple(self._sides_by_value(equation)):
+                    del self.skipped[told:]
+                    yield from by_value
+                elif len(self.skipped) == told:
                     self._skip(equation[0], error)
                 yield from (one for one in found if isinstance(one, Claim) or one.verdict.equal)
                 continue
@@ -199,6 +228,18 @@ class _Check(SideReading):
                 left = taken_apart(side.text)
                 if left is None or not left.is_point or self._stands_for(left) is None:
                     self._skip_for(side, f"defines {name}, which no other formula uses")
+
+    def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
+        """What sides of an equation are by their values, where its first side is a name of the author's own."""
+        first, *others = equation
+        with suppress(CheckError):
+            self.reader.value(first)
+            return
+        for side in others:
+            with suppress(CheckError):
+                where = self.plain.location(side.start)
+                if found := self._by_value(self.reader.value(side), first.text, self._typed(side), where):
+                    yield found
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""
@@ -228,6 +269,8 @@ class _Check(SideReading):
             of_links = [target for target in targets if target.quantity.startswith(("kinetic[", "potential["))]
             if left is not None and left.head in "ku" and moving.isdisjoint(names(meaning)):
                 continue  # a short name
+            if left is not None and left.head == "V" and not self.rates.isdisjoint(names(meaning)):
+                of_links = [target for target in targets if target.quantity == "Cqd"]
             if not of_links or (right := self.meanings.right(of_links[0])) is None:
                 continue
             (found,) = self._entries(right, Table(((Entry(meaning, self._typed(side), side.start),),)), side.start)
@@ -360,6 +403,9 @@ class _Check(SideReading):
         is_singular = self.document and any(not isinstance(side.value, Table) for side in moving)
         if self.document and any(t.is_determinant or t.quantity == "detJ" for name in named for t in name.targets):
             said = [side for side in said if side.value != ZERO]  # det J = 0 is a condition
+        fitting = [s for s in said if isinstance(s.value, Table) and any(self._fitting(x, s.value)[1] for x in named)]
+        # another matrix beside one of the right shape says how that is made
+        said = [side for side in said if not fitting or side in fitting or not isinstance(side.value, Table)]
         for side in moving if is_singular else said:
             assert side.value is not None
             text, start = self._typed(side.piece), side.piece.start
@@ -368,39 +414,13 @@ class _Check(SideReading):
             formula = side.value or ZERO
             table = formula if isinstance(formula, Table) else Table(((Entry(formula, text, start),),))
             for name in named:
-                findings = tuple(self._compared(name, table, side.piece.start))
+                findings = self._at_home(table, tuple(self._compared(name, table, side.piece.start)))
                 if not all(finding.verdict.equal for finding in findings):
                     self._refuse_example(side, findings)
                     if name.left is not None and name.left.head in _VECTORS and is_open:
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
                         raise self._refused(name.piece, what)
                 yield from findings
-
-    def _is_configuration(self, side: Side, table: Table) -> bool:
-        """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
-        cells, left = [entry.formula for entry in table.entries], side.left
-        is_all = left is not None and left.head in ("theta", "q") and left.is_plain and not left.sub
-        if not is_all or len(cells) != self.robot.n or not all(map(is_constant, cells)):
-            return False
-        end = self.text.find("$", side.piece.start)
-        values = dict(zip(self.joints, cells, strict=True))
-        self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
-        return True
-
-    def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
-        """Numbers in a document belong to an example at values of the joints that are not known here."""
-        entries = [e.formula for e in side.value.entries] if isinstance(side.value, Table) else [side.value]
-        decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
-        # a whole matrix of numbers for one that moves, such as that of the home position
-        moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
-        is_example = len(entries) > 1 and moves and all(e is not None and is_constant(e) for e in entries)
-        is_of_pose = moves and all(finding.quantity[:1] in "Tp" for finding in findings)
-        is_condition = (
-            side.piece.inline and moves and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
-        )
-        if self.document and (len(decimals) * 2 > len(entries) or is_example or is_condition):
-            what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
-            raise self._refused(side.piece, f"{what} is a numeric example")
 
     def _unread(self, side: Side, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""

@@ -10,8 +10,9 @@ from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
+from derive.checking.latex.by_value import ByValue
 from derive.checking.latex.conditions import Condition, Values, ways
-from derive.checking.latex.left import AXES, Left
+from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import LatexPiece
@@ -19,7 +20,7 @@ from derive.checking.latex.poses import Claim, Poses, names_of_pose
 from derive.checking.latex.scope import ANGLES, Scope
 from derive.checking.latex.targets import Target
 from derive.checking.latex.whole import one_cause
-from derive.errors import CheckError, quoted
+from derive.errors import CheckError, Location, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -46,6 +47,7 @@ VAGUE = 0.6  # part of the entries that must be right for a letter without indic
 MOVING = 6  # entries with symbols of a matrix that is not one step, as a turn about an axis is
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
+_AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 _ROWS = re.compile(r"\\\\|&")
@@ -72,6 +74,7 @@ class Comparing:
         self.scope, self.asked, self.document = scope, quantity, scope.document
         self.model, self.robot, self.text = scope.model, scope.model.robot, scope.text
         self.meanings, self.plain = scope.meanings, scope.plain
+        self._values = ByValue(scope.model, scope.poses)
         self.conditions: list[Condition] = []
         self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
         self.joints = {joint.variable: joint for joint in self.robot.joints}
@@ -84,6 +87,12 @@ class Comparing:
     def _refused(self, side: LatexPiece, found: str, remedy: str = "") -> CheckError:
         """An error about a side."""
         return CheckError(found, remedy=remedy, location=self.plain.location(side.start))
+
+    def _by_value(self, value: Expression | Table, name: str, text: str, where: Location) -> Finding | None:
+        """That a formula is a quantity of the robot, whatever the author calls it; None where it has no such values."""
+        quantity = self._values.quantity(value, taken_apart(name))
+        right = Verdict(equal=True, exact=False)
+        return Finding(quantity, 0, 0, Role.PRINTED, text, right, "", where) if quantity else None
 
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
         """Keep a condition of the text."""
@@ -148,6 +157,8 @@ class Comparing:
             return False
         if isinstance(other, Sum) and all(term == one or is_constant(term) for term in other.terms):
             return True  # theta_2 = q_2 - pi/2, the offset of the table
+        if isinstance(other, Call) and other.function == "atan2" and not moving.isdisjoint(names(other)):
+            return False  # theta_5 = Atan2(s_6, c_6), a solution
         return ((self.parameters | moving) - {one.name}).issuperset(names(other))
 
     def _entry_by_entry(
@@ -234,6 +245,8 @@ class Comparing:
             quantity = chosen[0].quantity
             yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
             return
+        if chosen and not is_right and self.document and (elsewhere := self._elsewhere(name, table)):
+            chosen = (elsewhere,)
         self._refuse_sign(name, chosen)
         wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
         if len(wrong) > 1 and (
@@ -253,6 +266,18 @@ class Comparing:
         if name.left is not None and name.left.head in AXES and name.left.is_plain and not name.left.sub:
             self.loose |= dict.fromkeys(chosen, name.left.head)
         yield from chosen
+
+    def _elsewhere(self, name: Side, table: Table) -> Finding | None:
+        """That a vector or a coordinate is right, seen from another frame or origin."""
+        left = name.left
+        if left is None:
+            return None
+        found = self._by_value(table, name.piece.text, self._typed(name.piece), self.plain.location(name.piece.start))
+        if left.head in _AXES_UNSAID and table.shape != (1, 1):
+            return found
+        # a coordinate is one from another origin, not that of an earlier point in the base
+        is_coordinate = left.head.lower() in AXES and left.is_plain and not left.sub
+        return found if found and is_coordinate and found.quantity[0] in "(-" else None
 
     def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
         """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""

@@ -102,6 +102,7 @@ class Meanings:
         self.columns: dict[str, int] = {}  # letters of the columns of a pose that the text names
         self.bases: frozenset[str] = frozenset()  # letters of the text for the frame that all else is seen from
         self.entries: dict[str, Left] = {}  # letters for entries of a matrix, and that matrix
+        self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
@@ -117,6 +118,8 @@ class Meanings:
             return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
         if left.head in self.columns and left.is_plain and left.sub in AXES:
             return (Target("T", (AXES[left.sub],), (self.columns[left.head],)),)
+        if self.counts_world and left.head in "TAHRMpPoOd" and not left.dots:
+            left = _from_world(left)
         if left.before in self.bases:
             left = replace(left, before="0")
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
@@ -304,6 +307,18 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         if is_scalar(target) and (right := meanings.right(target)):
             return expression_from_sympy(right.value[0, 0])
     return None
+
+
+def _from_world(left: Left) -> Left:
+    """The same left side with the frames of the robot: one less each, and the world by a letter."""
+    if left.is_plain and left.head in "AT" and left.sub.isdigit() and len(left.sub) == 1:
+        sub = str(int(left.sub) - 1) if left.sub != "0" else "B"
+        return replace(left, sub=sub, sup="B" if left.head == "T" or sub == "0" else "")
+    less = str.maketrans({str(k): str(k - 1) if k else "B" for k in range(10)})
+    before, before_sub = left.before.translate(less), left.before_sub.translate(less)
+    return replace(
+        left, sub=left.sub.translate(less), sup=left.sup.translate(less), before=before, before_sub=before_sub
+    )
 
 
 def _whole(quantity: str, value: Matrix) -> Right:

@@ -17,6 +17,7 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
+from derive.checking.latex.left import AXES
 from derive.checking.latex.quantities import own_quantity, slope
 from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
@@ -40,6 +41,7 @@ class Points(Enum):
     END = "the ends of links"
     CENTRE = "centres of mass"
     JOINT = "the joints where links begin"
+    AXIS = "coordinates of the end effector, x_1, x_2 and x_3"
 
 
 class Settled(Enum):
@@ -120,6 +122,7 @@ class Poses:
             for word, match in points.items()
             if has_centres or not (match[2] or match[5])
         }
+        self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
         self._points = {w: at for w, at in axes.items() if at[1] <= model.n and w not in own_names(model.robot)}
 
     @property
@@ -142,8 +145,14 @@ class Poses:
         angle = {"(phi)": first.arguments[0]}
         return {MARK + name: substitute(meaning, angle) for name, meaning in self._names.angles.items()}
 
-    def judged(self, claims: Sequence[Claim], told: list[str], known: bool) -> list[Finding | None]:
-        """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain."""
+    def judged(
+        self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool = False
+    ) -> list[Finding | None]:
+        """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain.
+
+        Known is the position of the end effector where another formula prints it rightly, and all names of entries are
+        where the text says that they are those of the whole transform.
+        """
         findings: dict[int, Finding | None] = {}
         chosen = self.readings[0]
         for group in Settled:
@@ -167,7 +176,9 @@ class Poses:
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong
                 may_differ = claim.is_branch or (claim.is_open and group is not Settled.POINT)
-                findings[i] = finding if _is_right(finding) or (is_certain and not may_differ) else None
+                is_said = is_named and isinstance(claim.first, Name) and not names_of_pose(claim.other)
+                findings[i] = finding if _is_right(finding) or ((is_certain or is_said) and not may_differ) else None
+        self.settled = chosen
         return [findings[i] for i in range(len(claims))]
 
     def _readings_of(self, group: Settled, chosen: PoseReading) -> list[PoseReading]:
@@ -176,7 +187,7 @@ class Poses:
             case Settled.ANGLE:
                 return [chosen]
             case Settled.POINT:
-                return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in Points]
+                return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in self._kinds]
             case Settled.WRIST:
                 return [replace(chosen, values={**chosen.values, **self._wrist(k)}, wrist=k) for k in self._wrists()]
         return [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
@@ -243,15 +254,24 @@ class Poses:
     @cached_property
     def point_readings(self) -> list[Mapping[str, Expression]]:
         """What names stand for with each meaning of points."""
-        return [{**self.readings[0].values, **self._values(kind)} for kind in Points]
+        return [{**self.readings[0].values, **self._values(kind)} for kind in self._kinds]
+
+    @property
+    def _kinds(self) -> list[Points]:
+        """What points may be; with x_1 and x_2 alone, also the coordinates of one of them."""
+        are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
+        return [kind for kind in Points if are_axes or kind is not Points.AXIS]
 
     def _values(self, kind: Points) -> dict[str, Expression]:
         """What the names of points stand for, and those of their velocities."""
-        kinds = {name: Points.CENTRE if name in self._centres else kind for name in self._points}
-        found = {name: self._point(k, kinds[name]) for name, (_, k) in self._points.items()}
+        places = self._points
+        if kind is Points.AXIS:
+            kind, places = Points.END, {name: (k - 1, self._model.n) for name, (_, k) in places.items()}
+        kinds = {name: Points.CENTRE if name in self._centres else kind for name in places}
+        found = {name: self._point(k, kinds[name]) for name, (_, k) in places.items()}
         moving = {name: slope(self._model.robot, point, "t") for name, point in found.items()}
         values: dict[str, Expr] = {}
-        for name, (axis, _) in self._points.items():
+        for name, (axis, _) in places.items():
             if axis == 3:  # the speed
                 values[name] = sympy.sqrt(sympy.Add(*(rate**2 for rate in moving[name])))
             else:

@@ -22,7 +22,8 @@ from derive.checking.latex.typography import cleaned
 from derive.checking.latex.whole import chained, factors
 from derive.errors import CheckError, Location
 from derive.model.model import Model
-from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, multiply, names, negate, number
+from derive.robot.description import IDENTITY
+from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, is_constant, multiply, names, negate, number
 from derive.robot.names import joint_label, own_names, robot_symbols
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
@@ -94,6 +95,7 @@ class Scope:
         self._reads = self.reader(0)
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
+        self._settle_world()
         self.meanings.is_angular_first = self._settled_rows()
         self.meanings.has_gravity_opposed = any(map(self._opposes_gravity, self.equations))
         if self.meanings.has_gravity_opposed:
@@ -162,6 +164,22 @@ class Scope:
             matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
         return frozenset(turned_round)
+
+    def _settle_world(self) -> None:
+        """Whether frame 0 of the text is the world before a base: what most of its matrices need."""
+        votes = []
+        for equation in self.equations if self.robot.base != IDENTITY and self.document else ():
+            lefts, tables = self._lefts_and_tables(equation)
+            for left, table in product([left for left in lefts if left.head in "TAH"][:1], tables[-1:]):
+                fits = []
+                for self.meanings.counts_world in (False, True):
+                    rights = self.rights_read(left, self.meanings.reading)
+                    fits.append(max((right.fits(table) for right in rights), default=0.0))
+                votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
+        self.meanings.counts_world = sum(votes) > 0
+        if self.meanings.counts_world:
+            agreeing = f"{votes.count(1)} of {len(votes)} matri{'ces' if len(votes) > 1 else 'x'}"
+            self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
 
     def _settled_rows(self) -> bool:
         """Whether whole Jacobians have the angular velocity above the linear one: what most of them need."""
@@ -265,7 +283,7 @@ class Scope:
                 continue
             fits = []
             for self.meanings.reading in (frozenset[Scripts](), frozenset(Scripts)):
-                fits.append(chained(self.meanings, lefts, self.robot.n) is not None)
+                fits.append(chained(self.meanings, lefts) is not None)
             votes[scripts] += fits[1] - fits[0]
             seen[scripts] += fits[1] != fits[0]
         self.meanings.reading = usual
@@ -344,7 +362,9 @@ class Scope:
     def reader(self, index: int) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""
         meanings = {}
-        for name, defined in self.definitions.items():
+        for name, found in self.definitions.items():
+            # numbers are those of an example, but where they alone say what a name is
+            defined = [one for one in found if not is_constant(one[1])] or found
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
@@ -407,12 +427,14 @@ class Scope:
         variable = self.plain.names.meaning(Symbol(left.flat, 0)) if self.is_own(left) else None
         if not isinstance(variable, Name):
             return False
-        joints = {joint.variable for joint in self.robot.joints}
+        joints, own = {joint.variable for joint in self.robot.joints}, (variable, negate(variable))
         for side in self.equations[index][1:]:
             with suppress(CheckError):
                 cell = self.plain.formula(side)
-                terms = cell.terms if isinstance(cell, Sum) else ()
-                if variable in terms and joints.isdisjoint(n for t in terms if t != variable for n in names(t)):
+                terms = cell.terms if isinstance(cell, Sum) else (cell,)
+                others = [term for term in terms if term not in own]
+                is_still = joints.isdisjoint(name for term in others for name in names(term))
+                if cell != variable and len(others) < len(terms) and is_still:
                     return True
         return False
 

@@ -16,11 +16,12 @@ from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import chained, factors, frames_of
-from derive.errors import CheckError
+from derive.checking.latex.whole import between, chained, factors, frames_of
+from derive.errors import CheckError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict
-from derive.robot.expression import ZERO, Expression, Name, number
+from derive.model.equality import Verdict, compare
+from derive.robot.expression import ZERO, Expression, Name, Number, is_constant, names, number, substitute
+from derive.robot.names import acceleration_name
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
@@ -37,7 +38,8 @@ class SideReading(Comparing):
 
     def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
         """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
-        frames = {frames_of(target, self.robot.n): target for name in named for target in name.targets}
+        frames = {frames_of(target, self.robot): target for name in named for target in name.targets}
+        frames |= {(0, self.robot.n): t for t in [*frames.values()] if t.quantity == "T"}  # noqa: B035
         right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
         if not side.factors or not named:
             return None
@@ -46,9 +48,7 @@ class SideReading(Comparing):
         is_turned = side.frames is not None and side.frames[::-1] in frames
         if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
             assert side.frames is not None  # of which nothing says the order
-            return Finding(
-                f"T[{side.frames[0]},{side.frames[1]}]", 0, 0, Role.PRINTED, text, right, "", where, same=True
-            )
+            return Finding(between(*side.frames, self.robot), 0, 0, Role.PRINTED, text, right, "", where, same=True)
         rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
         wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
         if wanted is None or None in rights or shapes != {wanted.value.shape}:
@@ -110,10 +110,10 @@ class SideReading(Comparing):
                 return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
         if may_name and left is None and (chain := factors(piece.text)):
             error = self._refused(piece, "a product of matrices", "multiply it out")
-            frames = chained(self.meanings, chain, self.robot.n)
+            frames = chained(self.meanings, chain)
             # a chain names the transform from its first frame to its last one, such as T_1^0 T_2^1 = [...]
             parts = ((), (1, 2, 3), (1, 2)) if chain[0].head == "R" else ((), (1, 2, 4), (1, 2, 3))
-            targets = tuple(Target(f"T[{frames[0]},{frames[1]}]", part, part) for part in parts) if frames else ()
+            targets = tuple(Target(between(*frames, self.robot), part, part) for part in parts) if frames else ()
             return Side(piece, None, targets, error=error, frames=frames, factors=chain)
         if may_name and joint is not None:
             return Side(piece, left, (), joint, is_branch=True)
@@ -183,3 +183,51 @@ class SideReading(Comparing):
         if len(cells) != len(entries) or not all(targets):
             return []
         return [(Side(c, x, t), e) for c, x, t, e in zip(cells, lefts, targets, entries, strict=True)]
+
+    def _is_configuration(self, side: Side, table: Table) -> bool:
+        """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
+        cells, left = [entry.formula for entry in table.entries], side.left
+        is_all = left is not None and left.head in ("theta", "q") and left.is_plain and not left.sub
+        if not is_all or len(cells) != self.robot.n or not all(map(is_constant, cells)):
+            return False
+        end = self.text.find("$", side.piece.start)
+        values = dict(zip(self.joints, cells, strict=True))
+        self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
+        return True
+
+    @property
+    def _moving(self) -> set[str]:
+        """Joint variables, velocities and accelerations."""
+        return self.joints.keys() | self.rates | set(map(acceleration_name, self.joints))
+
+    def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+        """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""
+        wrong = {f: f.question for f in findings if not f.verdict.equal}
+        is_still = self._moving.isdisjoint(name for entry in table.entries for name in names(entry.formula))
+        if not self.document or table.shape == (1, 1) or not wrong or not is_still:
+            return findings
+        zero = dict.fromkeys(self.joints, ZERO)
+        pairs = [(substitute(q.right, zero), q.printed) for q in wrong.values() if q is not None]
+        if len(pairs) < len(wrong) or not all(compare(self.robot, *pair).equal for pair in pairs):
+            return findings
+        right, note = Verdict(equal=True, exact=True), ", with all joint variables zero"
+        return tuple(
+            replace(f, verdict=right, note=note, cause="", question=None) if f in wrong else f for f in findings
+        )
+
+    def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
+        """Numbers in a document belong to an example at values of the joints that are not known here."""
+        entries = [e.formula for e in side.value.entries] if isinstance(side.value, Table) else [side.value]
+        decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
+        # a whole matrix of numbers for one that moves, such as that of the home position
+        moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
+        still = frozenset() if self.conditions else self.parameters - self._moving
+        is_still = all(e is not None and still.issuperset(names(e)) for e in entries)
+        is_example = len(entries) > 1 and moves and is_still
+        is_of_pose = moves and all(finding.quantity[:1] in "Tp" or finding.quantity == "tau" for finding in findings)
+        is_condition = (
+            side.piece.inline and moves and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
+        )
+        if self.document and (len(decimals) * 2 > len(entries) or is_example or is_condition):
+            what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
+            raise self._refused(side.piece, f"{what} is a numeric example")

@@ -202,7 +202,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         if left.dots == 1 and not left.sub:
             yield Target("J_dot")
         return
-    sub, sup = left.sub, left.sup or left.before
+    sub, sup = re.sub("(?<=[A-Za-z]),", "", left.sub), left.sup or left.before  # J_{v,c_1}
     # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
     body = re.fullmatch(r"([lmc]|C|G)?([0-9]+)", sup.strip("*"))
     own = re.fullmatch(r"(v|omega|w|P|O)(l|m|c|C|G)([0-9]+)", sub)
@@ -365,8 +365,9 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
             yield f"T[{n}]"
         else:
             yield f"T[{reference},{frame}]"
-            if reference == 0:
-                yield f"T[{frame}]"
+            yield from (f"T[{frame}]",) if reference == 0 else ()
+        if reference == 0:
+            yield from (f"A[{frame}]",) if left.head == "A" else ()  # a step whatever stands above it
 
 
 def _frame(text: str, n: int, first: int) -> int | None:

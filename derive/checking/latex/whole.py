@@ -17,28 +17,31 @@ from derive.checking.latex.targets import Target
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
+from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.names import velocity_name
+from derive.robot.robot import Robot
 
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
 _ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}{_TIGHT}(?:\([^()]*\))?"
 _FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|(?:\\[,;:! ]\s*)+)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
-_FRAMES = re.compile(r"(?P<kind>[AT])(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
+_FRAMES = re.compile(r"(?P<kind>[AT]|base|tool|end)(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
 _COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
 _NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
 _LIST_OF_NAMES = re.compile(rf"[\[(]{_NAME}(?:,{_NAME})+[\])](?:\^.*)?")  # [x, y, \theta]^T
-_BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2})?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
+_BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
-def _names_its_columns(piece: LatexPiece) -> bool:
+def names_its_columns(piece: LatexPiece) -> bool:
     """Whether a side is a matrix of names for the entries of a pose, n o a p or r_11 ... p_z."""
     if len(piece.matrices) != 1 or piece.text.strip(AROUND) != MATRIX_MARK:
         return False
     lefts = [taken_apart(cell.text) for cell in piece.cells if cell.text.strip() not in "01"]
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
-        return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in lefts)
+        plain = [left and replace(left, sup="", before="", arguments="") for left in lefts]  # seen from some frame
+        return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in plain)
     plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
     return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
 
@@ -47,7 +50,7 @@ def is_no_claim(piece: LatexPiece) -> bool:
     """Whether a side says how a matrix is made, by the names of its entries or by derivatives."""
     if _LIST_OF_NAMES.fullmatch("".join(piece.text.split())):
         return True
-    return _names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
+    return names_its_columns(piece) or (bool(piece.cells) and all("\\partial" in cell.text for cell in piece.cells))
 
 
 def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
@@ -138,30 +141,45 @@ def factors(text: str) -> tuple[Left, ...]:
     return tuple(found) if len(found) > 1 and not text[position:].strip() else ()
 
 
-def chained(meanings: Meanings, lefts: tuple[Left, ...], n: int) -> tuple[int, int] | None:
+def chained(meanings: Meanings, lefts: tuple[Left, ...]) -> tuple[int, int] | None:
     """The frames from which and to which a product of transforms leads; None where one does not follow the other."""
+    robot = meanings.robot
     labels = [left.sub if left.is_plain and left.head in "TAH" else "" for left in lefts]
     first = int(labels[0]) if labels[0].isdigit() else 0
-    if 0 < first <= n + 1 - len(labels) and labels == [str(first + k) for k in range(len(labels))]:  # T_1 T_2 T_3
+    if 0 < first <= robot.n + 1 - len(labels) and labels == [str(first + k) for k in range(len(labels))]:  # T_1 T_2 T_3
         return first - 1, first + len(labels) - 1
-    steps = [next((pair for t in meanings.targets(left) if (pair := frames_of(t, n))), None) for left in lefts]
+    steps = [next((pair for t in meanings.targets(left) if (pair := frames_of(t, robot))), None) for left in lefts]
     pairs = [pair for pair in steps if pair is not None]
     if len(pairs) < len(steps) or any(one[1] != other[0] for one, other in pairwise(pairs)):
         return None
     return pairs[0][0], pairs[-1][1]
 
 
-def frames_of(target: Target, n: int) -> tuple[int, int] | None:
-    """The two frames of a transform or a rotation; None of another quantity."""
+def frames_of(target: Target, robot: Robot) -> tuple[int, int] | None:
+    """The two frames of a transform or a rotation, -1 the world before a base, n + 1 a tool; None of others."""
     match = _FRAMES.fullmatch(target.quantity)
     if match is None or target.columns == (4,) or target.turned is Turned.BOTH:
         return None
-    first, second = match["first"], match["second"]
-    if match["kind"] == "A":
-        pair = (int(first) - 1, int(first)) if first else None
-    else:
-        pair = (int(first), int(second)) if second else (0, int(first)) if first else (0, n)
+    first, second = (int(match[name]) if match[name] else None for name in ("first", "second"))
+    world, last = -1 if robot.base != IDENTITY else 0, robot.n + 1 if robot.tool != IDENTITY else robot.n
+    pairs = {
+        "A": (first - 1, first) if first else None,
+        "T": (first, second) if second is not None else (world, last if first is None else first),
+        "base": (-1, 0),
+        "tool": (robot.n, robot.n + 1),
+        "end": (first, last),
+    }
     is_rotation = target.rows in ((1, 2, 3), (1, 2)) and target.rows == target.columns
-    if pair is None or (target.turned is Turned.TRANSPOSED and not is_rotation):
+    start, stop = pairs[match["kind"]] or (None, None)
+    if start is None or stop is None or (target.turned is Turned.TRANSPOSED and not is_rotation):
         return None
-    return pair if target.turned is Turned.NOT else pair[::-1]
+    return (start, stop) if target.turned is Turned.NOT else (stop, start)
+
+
+def between(start: int, stop: int, robot: Robot) -> str:
+    """The transform between two frames, which may be the world before a base or a tool."""
+    if (start, stop) == (-1 if robot.base != IDENTITY else 0, robot.n + 1):
+        return "T"
+    if stop > robot.n:
+        return "tool" if start == robot.n else f"end[{start}]"
+    return f"T[{start},{stop}]" if start >= 0 else f"T[{stop}]"

@@ -1,0 +1,238 @@
+r"""What a formula is whose name is the author's own: the quantity of the robot that has its values.
+
+No list of names is long enough: ``p_\text{elbow}``, ``r_w``, ``K_1``, ``{}^T J_4``. At random points such a formula has
+the values of the way from one point to another in the axes of a frame, of an axis, a velocity, a column of a Jacobian
+or a part of an energy. This can only say that a formula is right: a wrong one has the values of nothing.
+"""
+
+import random
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from itertools import combinations, product
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.latex.left import AXES, Left
+from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.poses import WRIST, Poses, names_of_pose
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.model.model import Model
+from derive.model.quantities import REGISTRY
+from derive.robot.description import IDENTITY
+from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, substitute
+from derive.robot.names import velocity_name
+
+_POINTS = 2  # random points at which values are compared
+_CLOSE = 1e-9  # their relative difference where they are equal
+_PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
+
+Array = npt.NDArray[np.float64]
+Named = tuple[str, Array]
+
+
+class _RandomValues(dict[str, float]):
+    """A random value for every name, always the same one."""
+
+    def __init__(self, point: int) -> None:
+        super().__init__()
+        self._point = point
+
+    def __missing__(self, name: str) -> float:
+        self[name] = random.Random(f"{name} {self._point}").uniform(0.3, 1.7)
+        return self[name]
+
+
+class ByValue:
+    """The values of the quantities of a robot at random points, and what has the same ones."""
+
+    def __init__(self, model: Model, poses: Poses | None) -> None:
+        self._model, self._robot = model, model.robot
+        self._poses = poses
+        self._at = [_RandomValues(point) for point in range(_POINTS)]
+        self._joints = {joint.variable for joint in self._robot.joints}
+        self._rates = set(map(velocity_name, self._joints))
+        self._known: dict[bool, dict[tuple[int, ...], tuple[list[str], Array]]] = {}
+
+    @property
+    def _readings(self) -> list[Mapping[str, Expression]]:
+        """A position is the end effector's, of an arm with a wrist also that of the wrist, until that is settled."""
+        if self._poses is None:
+            return []
+        tried = self._poses.readings[: None if self._model.n > WRIST else 1]
+        return [reading.values for reading in ([self._poses.settled] if self._poses.settled else tried)]
+
+    def quantity(self, value: Expression | Table, left: Left | None) -> str:
+        """The name of what has these values and may have this name; empty where nothing has, or they say too little."""
+        table = value if isinstance(value, Table) else Table(((Entry(value),),))
+        formulas = [entry.formula for entry in table.entries]
+        used = {name for e in formulas for name in names(e)}
+        if any(entry.is_open or entry.unknown for entry in table.entries) or any(n.startswith(SIGN) for n in used):
+            return ""
+        readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
+        if not (names_of_pose(*formulas) or used & (self._joints | self._rates)) or all(map(_says_little, formulas)):
+            return ""
+        is_dynamic = bool(used & (self._rates | {n for link in self._robot.links for n in names(link.mass)}))
+        for reading in readings:
+            with suppress(*NO_VALUE):
+                read = [substitute(e, reading) for e in formulas] if reading else formulas
+                labels = () if names_of_pose(*read) else self._like(read, table.shape, is_dynamic)
+                # one term with the other sign is a slip as well
+                may_turn = len(formulas) > 1 or isinstance(formulas[0], Sum)
+                is_free = left is None or len(formulas) > 1
+                for label in labels:
+                    if (may_turn or label[0] != "-") and (is_free or (left and _may_mean(left, label))):
+                        return label
+        return ""
+
+    def _like(self, formulas: list[Expression], shape: tuple[int, int], is_dynamic: bool) -> Iterator[str]:
+        wanted = np.array([[float_value(e, at) for e in formulas] for at in self._at]).reshape(_POINTS, *shape)
+        for turned in (wanted, wanted.swapaxes(1, 2)) if 1 in shape else (wanted,):
+            if turned.shape[1:] in (groups := self._by_shape(is_dynamic)) and np.abs(turned).max() > _CLOSE:
+                labels, known = groups[turned.shape[1:]]
+                gaps = np.abs(known - turned) / (1 + np.abs(turned))
+                equal = gaps.reshape(len(labels), -1).max(axis=1) < _CLOSE
+                yield from (labels[place] for place in np.flatnonzero(equal))
+
+    def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
+        """All that is known, by shape: names, and values at the points."""
+        if is_dynamic not in self._known:
+            groups: dict[tuple[int, ...], tuple[list[str], list[Array]]] = {}
+            for name, values in self._all(is_dynamic):
+                labels, known = groups.setdefault(values.shape[1:], ([], []))
+                labels.append(name)
+                known.append(values)
+            self._known[is_dynamic] = {shape: (labels, np.array(known)) for shape, (labels, known) in groups.items()}
+        return self._known[is_dynamic]
+
+    def _numbers(self, matrix: Matrix) -> Array:
+        """The values of a matrix at the points."""
+        formulas = [expression_from_sympy(e) for e in matrix]
+        return np.array([[float_value(e, at) for e in formulas] for at in self._at]).reshape(_POINTS, *matrix.shape)
+
+    def _all(self, is_dynamic: bool) -> Iterator[Named]:
+        """Transforms, vectors, Jacobians and energies, and what one reads from them."""
+        n, robot = self._model.n, self._robot
+        end = self._numbers(self._model.quantity("T"))
+        frames = [self._numbers(self._model.frame(k)) for k in range(n + 1)] + ([end] if robot.tool != IDENTITY else [])
+        seen_from = [(f"{k},", f" in the axes of frame {k}", frame) for k, frame in enumerate(frames)]
+        starts = points = [(f"p[{k}]", min(k, n), frame[:, :3, 3:]) for k, frame in enumerate(frames)]
+        if robot.base != IDENTITY:
+            seen_from = [("", "", np.zeros((_POINTS, 4, 4)) + np.eye(4)), *seen_from]
+            starts = [("", 0, np.zeros((_POINTS, 3, 1))), *starts]
+        else:
+            seen_from[0] = ("0,", "", frames[0])
+        for k, body in enumerate(robot.links if is_dynamic else (), 1):
+            com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
+            points = [*points, (f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:])]
+        jacobian, rates = self._numbers(self._model.quantity("J")), self._of_joints(velocity_name)
+        for reference, where, frame in seen_from:
+            axes = frame[:, :3, :3].swapaxes(1, 2)
+            for k, other in enumerate(frames):
+                seen = np.zeros((_POINTS, 4, 4)) + np.eye(4)
+                seen[:, :3] = axes @ (other - frame * [0, 0, 0, 1])[:, :3]
+                yield from _parts(f"T[{reference}{k}]", seen) if reference != f"{k}," else ()
+            for (start, j, a), (stop, k, b) in product(starts, points):
+                label = (f"({stop}-{start})" if start else stop) if k >= j else f"-({start}-{stop})"
+                yield from _vector(f"{label}{where}", axes @ (b - a)) if start != stop else ()
+            for name, link, point in points:
+                # v of a point of a link is v of the end effector and omega x the way between them
+                linear = jacobian[:, :3] + np.cross(jacobian[:, 3:], point - end[:, :3, 3:], axis=1)
+                both = np.concatenate([axes @ linear, axes @ jacobian[:, 3:]], axis=1)
+                both[:, :, link:] = 0
+                yield from _jacobian(f"J of {name}{where}", both)
+                for label, part in _rows(f"velocity of {name}{where}", both @ rates) if is_dynamic else ():
+                    yield from _vector(label, part)
+        if is_dynamic and robot.has_dynamics:
+            yield from self._dynamics()
+        elif self._poses is not None:
+            yield from self._angles()
+
+    def _of_joints(self, name: Callable[[str], str]) -> Array:
+        """A column of values that belong to the joints."""
+        return np.array([[[at[name(joint.variable)]] for joint in self._robot.joints] for at in self._at])
+
+    def _angles(self) -> Iterator[Named]:
+        """Sums of joint angles that follow each other, and their functions."""
+        variables, values = [joint.variable for joint in self._robot.joints], self._of_joints(str)
+        for i, j in combinations(range(len(variables) + 1), 2):
+            label, angle = "+".join(variables[i:j]), values[:, i:j].sum(axis=1, keepdims=True)
+            yield label, angle
+            yield from ((f"{f.__name__}({label})", f(angle)) for f in (np.cos, np.sin, np.tan))
+
+    def _dynamics(self) -> Iterator[Named]:
+        """Inertias, torques and energies of the arm and of each link."""
+        rates = self._of_joints(velocity_name)
+        whole = self._numbers(self._model.quantity("B"))
+        parts = [(f"[{k}]", self._numbers(self._model.quantity(f"B_link[{k}]"))) for k in range(1, self._model.n + 1)]
+        for label, inertia in (("", whole), *parts):
+            yield from ((f"B{label}", inertia), (f"kinetic{label}", rates.swapaxes(1, 2) @ inertia @ rates / 2))
+            yield from _entries(f"B{label}", inertia)
+        for name in ("g", "friction"):
+            if REGISTRY[name].is_of(self._robot):
+                yield from _entries(name, self._numbers(self._model.quantity(name)))
+
+
+def _may_mean(left: Left, label: str) -> bool:
+    """Whether a name may be that of a quantity: x is a first coordinate, r_12 an entry, x_2 a coordinate of point 2."""
+    axis = re.fullmatch(r"(?:[cCgG]?[0-9]*)([xyz])", left.sub)
+    row = AXES.get(axis[1] if axis else left.head.lower(), 0)
+    entry = re.fullmatch("[1-3]{2}", left.sub) if left.head in ("r", "R") else None
+    place = re.search(r"\[([0-9])(?:,([0-9]))?\]$", label)
+    if entry is not None:
+        return place is not None and (place[1], place[2]) == tuple(entry[0])
+    if row and (place is None or int(place[1]) != row):
+        return False
+    point = re.search("[1-9]", left.sub) if row else None
+    return point is None or f"{point[0]}]" in label[: place.start() if place else None]
+
+
+def _says_little(e: Expression) -> bool:
+    """Whether a formula is a number, a name, a sum of names or a function of one: an abbreviation."""
+    if isinstance(e, Sum):
+        return all(isinstance(term, Name) for term in e.terms)
+    return isinstance(e, Name) or (isinstance(e, Call) and not names_of_pose(e)) or is_constant(e)
+
+
+def _entries(name: str, a: Array) -> Iterator[Named]:
+    name = f"({name})" if " " in name else name
+    for i, j in product(*map(range, a.shape[1:])):
+        yield f"{name}[{i + 1}{f',{j + 1}' if a.shape[2] > 1 else ''}]", a[:, i : i + 1, j : j + 1]
+
+
+def _parts(name: str, seen: Array) -> Iterator[Named]:
+    """A transform, its rotation, the plane of both, its columns and its entries."""
+    yield from ((name, seen), (name, seen[:, :3]), (name, seen[:, :3, :3]), (name, seen[:, :2, :2]))
+    for j in range(4):
+        yield from ((f"{name}[{j + 1}]", seen[:, :3, j : j + 1]), (f"{name}[{j + 1}]", seen[:, :, j : j + 1]))
+        yield from ((f"{name}[{j + 1}]", seen[:, plane, j : j + 1]) for plane in map(list, _PLANES))
+    yield from _entries(name, seen)
+
+
+def _vector(name: str, a: Array) -> Iterator[Named]:
+    """A vector, two of its coordinates, each of them, and lengths with their squares."""
+    yield name, a
+    yield from _entries(name, a)
+    if a.shape[1] > 3:
+        return
+    for plane in map(list, ((0, 1, 2), *_PLANES)):
+        square = (a[:, plane] ** 2).sum(axis=1, keepdims=True)
+        label = f"|{name}|" + (f" in {''.join('xyz'[i] for i in plane)}" if len(plane) < 3 else "")
+        yield from ((name, a[:, plane]), (label, np.sqrt(square)), (f"{label}^2", square))
+
+
+def _rows(name: str, a: Array) -> tuple[Named, ...]:
+    """Six rows with the linear ones or the angular ones above, and the parts."""
+    turned = np.concatenate([a[:, 3:], a[:, :3]], axis=1)
+    return (name, a), (name, turned), (f"linear {name}", a[:, :3]), (f"angular {name}", a[:, 3:])
+
+
+def _jacobian(name: str, a: Array) -> Iterator[Named]:
+    """A Jacobian and its columns."""
+    yield from _rows(name, a)
+    yield from ((name, a[:, list(plane)]) for plane in _PLANES)
+    for j in range(a.shape[2]):
+        yield from _rows(f"{name}, column {j + 1}", a[:, :, j : j + 1])
