@@ -87,16 +87,8 @@ def build_all(
     """
     from derive.publish.many import build_many
 
-    return build_many(
-        load_all(robots),
-        Path(out),
-        targets,
-        only=only,
-        jobs=jobs,
-        force=force,
-        effort=effort_named(effort),
-        progress=progress,
-    )
+    chosen, how = load_all(robots), effort_named(effort)
+    return build_many(chosen, Path(out), targets, only=only, jobs=jobs, force=force, effort=how, progress=progress)
 
 
 def stale(
@@ -128,8 +120,8 @@ def stale(
     """
     from derive.publish.many import check_many
 
-    chosen, looked_for = load_all(robots), effort_named(effort)
-    return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=looked_for, progress=progress)
+    chosen, how = load_all(robots), effort_named(effort)
+    return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=how, progress=progress)
 
 
 def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, seed: int = 0) -> Report:

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
+from derive.checking import report as reporting
 from derive.checking.comparison import check_expression
 from derive.checking.documents import KINDS, Manuscript, document_of, is_document, read_document
 from derive.checking.files import check_path
@@ -17,16 +18,7 @@ from derive.checking.inverse.check import inverse_text, names_inverse
 from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import LatexReport
 from derive.checking.latex.check import check_latex as compare_latex
-from derive.checking.report import (
-    Printout,
-    all_lines,
-    difference_text,
-    finding_lines,
-    report_lines,
-    right_text,
-    summary,
-    what,
-)
+from derive.checking.report import Printout
 from derive.checking.several import divided
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
@@ -108,7 +100,7 @@ def check(file: str | Path) -> CheckedFile:
         CheckError: A formula cannot be read.
     """
     checked = checked_file(file)
-    return _checked(checked, report_lines(checked))
+    return _checked(checked, reporting.report_lines(checked))
 
 
 def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool = False) -> FormulaVerdict:
@@ -218,26 +210,18 @@ def formula_printout(
     Raises:
         CheckError: The formula cannot be read.
     """
-    model, document, source = Model(robot), None, "--latex" if latex else "--expression"
+    model, source = Model(robot), "--latex" if latex else "--expression"
     if isinstance(formula, Manuscript):
-        document, source = formula, formula.name
-        if names_inverse(model, quantity):
-            asked = Asked(Location(source), _task(model, task))
-            try:
-                solution = inverse_text(document.text, asked, latex=True, document=True)
-                report = LatexReport(*compare_inverse(model, solution))
-            except CheckError as error:
-                raise document.moved(error) from None
-        else:
-            report = _compared(model, document, quantity, alone=True)
-    elif names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
+        report = _compared(model, formula, quantity, task, alone=True)
+        return printout_of(_placed(report, formula, robot, formula.name), robot)
+    if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
         asked = Asked(Location(source), _task(model, task))
         report = LatexReport(*compare_inverse(model, inverse_text(formula, asked, latex=latex)))
     elif latex:
         report = compare_latex(model, formula, quantity, Location(source))
     else:
         report, source = LatexReport((check_expression(model, quantity, formula),)), robot.name
-    return printout_of(_placed(report, document, robot, source), robot)
+    return printout_of(_placed(report, None, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -272,8 +256,13 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
     ]
 
 
-def _compared(model: Model, document: Manuscript, quantity: str = "", *, alone: bool = False) -> LatexReport:
+def _compared(
+    model: Model, document: Manuscript, quantity: str = "", task: str = "", *, alone: bool = False
+) -> LatexReport:
     try:
+        if names_inverse(model, quantity):
+            asked = Asked(Location(document.name), _task(model, task))
+            return LatexReport(*compare_inverse(model, inverse_text(document.text, asked, latex=True, document=True)))
         return compare_latex(model, document.text, quantity, Location(document.name), document=True, alone=alone)
     except CheckError as error:
         raise document.moved(error) from None
@@ -345,10 +334,10 @@ def formula_lines(reported: Printout) -> list[str]:
     """
     report = reported.report
     lines = [f"{report.source}: {reading}" for reading in report.readings]
-    lines += all_lines(reported)
+    lines += reporting.all_lines(reported)
     lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
     if len(report.findings) > 1 or report.unread:
-        counts = summary(replace(report, unread=()))
+        counts = reporting.summary(replace(report, unread=()))
         counts += f"; {len(report.unread)} not compared" if report.unread else ""
         lines.append(f"{report.source}: {counts}")
     return lines
@@ -363,12 +352,12 @@ def _checked(reported: Printout, lines: Iterable[str]) -> CheckedFile:
 def _verdict(finding: Finding, reported: Printout) -> FormulaVerdict:
     verdict, printer = judge(finding), reported.exact
     return FormulaVerdict(
-        quantity=what(finding),
+        quantity=reporting.what(finding),
         outcome=verdict.outcome.value,
         printed=finding.text,
-        right="" if finding.unknown else right_text(finding, printer),
+        right="" if finding.unknown else reporting.right_text(finding, printer),
         change=verdict.repair.text if verdict.repair else "",
-        difference=difference_text(verdict, printer),
+        difference=reporting.difference_text(verdict, printer),
         place=str(finding.location),
-        report="\n".join(finding_lines(finding, reported)),
+        report="\n".join(reporting.finding_lines(finding, reported)),
     )

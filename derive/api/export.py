@@ -10,9 +10,7 @@ from derive.exchange.formats import Exported, exported
 from derive.model.identification.possible import wants_possible
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
-from derive.robot.expression import Expression
 from derive.robot.names import file_symbols
-from derive.robot.robot import Robot as PlainRobot
 
 
 def export(
@@ -62,33 +60,15 @@ def export_file(
     if path is not None:
         refuse_taken([Path(path)], force=force)
     chosen = load(robot, remarks_on_bodies=not wants_possible(inertia))
-    found = exported(chosen, to, inertia, typed_values(chosen, values or {}))
+    symbols, cells = file_symbols(chosen), {}
+    for name, value in (values or {}).items():
+        if name not in symbols:
+            allowed = f"allowed: {', '.join(symbols)}" if symbols else "the robot has no symbols"
+            raise DeriveError(f"no {quoted(name)} in {chosen.name}", allowed=allowed, remedy=near_miss(name, symbols))
+        cells[name] = joint_value(chosen, None, value if isinstance(value, str) else repr(float(value)), name)
+    found = exported(chosen, to, inertia, cells)
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)
     if path is not None:
         write_files({Path(path): found.text.encode()}, force=force)
     return found
-
-
-def typed_values(robot: PlainRobot, values: Mapping[str, float | str]) -> dict[str, Expression]:
-    """Numbers of symbols as cells.
-
-    Args:
-        robot: Whose symbols they are.
-        values: Numbers, or cells such as ``pi/2``.
-
-    Returns:
-        Exact cells by name.
-
-    Raises:
-        DeriveError: No symbol of the robot, or no number.
-    """
-    symbols = file_symbols(robot)
-    cells = {}
-    for name, value in values.items():
-        if name not in symbols:
-            allowed = f"allowed: {', '.join(symbols)}" if symbols else "the robot has no symbols"
-            raise DeriveError(f"no {quoted(name)} in {robot.name}", allowed=allowed, remedy=near_miss(name, symbols))
-        text = value if isinstance(value, str) else repr(float(value))
-        cells[name] = joint_value(robot, None, text, name)
-    return cells

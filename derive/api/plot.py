@@ -80,7 +80,7 @@ def plot(
     poses, found = RobotPoses(chosen), None
     if workspace:
         found = find_workspace(poses, None if progress is None else partial(progress, chosen.name))
-        remarks = f"workspace of {chosen.name}: {workspace_summary(found)}{_assumed(poses)}"
+        remarks = f"workspace of {chosen.name}: {_summary(found)}{_assumed(poses)}"
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:
         drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(chosen, q))
@@ -94,12 +94,8 @@ def plot(
     return Plot(chosen.name, path, remarks, found)
 
 
-def workspace_summary(found: Workspace) -> str:
-    """A workspace in words: what was measured, how exactly, and what was assumed.
-
-    Args:
-        found: The workspace.
-    """
+def _summary(found: Workspace) -> str:
+    """A workspace in words: what was measured, how exactly, and what was assumed."""
     parts = []
     for view in found.views:
         text = f"{view.picture} {_measured(view.reachable.size, 'm2')}{_postures(view)}"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from derive.cli.options import STDOUT, add_shared
 from derive.cli.terminal import line_range, one_line, print_error, print_json
@@ -60,9 +61,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--quantity", metavar="QUANTITY", help=quantity)
     formula = parser.add_mutually_exclusive_group()
     formula.add_argument("--expression", metavar="E", help="the formula to compare it with")
-    formula.add_argument(
-        "--latex", metavar="L", help="LaTeX: a formula or equations; or a .tex, .md, .ipynb or .txt file; or -"
-    )
+    latex = "LaTeX: a formula or equations; or a .tex, .md, .ipynb or .txt file; or -"
+    formula.add_argument("--latex", metavar="L", help=latex)
     add("--lines", metavar="A-B", type=line_range, help="read only these lines of the document")
     add("--section", metavar="TITLE", default="", help="read only the section with these words in its heading")
     add("--allow-unread", action="store_true", help="exit status 0 even if some formulas are not compared")
@@ -98,19 +98,12 @@ def _files(arguments: argparse.Namespace) -> int:
     from derive.api.check import checked_file
     from derive.checking.report import as_dict, report_lines
 
+    def _data(one: Printout) -> dict[str, Any]:
+        return as_dict(one.report, one.exact) | {"remarks": [remark.as_dict() for remark in one.remarks]}
+
     checked = [checked_file(path) for path in arguments.files]
-    silent = _write_report(arguments, checked)
-    if arguments.json:
-        remarks = ([remark.as_dict() for remark in printout.remarks] for printout in checked)
-        reports = (as_dict(printout.report, printout.exact) for printout in checked)
-        print_json([report | {"remarks": found} for report, found in zip(reports, remarks, strict=True)])
-    elif not silent and sys.stdout.isatty():
-        for printout in checked:
-            _print_table(printout)
-    elif not silent:
-        lines = (line for printout in checked for line in report_lines(printout))
-        print("\n".join(one_line(line) for line in lines))
-    status = _status(arguments, checked)
+    lines_of = None if sys.stdout.isatty() else report_lines
+    status = _told(arguments, checked, lambda: list(map(_data, checked)), lines_of)
     return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
 
 
@@ -146,15 +139,10 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     if where is not None:
         said = (f"the robot is that of the table at {where}", *reported.report.readings)
         reported = replace(reported, report=replace(reported.report, readings=said))
-    silent = _write_report(arguments, [reported], [robot])
-    report = reported.report
-    if arguments.json and len(report.findings) == 1 and not report.unread:
-        print_json(finding_dict(report.findings[0], reported.exact))
-    elif arguments.json:
-        print_json(as_dict(report, reported.exact))
-    elif not silent:
-        print("\n".join(one_line(line) for line in formula_lines(reported)))
-    return _status(arguments, [reported])
+    report, exact = reported.report, reported.exact
+    is_single = len(report.findings) == 1 and not report.unread
+    data = partial(finding_dict, report.findings[0], exact) if is_single else partial(as_dict, report, exact)
+    return _told(arguments, [reported], data, formula_lines, [robot])
 
 
 def _several(arguments: argparse.Namespace) -> int:
@@ -168,36 +156,42 @@ def _several(arguments: argparse.Namespace) -> int:
         raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
     robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
     printouts = document_printouts(robots, document)
-    silent = _write_report(arguments, printouts, robots)
-    if arguments.json:
-        print_json([as_dict(printout.report, printout.exact) for printout in printouts])
-    elif not silent:
-        print("\n".join(one_line(line) for printout in printouts for line in formula_lines(printout)))
-    return _status(arguments, printouts)
+    return _told(
+        arguments, printouts, lambda: [as_dict(one.report, one.exact) for one in printouts], formula_lines, robots
+    )
 
 
-def _status(arguments: argparse.Namespace, printouts: Sequence[Printout]) -> int:
-    if any(printout.report.undecidable for printout in printouts):
-        return 2
-    if not all(printout.report.passed for printout in printouts):
-        return 1
-    return UNREAD if any(printout.report.unread for printout in printouts) and not arguments.allow_unread else 0
-
-
-def _write_report(arguments: argparse.Namespace, printouts: Sequence[Printout], robots: Sequence[Robot] = ()) -> bool:
-    """Write or print the page where it is asked for; whether nothing else shall be printed."""
+def _told(
+    arguments: argparse.Namespace,
+    printouts: Sequence[Printout],
+    data: Callable[[], Any],
+    lines_of: Callable[[Printout], list[str]] | None,
+    robots: Sequence[Robot] = (),
+) -> int:
+    """Write the page where it is asked for, print data or lines (None for a table), and tell the exit status."""
     from derive.checking.report import errata_report
     from derive.publish.atomic_folder import write_files
 
     if arguments.out == STDOUT:
         print(errata_report(printouts), end="")
-    elif arguments.out is not None and arguments.out.suffix == ".html" and robots:
+    elif arguments.out is not None:
         from derive.checking.page import verdict_page
 
-        write_files({arguments.out: verdict_page(printouts, robots).encode()}, force=arguments.force)
-    elif arguments.out is not None:
-        write_files({arguments.out: errata_report(printouts).encode()}, force=arguments.force)
-    return bool(arguments.quiet or arguments.out == STDOUT)
+        is_page = arguments.out.suffix == ".html" and robots
+        page = verdict_page(printouts, robots) if is_page else errata_report(printouts)
+        write_files({arguments.out: page.encode()}, force=arguments.force)
+    if arguments.json:
+        print_json(data())
+    elif lines_of is not None and not arguments.quiet and arguments.out != STDOUT:
+        print("\n".join(one_line(line) for printout in printouts for line in lines_of(printout)))
+    elif not arguments.quiet and arguments.out != STDOUT:
+        for printout in printouts:
+            _print_table(printout)
+    if any(printout.report.undecidable for printout in printouts):
+        return 2
+    if not all(printout.report.passed for printout in printouts):
+        return 1
+    return UNREAD if any(printout.report.unread for printout in printouts) and not arguments.allow_unread else 0
 
 
 def _print_table(printout: Printout) -> None:

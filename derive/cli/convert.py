@@ -49,9 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         robot = made.conversion.source
         is_latex = arguments.format == "latex"  # as the handout prints it
-        print(
-            fragment_text(robot, robot.handout, "conversion") if is_latex else derivation_text(made.conversion), end=""
-        )
+        text = fragment_text(robot, robot.handout, "conversion") if is_latex else derivation_text(made.conversion)
+        print(text, end="")
     elif arguments.json:
         where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
         report = {"convention": made.robot.convention.value, "report": lines}

@@ -35,11 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--tip", metavar="LINK", help="end link of the chain (default: the only leaf link)")
     add("--chain", metavar="BASE..TIP", help="first and end link; the chain may first lead up the tree")
     add("--all", action="store_true", help="one robot file for every end link, in the folder given by -o")
-    add(
-        "--convention",
-        metavar="NAME",
-        help="standard or modified (default: that of the table that the URDF carries, else standard)",
-    )
+    convention = "standard or modified (default: that of the table that the URDF carries, else standard)"
+    add("--convention", metavar="NAME", help=convention)
     add("--snap", default="1e-6", metavar="RAD", help="round angles this close to fractions of pi (default 1e-6)")
     add_shared(parser, "inertia")
     add("--symbols", action="store_true", help="name the lengths d1, a2, ... and store their numbers as parameters")

@@ -1,6 +1,7 @@
 """``derive list``: the robots that come with derive."""
 
 import argparse
+from typing import Any
 
 from derive.cli.options import add_shared
 from derive.cli.terminal import one_line, print_columns, print_json
@@ -28,24 +29,20 @@ def run(arguments: argparse.Namespace) -> int:
         from derive.plans.catalogue import plan_names
         from derive.plans.plan import load_plan
 
-        header = ("name", "robot", "segments", "title")
         plans = [(name, load_plan(name)) for name in plan_names()]
-        found = [(name, plan.robot.name, len(plan.steps) or 1, plan.title) for name, plan in plans]
-        if arguments.json:
-            print_json([dict(zip(header, row, strict=True)) for row in found])
-        else:
-            print_columns([tuple(one_line(str(cell)) for cell in row) for row in found], header)
-        return 0
-    robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
-    joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
-    keys = ("name", "joints", "convention", "dynamics", "title")
-    rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
+        keys: tuple[str, ...] = ("name", "robot", "segments", "title")
+        rows: list[tuple[Any, ...]] = [(name, p.robot.name, len(p.steps) or 1, p.title) for name, p in plans]
+    else:
+        robots = [load(name, remarks_on_bodies=False) for name in catalogue()]
+        joints = ["".join("R" if joint.is_revolute else "P" for joint in robot.joints) for robot in robots]
+        keys = ("name", "joints", "convention", "dynamics", "title")
+        rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
     if arguments.json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])
         return 0
-    shown = [
-        (name, j if len(j) <= 8 else f"{len(j)} joints", convention, "yes" if dynamics else "-", one_line(title))
-        for name, j, convention, dynamics, title in rows
-    ]
-    print_columns(shown, keys)
+    if not arguments.plans:
+        rows = [
+            (name, j if len(j) <= 8 else f"{len(j)} joints", c, "yes" if d else "-", t) for name, j, c, d, t in rows
+        ]
+    print_columns([[one_line(str(cell)) for cell in row] for row in rows], keys)
     return 0

@@ -59,9 +59,8 @@ examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command."""
     for stream in (sys.stdout, sys.stderr):  # a title in Greek must not end in an exception on an ASCII terminal
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(errors="backslashreplace")
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     gc.set_threshold(*COLLECTED_AFTER)
@@ -110,11 +109,15 @@ class _Parser(argparse.ArgumentParser):
         others: list[str] = []
         without_value: list[str] = []
         while typed:
-            text = self._renamed(typed.pop(0))
+            text = typed.pop(0)
+            name, equals, value = text.partition("=")
+            if name in self.old:
+                name, text = self.old[name], self.old[name] + equals + value
+            elif text[:2] in self.old:  # the value of one with a single letter may follow at once
+                name, text = self.old[text[:2]], f"{self.old[text[:2]]}={text[2:]}"
             if text == "--":
                 others += [text, *typed]
                 break
-            name = text.partition("=")[0]
             of_command = self._subparsers and others  # its own parser puts in order what follows a command
             if not of_command and text[:1] == "-" != text and not {name, text[:2]} & known.keys():
                 early = bool(self._subparsers and typed)
@@ -129,13 +132,6 @@ class _Parser(argparse.ArgumentParser):
                 text = f"{text}={typed.pop(0)}"
             options.append(text)
         return super().parse_known_args([*options, *others, *without_value], namespace)
-
-    def _renamed(self, text: str) -> str:
-        """An option by the name that it has now; the value of one with a single letter may follow at once."""
-        name, equals, value = text.partition("=")
-        if name in self.old:
-            return self.old[name] + equals + value
-        return f"{self.old[text[:2]]}={text[2:]}" if text[:2] in self.old else text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a word that is none of those allowed, with the nearest that is."""

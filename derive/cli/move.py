@@ -103,17 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:
     """The formulas, or the tables; what went wrong."""
-    from derive.motion.output.table import (
-        GIVEN,
-        HEADER,
-        JOINT_HEADER,
-        SIMULATED_HEADER,
-        given_in,
-        joint_table,
-        simulated_table,
-        table,
-        violations,
-    )
+    from derive.motion.output import table
 
     as_latex = arguments.format == "latex"
     if arguments.show or arguments.hand or arguments.increments:
@@ -129,15 +119,16 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> st
             print(*printed_increments(motion, arguments.increments, found), sep="\n")
             return not_closed(motion, found)
         return ""
-    rows, header = (joint_table(motion), JOINT_HEADER) if arguments.joints else (table(motion), HEADER)
-    print_columns(rows, header[: len(rows[0])])
-    for line in violations(motion):
+    rows = table.joint_table(motion) if arguments.joints else table.table(motion)
+    print_columns(rows, (table.JOINT_HEADER if arguments.joints else table.HEADER)[: len(rows[0])])
+    for line in table.violations(motion):
         print(line)
     if run is not None:
         print()
-        print_columns(simulated_table(motion, run), (*SIMULATED_HEADER, *(GIVEN[name] for name in given_in(run))))
+        given = (table.GIVEN[name] for name in table.given_in(run))
+        print_columns(table.simulated_table(motion, run), (*table.SIMULATED_HEADER, *given))
         control, where = motion.plan.control, "energy in the world" if motion.base else "energy"
         print(f"{control.law}, friction {motion.plan.friction}: {where} balances to {run.energy_error:.1g} J")
-        for line in violations(motion, run):
+        for line in table.violations(motion, run):
             print(line)
     return ""

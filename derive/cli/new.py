@@ -180,9 +180,8 @@ def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str]
     for i, row in enumerate(arm, 1):
         theta, d, a, alpha = row or ("", "0", "0", "0")
         kind, own = ("revolute", f"theta: q{i}{theta}, d: {d}") if row else ("prismatic", f"theta: 0, d: q{i}")
-        rows.append(
-            f"  - {{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{'' if row else ', limits: [0, 0.3]'}}}"
-        )
+        limits = "" if row else ", limits: [0, 0.3]"
+        rows.append(f"  - {{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{limits}}}")
         numbers += "".join(f"  {name}: {_LENGTHS[name]}\n" for name in (d, a) if name != "0")
         # The middle of a link in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint.
         turned = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}

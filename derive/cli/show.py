@@ -39,8 +39,6 @@ With --at it prints numbers; symbols without a number stay.
 FORMATS = ("text", "latex", "python", "json")
 EXACT_FORMATS = ("python", "json")
 FLOAT_DIGITS = 17  # digits of a number beside a symbol in these formats, at a point: they tell any two floats apart
-CONTRACTIONS = ("aligned", "opposed")
-ABBREVIATIONS = ("christoffel", "coefficients")
 
 WIDTH = 120  # widest grid; fixed, so that a page of documentation shows what a user gets
 COMMENTS = {"text": "#", "latex": "%", "python": "#"}  # how a remark begins in each form
@@ -56,9 +54,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "json", help="the same as --format json")
     grouped = "how expressions are grouped: compact, by-geometry, expanded, or options as in a robot file, such as "
     add_shared(parser, "style", help=grouped + "'compact, gravity: body' (default: as the robot file says)")
-    add("--contraction", choices=CONTRACTIONS, help="which sums of angles are contracted (default: as the file says)")
+    sums = "which sums of angles are contracted (default: as the file says)"
+    add("--contraction", choices=("aligned", "opposed"), help=sums)
     short = "abbreviate Christoffel symbols or constants, with their definitions (B, C, N, Bdot, g, tau)"
-    add("--abbreviate", choices=ABBREVIATIONS, help=short)
+    add("--abbreviate", choices=("christoffel", "coefficients"), help=short)
     add_shared(parser, "task", help="task of inverse kinematics and singularities: pose, position, or rows (x,y,phi)")
     add("--given", metavar="JOINTS", help="joints whose values are known to the inverse kinematics, such as q3")
     point = "joint values in the order of the table and in the units of the robot file, and name=value of anything else"
@@ -177,19 +176,8 @@ def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
 def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> Any:
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
-        from derive.handouts.notation.derivation import (
-            derivation_lines,
-            derivation_parts,
-            workspace_lines,
-            workspace_parts,
-        )
+        from derive.handouts.notation import derivation, singularities
         from derive.handouts.notation.notation import Notation
-        from derive.handouts.notation.singularities import (
-            aspects_parts,
-            aspects_text,
-            singularities_lines,
-            singularities_parts,
-        )
         from derive.handouts.notation.text import TextPrinter
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
@@ -198,18 +186,22 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
 
         notation, as_json = replace(Notation.of(robot), digits=digits), form == "json"
         match value:
+            case InverseKinematics() if as_json:
+                return derivation.derivation_parts(value)
             case InverseKinematics():
-                return derivation_parts(value) if as_json else derivation_lines(value, form, notation)
+                return derivation.derivation_lines(value, form, notation)
+            case Reach() if as_json:
+                return derivation.workspace_parts(value)
             case Reach():
-                return workspace_parts(value) if as_json else workspace_lines(value, form, notation)
+                return derivation.workspace_lines(value, form, notation)
             case Aspects() if as_json:
-                return aspects_parts(value)
+                return singularities.aspects_parts(value)
             case Aspects():
-                return aspects_text(value, TextPrinter(robot, notation).doprint, digits)
+                return singularities.aspects_text(value, TextPrinter(robot, notation).doprint, digits)
             case Singularities() if as_json:
-                return singularities_parts(value, printer)
+                return singularities.singularities_parts(value, printer)
             case Singularities():
-                return singularities_lines(value, name, form, printer)
+                return singularities.singularities_lines(value, name, form, printer)
     if form != "json":
         return _lines(form, name, value, printer)
     rows = _entries(value, printer)
@@ -257,18 +249,17 @@ def _list(robot: Robot, form: str) -> None:
     """The quantities that a robot has, each with its indices and what it is."""
     from derive.model.quantities import DESCRIBED, REGISTRY
 
-    rows = [(row, row.shape_of(robot)) for row in REGISTRY.values() if row.is_of(robot)]
+    known = [row for row in REGISTRY.values() if row.is_of(robot)]
+    rows = {row.call: (row.symbol, row.shape_of(robot), row.unit, row.summary) for row in known}
+    rows |= {name: ("", "", "", text) for name, text in DESCRIBED.items()}
     if form == "json":
-        found: dict[str, Any] = {
-            row.call: {"symbol": row.symbol, "shape": shape, "unit": row.unit, "summary": row.summary}
-            for row, shape in rows
-        }
-        described = {name: {"symbol": "", "shape": "", "unit": "", "summary": text} for name, text in DESCRIBED.items()}
-        print_json({"robot": robot.name, "quantities": found | described})
+        keys = ("symbol", "shape", "unit", "summary")
+        found = {name: dict(zip(keys, row, strict=True)) for name, row in rows.items()}
+        print_json({"robot": robot.name, "quantities": found})
     else:
-        header = ("quantity", "shape", "unit", "what it is")
-        cells = [(row.call, shape or "scalar", row.unit, row.summary) for row, shape in rows]
-        print_columns([*cells, *((name, "text", "", text) for name, text in DESCRIBED.items())], header)
+        shapes = {name: shape or ("text" if name in DESCRIBED else "scalar") for name, (_, shape, _, _) in rows.items()}
+        cells = [(name, shapes[name], unit, text) for name, (_, _, unit, text) in rows.items()]
+        print_columns(cells, ("quantity", "shape", "unit", "what it is"))
 
 
 def _entries(value: Any, printer: Printer) -> list[list[str]] | None:

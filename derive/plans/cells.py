@@ -43,8 +43,7 @@ class PlanCells:
     def check_used(self) -> None:
         """Refuse numbers of symbols that neither the robot nor any cell that was read has."""
         robot = self._robot
-        known = {*file_symbols(robot), *(name for name, _ in robot.parameters)}
-        known |= set(self.cells.first_use)
+        known = {*file_symbols(robot), *(name for name, _ in robot.parameters), *self.cells.first_use}
         for name in self.values:
             if name not in known:
                 found = f"no symbol {quoted(name)} in {robot.name} or in a formula"

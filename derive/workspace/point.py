@@ -128,32 +128,24 @@ class ArmPoint:
 
     def position(self, q: Array, joints: Sequence[int]) -> Array:
         """Where the point is in the frame of the axis, (3, samples) [m]; joints that are not given are at zero."""
-        (point,) = self.poses.end_point(self._all(q, joints), self.place)
-        return self._seen(_array(point, q.shape[1]))
-
-    def _all(self, q: Array, joints: Sequence[int]) -> list[float | Array]:
-        values: list[float | Array] = [0.0] * len(self.ranges)
-        for row, joint in enumerate(joints):
-            values[joint] = q[row]
-        return values
-
-    def _seen(self, point: Array) -> Array:
-        """A point of the world in the frame of the axis."""
-        rotation, origin = self.axis
-        return np.asarray(rotation.T @ (point - origin[:, None]))
+        return self._moved(q, joints, ())[0]
 
     def motion(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
         """Positions (3, samples) as `position` has them, and derivatives (3, joints, samples)."""
-        count = q.shape[1]
-        point, *columns = (_array(v, count) for v in self.poses.end_point(self._all(q, joints), self.place, joints))
-        derivatives = np.stack(columns, axis=1) if columns else np.zeros((3, 0, count))
-        turned = self.axis[0].T @ derivatives.reshape(3, -1)
-        return self._seen(point), turned.reshape(derivatives.shape)
+        return self._moved(q, joints, joints)
 
-
-def _array(vector: Sequence[object], count: int) -> Array:
-    """A vector of numbers and arrays as (3, samples)."""
-    return np.stack([np.broadcast_to(np.asarray(x, dtype=float), (count,)) for x in vector])
+    def _moved(self, q: Array, joints: Sequence[int], by: Sequence[int]) -> tuple[Array, Array]:
+        (rotation, origin), count = self.axis, q.shape[1]
+        values: list[float | Array] = [0.0] * len(self.ranges)
+        for row, joint in enumerate(joints):
+            values[joint] = q[row]
+        found = np.empty((3, 1 + len(by), count))  # the point in the world, then its derivatives
+        for k, vector in enumerate(self.poses.end_point(values, self.place, by)):
+            for row, entry in enumerate(vector):
+                found[row, k] = entry
+        point, slopes = found[:, 0], found[:, 1:]
+        turned = rotation.T @ slopes.reshape(3, -1)
+        return np.asarray(rotation.T @ (point - origin[:, None])), turned.reshape(slopes.shape)
 
 
 @dataclass(frozen=True, eq=False)

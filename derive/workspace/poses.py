@@ -32,7 +32,8 @@ _TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 class RobotPoses:
     """Frames of a robot at any configuration.
 
-    `values` has the numbers of all symbols, `assumed` those that no file gives: name, value and unit (``m``, ``rad``).
+    `values` has the numbers of all symbols, `assumed` those that no file gives: name, value and unit (``m``, ``rad``);
+    `longest` is the longest length of the table [m], 1 m if there is none.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -60,6 +61,7 @@ class RobotPoses:
             except (ExpressionError, ArithmeticError):
                 continue
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
+            self.longest = _longest(self.robot, self.values)
             return
         raise DeriveError(
             f"{robot.name} cannot be drawn without numbers for its symbols",
@@ -145,15 +147,8 @@ class RobotPoses:
 
     def frame_of_axis(self, joint: int) -> Frame[Any]:
         """The frame in the world in which a joint moves about (along) z, in the zero configuration."""
-        frame = self._chain.base
-        for before in list(self._joint_frames(self.zero, math.cos, math.sin))[:joint]:
-            frame = before
-        return frame @ self._chain.joints[joint].fixed
-
-    @property
-    def longest(self) -> float:
-        """The longest length of the table [m], 1 m if there is none."""
-        return _longest(self.robot, self.values)
+        frames = [self._chain.base, *self._joint_frames(self.zero, math.cos, math.sin)]
+        return frames[joint] @ self._chain.joints[joint].fixed
 
     def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
         """Frames 1 to n that move with the joints, each with the axis of its joint as z."""

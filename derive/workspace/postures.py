@@ -41,10 +41,9 @@ class Postures:
             return None
         try:
             reach = find_reach(robot, robot.style, inverse_kinematics(robot, robot.style))
-            found = cls(point, reach)
-            return found if reach.inverse.graph.is_closed and not reach.inverse.graph.given else None
         except DeriveError:
             return None
+        return cls(point, reach) if reach.inverse.graph.is_closed and not reach.inverse.graph.given else None
 
     @cached_property
     def _values(self) -> dict[str, float]:

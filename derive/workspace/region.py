@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -85,37 +86,34 @@ def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
     """The area that a map covers, from its critical curves."""
     if len(plane.joints) < 2:  # a line, which may close and yet covers nothing
         return Area(shapely().Polygon(), shapely().Polygon())
-    found = []
-    for parts in (cells, cells // 2):
-        faces = _cells(plane, boundary_candidates(plane, parts))
-        if len(faces):
-            reached = is_reached(plane, _places_inside(faces))
-            # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
-            margin, missed = plane.point.size * (TURN / parts) ** 2 / 2.0, np.flatnonzero(~reached)
-            if missed.size:
-                samples = plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)
-                x, y = plane.places(plane.inside(samples))
-                for k in missed:
-                    left, low, right, high = faces[k].bounds
-                    near = (x > left) & (x < right) & (y > low) & (y < high)
-                    reached[k] = shapely().contains_xy(faces[k].buffer(-margin), x[near], y[near]).any()
-            faces = faces[reached]
-        found.append(faces)
-    return _area(plane, *found)
+
+    def _reached(faces: Any, parts: int) -> Flags:
+        reached = is_reached(plane, _places_inside(faces))
+        # Searches may miss a cell: samples inside of it, farther from curves than these may be off, tell.
+        margin, missed = plane.point.size * (TURN / parts) ** 2 / 2.0, np.flatnonzero(~reached)
+        if missed.size:
+            x, y = plane.places(plane.inside(plane.point.random(_SAMPLES, plane.joints, limits=AT_A_LIMIT)))
+            for k in missed:
+                left, low, right, high = faces[k].bounds
+                near = (x > left) & (x < right) & (y > low) & (y < high)
+                reached[k] = shapely().contains_xy(faces[k].buffer(-margin), x[near], y[near]).any()
+        return reached
+
+    return _area(plane, cells, partial(boundary_candidates, plane), _reached)
 
 
 def formula_area(plane: PlaneMap, curves: Callable[[int], Array], holds: Callable[[Array], Array]) -> Area:
     """The area that a map covers, where formulas say so."""
-    found = []
-    for parts in (CELLS, CELLS // 2):
+    return _area(plane, CELLS, curves, lambda faces, _: holds(_places_inside(faces)))
+
+
+def _area(plane: PlaneMap, cells: int, curves: Callable[[int], Array], holds: Callable[[Any, int], Any]) -> Area:
+    """The area of those cells between curves that belong to it; their corners are off by a rounding."""
+    size, found = plane.point.size, []
+    for parts in (cells, cells // 2):
         faces = _cells(plane, curves(parts))
-        found.append(faces[holds(_places_inside(faces))] if len(faces) else faces)
-    return _area(plane, *found)
-
-
-def _area(plane: PlaneMap, fine: Any, coarse: Any) -> Area:
-    """The area of cells, whose corners are off by a rounding."""
-    size = plane.point.size
+        found.append(faces[holds(faces, parts)] if len(faces) else faces)
+    fine, coarse = found
     return Area(joined(fine, size), joined(coarse, size), _GRID * size, tuple(fine))
 
 

@@ -6,28 +6,18 @@ Kumar and Waldron, The workspaces of a mechanical manipulator, 1981.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 
 import numpy as np
 
 from derive.arrays import Array
+from derive.workspace import region as areas
 from derive.workspace.point import TURN, ArmPoint, Picture, PlaneMap, Range, joint_ranges
 from derive.workspace.poses import RobotPoses
 from derive.workspace.postures import Postures
 from derive.workspace.refinement import refined_area
-from derive.workspace.region import (
-    Area,
-    Measure,
-    Region,
-    by_number,
-    dexterous,
-    enlarged,
-    exact_area,
-    formula_area,
-    is_reached,
-    shapely,
-)
+from derive.workspace.region import Area, Measure, Region
 
 _SAME = 1e-9
 _CONFIGURATIONS = 4  # configurations at which it is seen whether axes meet
@@ -88,8 +78,9 @@ def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None)
 
 def find_wrist(point: ArmPoint) -> Wrist | None:
     """The wrist of an arm: three last joints whose axes meet, or the last one of an arm whose axes are parallel."""
-    revolute = [j for j, way in enumerate(point.ranges) if way.revolute]
+    n, revolute = len(point.ranges), [j for j, way in enumerate(point.ranges) if way.revolute]
     q = point.random(_CONFIGURATIONS, range(len(point.ranges)), seed=3)
+    joints: tuple[int, ...]
     frames = [point.poses.joint_frames(list(column)) for column in q.T]
     axes = np.array([[[row[2] for row in frame.rotation] for frame in arm[:-1]] for arm in frames], dtype=float)
     origins = np.array([[frame.position for frame in arm] for arm in frames], dtype=float)
@@ -99,29 +90,24 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
         last = revolute[-1]
         lever = origins[:, last] - origins[:, -1]
         lever = lever - axes[:, last] * np.sum(lever * axes[:, last], axis=1)[:, None]
-        places = np.einsum("nji,nj->ni", hands, lever)
-        if np.ptp(places, axis=0).max() > 1e-7 * point.size:  # a joint that slides makes the hand longer and shorter
-            return None
-        return _wrist(places, point, (last,), point.ranges[last].full, planar=True)
-    n = len(point.ranges)
-    if n < 3 or revolute[-3:] != [n - 3, n - 2, n - 1]:
+        joints, misses = (last,), [0.0]
+    elif n >= 3 and revolute[-3:] == [n - 3, n - 2, n - 1]:
+        # Three last axes through one point: the nearest to them, by least squares of (1 - z z^T) (c - o) = 0.
+        joints, misses, centres = (n - 3, n - 2, n - 1), [], []
+        for arm, axis in zip(origins[:, -4:-1], axes[:, -3:], strict=True):
+            across = np.eye(3) - axis[:, :, None] * axis[:, None, :]
+            right = np.einsum("kij,kj->ki", across, arm).ravel()
+            centres.append(np.linalg.lstsq(across.reshape(-1, 3), right, rcond=None)[0])
+            misses.append(float(np.abs(np.einsum("kij,kj->ki", across, centres[-1] - arm)).max()))
+        lever = np.array(centres) - origins[:, -1]
+    else:
         return None
-    # Three last axes through one point, which stands still in the axes of the end effector.
-    centres, misses = [], []
-    for arm, axis in zip(origins[:, -4:-1], axes[:, -3:], strict=True):
-        # The point nearest to the axes: least squares of (1 - z z^T) (c - o) = 0.
-        across = np.eye(3) - axis[:, :, None] * axis[:, None, :]
-        right = np.einsum("kij,kj->ki", across, arm).ravel()
-        centres.append(np.linalg.lstsq(across.reshape(-1, 3), right, rcond=None)[0])
-        misses.append(float(np.abs(np.einsum("kij,kj->ki", across, centres[-1] - arm)).max()))
-    places = np.einsum("nji,nj->ni", hands, np.array(centres) - origins[:, -1])
+    # It stands still in the axes of the end effector, unless a joint that slides makes the hand longer and shorter.
+    places = np.einsum("nji,nj->ni", hands, lever)
     if max(misses) > 1e-7 * point.size or np.ptp(places, axis=0).max() > 1e-7 * point.size:
         return None
-    return _wrist(places, point, (n - 3, n - 2, n - 1), _turns_everywhere(point), planar=False)
-
-
-def _wrist(places: Array, point: ArmPoint, joints: tuple[int, ...], complete: bool, planar: bool) -> Wrist:
-    """The wrist whose centre has been seen at several configurations, in the axes of the end effector."""
+    planar = len(joints) == 1
+    complete = point.ranges[joints[0]].full if planar else _turns_everywhere(point)
     centre = np.where(np.abs(places[0]) < _SAME * point.size, 0.0, places[0])
     x, y, z = (float(part) for part in centre)
     return Wrist((x, y, z), float(np.linalg.norm(centre)), joints, complete, planar)
@@ -151,16 +137,13 @@ def _turns_everywhere(point: ArmPoint) -> bool:
     return half and point.ranges[middle].full and any(way.full for way in outer)
 
 
-@dataclass(frozen=True, eq=False)
 class _Search:
     """The search for the workspace of a point, by way of the wrist's centre where that is simpler."""
 
-    point: ArmPoint
-    wrist: Wrist | None
-    tell: Callable[[str], None]
-    centres: dict[Picture, Area] = field(default_factory=dict)
-    followed: dict[Picture, Area] = field(default_factory=dict)
-    solved: dict[tuple[float, float, float], Postures | None] = field(default_factory=dict)
+    def __init__(self, point: ArmPoint, wrist: Wrist | None, tell: Callable[[str], None]) -> None:
+        self.point, self.wrist, self.tell = point, wrist, tell
+        self.centre = point if wrist is None else replace(point, place=wrist.centre)
+        self.plane, self.area, self.solved = cache(PlaneMap.of), cache(self._area), cache(Postures.of)
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
@@ -176,8 +159,8 @@ class _Search:
         found = []
         for picture in self.pictures:
             self.tell(str(picture))
-            plane = PlaneMap.of(self.point, picture)
-            reachable, exact = self._reachable(plane)
+            plane = self.plane(self.point, picture)
+            reachable, exact = self._reachable(picture)
             if reachable.region.is_empty:
                 low, high = plane.box  # of a workspace that is a line: along the ranges of all joints
                 line = low + (high - low) * np.linspace(0.0, 1.0, 721)
@@ -185,7 +168,7 @@ class _Search:
                 continue
             postures, numbers = self._postures(plane), tuple[tuple[int, Region], ...]()
             if reachable.cells and postures is not None and postures.are_counted:
-                numbers = by_number(reachable, partial(postures.number, plane), self.point.size)
+                numbers = areas.by_number(reachable, partial(postures.number, plane), self.point.size)
             dexterous = self._dexterous(picture, reachable)
             by_formula = bool(reachable.cells) and self._with_formulas(plane) is not None
             found.append(WorkspaceView(picture, reachable, dexterous, exact, np.zeros((0, 2)), numbers, by_formula))
@@ -198,12 +181,8 @@ class _Search:
 
     def _postures(self, plane: PlaneMap) -> Postures | None:
         """In how many postures places of a picture are reached; None where it does not show places of the point."""
-        place = plane.point.place
-        if not (self.revolves if plane.picture is Picture.SECTION else self.pictures == (Picture.TOP,)):
-            return None
-        if place not in self.solved:
-            self.solved[place] = Postures.of(plane.point)
-        return self.solved[place]
+        shows = self.revolves if plane.picture is Picture.SECTION else self.pictures == (Picture.TOP,)
+        return self.solved(plane.point) if shows else None
 
     def _with_formulas(self, plane: PlaneMap) -> Postures | None:
         """The postures of places in a picture, where the bounds of the inverse kinematics are its boundary."""
@@ -213,33 +192,24 @@ class _Search:
     def _area(self, plane: PlaneMap) -> Area:
         """What a map covers: by formulas, where they say it, by critical curves, or by search."""
         if postures := self._with_formulas(plane):
-            return formula_area(plane, partial(postures.curves, plane), partial(postures.within, plane))
-        return exact_area(plane) if plane.has_exact_curves else refined_area(plane)
+            return areas.formula_area(plane, partial(postures.curves, plane), partial(postures.within, plane))
+        return areas.exact_area(plane) if plane.has_exact_curves else refined_area(plane)
 
-    def _reachable(self, plane: PlaneMap) -> tuple[Area, bool]:
+    def _reachable(self, picture: Picture) -> tuple[Area, bool]:
         """What is reached in a picture, and whether its boundary is exact."""
-        wrist, picture = self.wrist, plane.picture
+        plane, wrist = self.plane(self.point, picture), self.wrist
         if plane.has_exact_curves:
-            return self._area(plane), True
-        centre = plane
-        if wrist is not None and wrist.complete and not wrist.planar:
-            centre = PlaneMap.of(replace(self.point, place=wrist.centre), picture)
+            return self.area(plane), True
+        turns = wrist is not None and wrist.complete and not wrist.planar
+        centre = self.plane(self.centre, picture) if turns else plane
         exact = centre.has_exact_curves
         if picture is Picture.TOP and not exact and self.revolves and Picture.SECTION in self.pictures:
-            section, _ = self._reachable(PlaneMap.of(self.point, Picture.SECTION))
-            return section.changed(_seen_along_axis), False
+            return self._reachable(Picture.SECTION)[0].changed(_seen_along_axis), False
+        if wrist is None or not turns:
+            return self.area(plane), False
         # What the centre reaches, enlarged by the hand, since the wrist turns it into every direction.
-        if wrist is not None and centre is not plane:
-            hand, in_space = wrist.hand, picture is Picture.SECTION
-            return self._around(wrist, picture).changed(lambda region: enlarged(region, hand, in_space)), exact
-        if picture not in self.followed:
-            self.followed[picture] = self._area(plane)
-        return self.followed[picture], False
-
-    def _around(self, wrist: Wrist, picture: Picture) -> Area:
-        if picture not in self.centres:
-            self.centres[picture] = self._area(PlaneMap.of(replace(self.point, place=wrist.centre), picture))
-        return self.centres[picture]
+        hand, in_space = wrist.hand, picture is Picture.SECTION
+        return self.area(centre).changed(lambda region: areas.enlarged(region, hand, in_space)), exact
 
     def _dexterous(self, picture: Picture, reachable: Area) -> Area | None:
         """What is dexterous in a picture; None where it is not known."""
@@ -248,14 +218,12 @@ class _Search:
             return None
         if wrist.hand == 0.0:
             return reachable
-        hand, in_space = wrist.hand, not wrist.planar
-        if wrist.planar:
-            flat = picture is Picture.TOP
-            return self._around(wrist, picture).changed(lambda area: dexterous(area, hand, False)) if flat else None
-        if not self.revolves:
+        if picture is not Picture.TOP if wrist.planar else not self.revolves:
             return None
-        section = self._around(wrist, Picture.SECTION).changed(lambda area: dexterous(area, hand, in_space))
-        return section if picture is Picture.SECTION else section.changed(_seen_along_axis)
+        hand, in_space = wrist.hand, not wrist.planar
+        around = self.area(self.plane(self.centre, Picture.SECTION if in_space else Picture.TOP))
+        found = around.changed(lambda area: areas.dexterous(area, hand, in_space))
+        return found.changed(_seen_along_axis) if in_space and picture is not Picture.SECTION else found
 
     @cached_property
     def volumes(self) -> tuple[Measure | None, Measure | None]:
@@ -269,7 +237,7 @@ class _Search:
             return Measure(0.0, 0.0), None
         self.tell("volume")
         # The places of a box that are reached, spread evenly (Kronecker's sequence), several times.
-        package, top = shapely(), self.views[1]
+        package, top = areas.shapely(), self.views[1]
         left, near, right, far = top.reachable.region.bounds
         _, low, _, high = first.reachable.region.bounds
         corner, sides = np.array([[left], [near], [low]]), np.array([[right - left], [far - near], [high - low]])
@@ -283,7 +251,7 @@ class _Search:
             across = np.hypot(x, y) if first.picture is Picture.SECTION else x
             inside = package.contains_xy(first.reachable.region, across, z)
             inside &= package.contains_xy(top.reachable.region, x, y)
-            shares.append(float(np.sum(is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
+            shares.append(float(np.sum(areas.is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
         # Twice the standard error of the mean of the estimates.
         box = float(np.prod(sides))
         error = 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5
@@ -293,7 +261,7 @@ class _Search:
 
 def _seen_along_axis(section: Region) -> Region:
     """The rings that a solid of revolution covers, seen along its axis."""
-    package = shapely()
+    package = areas.shapely()
     rings = []
     for part in package.get_parts(section):
         if part.is_empty:

@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.api.export import typed_values
 from derive.errors import DeriveError, RobotFileError
-from derive.exchange.formats import exported
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import to_text
 from derive.robot.names import without_lost_symbols
@@ -160,8 +158,7 @@ def test_whatever_is_typed_beside_the_file_is_in_its_units(tmp_path: Path) -> No
     assert float(derive.Model(robot).at("p[3]", [0, 90], values=point)) == pytest.approx(0.3)
     done = command("show", "arm.yaml", "p[1]", "--at", "0, 0, a1=500, beta=90", folder=tmp_path)
     assert done.stdout.splitlines()[-1] == "p[1] = 0.8"
-    urdf = exported(robot, "urdf", values=typed_values(robot, point)).text
-    assert 'xyz="0.5 0 0"' in urdf
+    assert 'xyz="0.5 0 0"' in derive.export(robot, "urdf", values=point)
     plan = "robot: arm.yaml\npoints: {a: [0, 0], b: [90, 0]}\npath: [a, {to: b, time: 1}]\n"
     (tmp_path / "plan.yaml").write_text(plan + "values: {a1: 500, beta: 90}\n")
     assert derive.Motion.load(tmp_path / "plan.yaml").poses(0.0)[0, 3] == pytest.approx(0.8)

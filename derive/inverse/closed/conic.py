@@ -31,13 +31,9 @@ ON_CONIC = Fraction(1, 10**9)
 
 def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The four common points of the unit circle and a conic."""
-    f = field
-    scale = f.divide(f.number(1), f.sqrt(reduce(add, [k * k for k in coefficients])))
+    scale = field.divide(field.number(1), field.sqrt(reduce(add, [k * k for k in coefficients])))
     unit = [k * scale for k in coefficients]
-    found = []
-    for line in _lines(f, unit):
-        found += _on_line(f, line, unit)
-    return found
+    return [point for line in _lines(field, unit) for point in _on_line(field, line, unit)]
 
 
 def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:

@@ -12,6 +12,7 @@ Robots, 2002, chapter 4); two such equations determine c and s by Cramer's rule 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 from derive.algebra.ring import Polynomial
@@ -150,7 +151,17 @@ class Solver(Generic[N, M]):
             case NodeKind.TYPE_2:
                 return self._angles(formula.equations[0])
             case NodeKind.TYPE_3:
-                return self._one_angle(*formula.equations)
+                f, (one, two) = self.field, formula.equations
+                (a, b, c), (d, e, g) = (map(self.evaluate, equation.linear) for equation in formula.equations)
+                if not one.linear[1] and not two.linear[0]:
+                    cosine, sine = f.divide(c, a), f.divide(g, e)
+                elif not one.linear[0] and not two.linear[1]:
+                    cosine, sine = f.divide(g, d), f.divide(c, b)
+                else:  # Cramer's rule
+                    determinant = a * e - b * d
+                    cosine, sine = f.divide(c * e - b * g, determinant), f.divide(a * g - c * d, determinant)
+                no = f.truth(False)
+                return [Branch(f.unit(cosine, sine), f.truth(True), no, no)]
             case NodeKind.CONIC:
                 coefficients = [formula.equations[0].coefficient(*exponents) for exponents in CONIC_TERMS]
                 found = self.field.conic([self.evaluate(p) for p in coefficients])
@@ -164,10 +175,7 @@ class Solver(Generic[N, M]):
 
     def _scale(self, *equations: NodeEquation, factor: float = 1.0) -> N:
         """The size of the coefficients of an equation, or of the products of those of two, times a factor."""
-        total = Fraction(factor)
-        for equation in equations:
-            total *= equation.size
-        scale = self.field.number(total)
+        scale = self.field.number(prod((equation.size for equation in equations), start=Fraction(factor)))
         for _ in range(sum(equation.dimension for equation in equations)):
             scale = scale * self.reach
         return scale
@@ -229,22 +237,6 @@ class Solver(Generic[N, M]):
                 near = f.divide(self.evaluate(exact), self.evaluate(factor))
                 return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
         return one - known * known, one
-
-    def _one_angle(self, first: NodeEquation, second: NodeEquation) -> list[Branch[N, M]]:
-        f = self.field
-        a, b, c = map(self.evaluate, first.linear)
-        d, e, g = map(self.evaluate, second.linear)
-        if not first.linear[1] and not second.linear[0]:
-            cosine, sine = f.divide(c, a), f.divide(g, e)
-        elif not first.linear[0] and not second.linear[1]:
-            cosine, sine = f.divide(g, d), f.divide(c, b)
-        else:
-            determinant = a * e - b * d
-            # Cramer's rule.
-            cosine = f.divide(c * e - b * g, determinant)
-            sine = f.divide(a * g - c * d, determinant)
-        no = f.truth(False)
-        return [Branch(f.unit(cosine, sine), f.truth(True), no, no)]
 
 
 # Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.

@@ -17,7 +17,7 @@ import numpy as np
 
 from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
 from derive.algebra.ring import Polynomial
-from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, identity_atoms
+from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, frame_of, identity_atoms
 from derive.inverse.closed.unknowns import InverseDomain, turned
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import Expression
@@ -63,13 +63,12 @@ class Evidence:
         keep_base: bool = False,
         deep: bool = False,
         special: bool = False,
-        seed: int = 1,
     ) -> None:
         self.poses, self._special = (_SPECIAL_POSES if special else POSES), special
         self.domain, self.robot = domain, domain.robot
-        self.residues = ResidueDomain(domain, 1, seed)
+        self.residues = ResidueDomain(domain, 1, seed=1)
         self.prime = self.residues.prime
-        self._random = random.Random(seed)
+        self._random = random.Random(1)
         self._nodes = [self._circle_point() for _ in range(_ANGLE_NODES - 1)]
         self._steps = [self._random.randrange(1, self.prime) for _ in range(_LENGTH_NODES - 1)]
         self.equations = [(cut, entry) for cut in cuts for entry in (*ENTRIES, *(HIGHER if deep else ()))]
@@ -89,9 +88,8 @@ class Evidence:
             entries = self._entries()
             for place in untold:
                 entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
-            rows = [(entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3)]
-            end = Frame((rows[0], rows[1], rows[2]), (entries[0, 3], entries[1, 3], entries[2, 3]))
-            self.other = frame_atoms(links.base.inverse @ end @ links.tool.inverse, links.zero, deep=deep)
+            other = links.base.inverse @ frame_of(entries) @ links.tool.inverse
+            self.other = frame_atoms(other, links.zero, deep=deep)
             same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
             self.allowed = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         self._numbers: dict[str, Array] = {}
@@ -129,17 +127,14 @@ class Evidence:
 
     def _turned(self, group: int, link: int, base: Sequence[tuple[int, int]]) -> tuple[Array, Array]:
         p = self.prime
-        c = np.repeat([[pair[0]] for pair in base], self._width, axis=1).astype(np.int64)
-        s = np.repeat([[pair[1]] for pair in base], self._width, axis=1).astype(np.int64)
+        c, s = (np.repeat([[pair[k]] for pair in base], self._width, axis=1).astype(np.int64) for k in (0, 1))
         for place, change in enumerate(self.changes):
             if change.group == group and change.links >> link & 1:
                 span = slice(self._starts[place], self._starts[place + 1])
                 # The links of the change turn by one more angle at every node, the others stand.
                 d, e = (np.array([node[k] for node in self._nodes], dtype=np.int64) for k in (0, 1))
-                c[:, span], s[:, span] = (
-                    (c[:, span] * d % p - s[:, span] * e % p) % p,
-                    (s[:, span] * d % p + c[:, span] * e % p) % p,
-                )
+                x, y = turned((c[:, span], s[:, span]), (d, e))
+                c[:, span], s[:, span] = x % p, y % p
         return c.reshape(-1), s.reshape(-1)
 
     def _circle_point(self) -> tuple[int, int]:

@@ -53,7 +53,7 @@ class FloatField(_ArrayMasks):
 
     def is_zero(self, a: Floats, scale: Floats) -> Masks:
         """Whether a coefficient is zero within rounding."""
-        return np.abs(a) <= ZERO * scale
+        return np.abs(a) <= ZERO * np.abs(scale)
 
     def has_root(self, a: Floats, scale: Floats) -> Masks:
         """Whether a number is not below zero, but for rounding."""
@@ -109,10 +109,6 @@ class ComplexField(FloatField):
     def merges(self, a: Floats, scale: Floats) -> Masks:
         """At generic poses the two roots differ."""
         return np.zeros_like(a, dtype=bool)
-
-    def is_zero(self, a: Floats, scale: Floats) -> Masks:
-        """Whether a coefficient is zero within rounding."""
-        return np.abs(a) <= ZERO * np.abs(scale)
 
     def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
         """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle."""

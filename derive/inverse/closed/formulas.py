@@ -21,7 +21,7 @@ from derive.inverse.closed.nodes import Exponents, NodeEquation, NodeFormula, No
 from derive.inverse.closed.pool import Links, Pool, dimension
 from derive.inverse.closed.pose import Pose, conditions
 from derive.inverse.closed.search import Choice, Search, SearchStep
-from derive.inverse.closed.unknowns import ENTRIES, InverseDomain, State, baked, shifted, with_numbers, without
+from derive.inverse.closed.unknowns import POSE_NAMES, InverseDomain, State, baked, shifted, with_numbers, without
 from derive.inverse.closed.walk import Plan, horner
 from derive.inverse.general.choice import general_formula
 from derive.inverse.numeric.chain import POSE, POSITION
@@ -56,12 +56,9 @@ class GraphDerivation:
         self.robot, self.shifts = shifted(with_numbers(robot, zeros))
         specimen = with_numbers(self.robot, numbers)
         self.domain = InverseDomain(self.robot)
-        constants = {
-            g.name: substitute(g.expression, numbers) for g in self.domain.generators if g.kind not in _OF_JOINTS
-        }
-        pose_names = {f"{a}{entry}" for a in "TW" for entry in ENTRIES}
-        self.constants = {name: e for name, e in constants.items() if name not in pose_names and "[" not in name}
-        self.constants.pop("p.p", None)
+        # All generators but those of joints, and the entries and invariants of the pose.
+        still = (g for g in self.domain.generators if g.kind not in _OF_JOINTS and g.name not in POSE_NAMES)
+        self.constants = {g.name: substitute(g.expression, numbers) for g in still}
         sampled = self.sampled = InverseDomain(specimen, self.constants.values())
         if (sampled.groups, sampled.directions) != (self.domain.groups, self.domain.directions):
             self.robot, self.domain = specimen, sampled
@@ -112,20 +109,17 @@ class GraphDerivation:
     def graph_by_pairs(self) -> SolutionGraph | None:
         """The graph whose first node comes from two equations with two unknowns; None where there is none."""
         steps, state = self.search.advance()
-        found: list[tuple[tuple[int, int], int, Unknown, NodeFormula, State]] = []
+        found: list[tuple[tuple[int, int], Unknown, NodeFormula, State]] = []
         for (group, parts), numbers in self.search.pairs(state):
             after = state.joined(group, *parts)
             for unknown in self.domain.between(group, parts)[:1]:
                 for formula in self._eliminations(unknown, numbers, state):
                     # Fewest branches first, then fewest terms; the rest of the joints must follow one by one.
                     rank = (formula.branches, sum(len(p) for p in formula.equations[0].terms.values()))
-                    found.append((rank, len(found), unknown, formula, after))
-        rests: dict[State, list[SearchStep] | None] = {}
-        for _, _, unknown, formula, after in sorted(found, key=lambda row: row[:2]):
-            if after not in rests:
-                rests[after] = self.search.way(after)
-            rest = rests[after]
-            if rest is not None:
+                    found.append((rank, unknown, formula, after))
+        way = cache(self.search.way)
+        for _, unknown, formula, after in sorted(found, key=lambda row: row[0]):
+            if (rest := way(after)) is not None:
                 self._begin()
                 state = self._follow(steps, self.search.start)
                 self._append((unknown,), (formula,))
@@ -212,8 +206,8 @@ class GraphDerivation:
         self._begin()
         free = tuple(map(self.domain.unknown, formula.order))
         given = len(self.given)
-        node = Node(given, free, (NodeFormula(NodeKind.GENERAL, payload=formula),), tuple(range(given)))
-        self.nodes.append(replace(node, branches=formula.branches))
+        node = NodeFormula(NodeKind.GENERAL, payload=formula)
+        self.nodes.append(Node(given, free, (node,), tuple(range(given)), formula.branches))
         count = formula.solution.count
         return replace(self._finished(), count=count, complete=count > 0)
 

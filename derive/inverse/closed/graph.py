@@ -68,11 +68,11 @@ class SolutionGraph:
 
     @cached_property
     def axes(self) -> tuple[tuple[int, ...], ...]:
-        """For each node the nodes with several branches that its values depend on, itself included, in order."""
+        """For each node the nodes with several branches before it that its values depend on, in order."""
         found: list[tuple[int, ...]] = []
         for node in self.nodes:
-            own = {axis for need in node.needs for axis in found[need]}
-            found.append(tuple(sorted(own | ({node.index} if node.branches > 1 else set()))))
+            choices = {need for need in node.needs if self.nodes[need].branches > 1}
+            found.append(tuple(sorted(choices.union(*(found[need] for need in node.needs)))))
         return tuple(found)
 
     @property

@@ -18,7 +18,7 @@ A cut may lie at either end of the offset d of its joint: the distance of a wris
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Generic
@@ -64,7 +64,7 @@ class Atoms(Generic[S]):
             return Atoms(r, add(p, ra), add(u, a), square)
         cross = hat(a, length - length)
         sums = add_matrices(matmul(m, cross), outer(add(p, ra), a))
-        k = add_matrices(add_matrices(k, _scaled(-2, sums)), _scaled(length, r))
+        k = add_matrices(add_matrices(k, scaled(-2, sums)), scaled(length, r))
         return Atoms(r, add(p, ra), add(u, a), square, add_matrices(m, matmul(r, cross)), k)
 
     @property
@@ -73,31 +73,27 @@ class Atoms(Generic[S]):
         m, k = (None if x is None else transpose(x) for x in (self.moment, self.reflection))
         return Atoms(transpose(self.rotation), scale(-1, self.back), scale(-1, self.position), self.square, m, k)
 
-    def moved_before(self, a: Vector[S]) -> Atoms[S]:
-        """The atoms of Trans(a) W = (W^-1 Trans(-a))^-1."""
-        return self.inverse.moved_after(scale(-1, a)).inverse
-
     def turned_after(self, q: Matrix[S]) -> Atoms[S]:
         """The atoms of W Q, with Q a rotation."""
         moment, reflection = (None if m is None else matmul(m, q) for m in (self.moment, self.reflection))
         back = multiply(transpose(q), self.back)
         return Atoms(matmul(self.rotation, q), self.position, back, self.square, moment, reflection)
 
-    def turned_before(self, q: Matrix[S]) -> Atoms[S]:
-        """The atoms of Q W = (W^-1 Q^T)^-1, with Q a rotation."""
-        return self.inverse.turned_after(transpose(q)).inverse
-
     def after(self, frame: Frame[S]) -> Atoms[S]:
         """The atoms of W F, with F a frame."""
         return self.moved_after(frame.position).turned_after(frame.rotation)
 
-    def without_before(self, frame: Frame[S]) -> Atoms[S]:
-        """The atoms of F^-1 W, with F a frame."""
-        return self.moved_before(scale(-1, frame.position)).turned_before(transpose(frame.rotation))
-
     def without_after(self, frame: Frame[S]) -> Atoms[S]:
         """The atoms of W F^-1, with F a frame."""
         return self.turned_after(transpose(frame.rotation)).moved_after(scale(-1, frame.position))
+
+    def before(self, frame: Frame[S]) -> Atoms[S]:
+        """The atoms of F W = (W^-1 F^-1)^-1, with F a frame."""
+        return self.inverse.without_after(frame).inverse
+
+    def without_before(self, frame: Frame[S]) -> Atoms[S]:
+        """The atoms of F^-1 W = (W^-1 F)^-1, with F a frame."""
+        return self.inverse.after(frame).inverse
 
     def mapped(self, change: Callable[[S], S]) -> Atoms[S]:
         """The atoms with a function applied to every number."""
@@ -235,21 +231,14 @@ class Pool(Generic[S]):
         """M, and L^-1 W R^-1."""
         links, first, last = self.links, cut.first, cut.last
         inside, around = self.inside(first, last), self.around(first, last)
-        if first != last:
-            left, right = links.offsets[first], links.offsets[last]
-            if not cut.outer_left:
-                inside = inside.turned_before(left.rotation).moved_before(left.position)
-            else:
-                around = around.without_before(left)
-            if not cut.outer_right:
-                inside = inside.after(right)
-            else:
-                around = around.without_after(right)
-        elif last == links.n - 1:
-            inside = inside.after(links.offsets[last])
-        else:
-            around = around.without_after(links.offsets[last])
-        return inside, around
+        left, right, is_long = links.offsets[first], links.offsets[last], first != last
+        if is_long and cut.outer_left:
+            around = around.without_before(left)
+        elif is_long:
+            inside = inside.before(left)
+        if not cut.outer_right if is_long else last == links.n - 1:
+            return inside.after(right), around
+        return inside, around.without_after(right)
 
     def _inside(self, first: int, last: int) -> Atoms[S]:
         links = self.links
@@ -269,9 +258,7 @@ class Pool(Generic[S]):
 def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
     """The atoms of no motion."""
     zero = links.zero
-    null = (zero, zero, zero)
-    higher = (null, null, null) if deep else None
-    return Atoms(identity(zero, links.one), null, null, zero, higher, higher)
+    return frame_atoms(Frame(identity(zero, links.one), (zero, zero, zero)), zero, deep=deep)
 
 
 def frame_atoms(frame: Frame[S], zero: S, *, deep: bool) -> Atoms[S]:
@@ -280,11 +267,18 @@ def frame_atoms(frame: Frame[S], zero: S, *, deep: bool) -> Atoms[S]:
     back, square = multiply(transpose(r), p), dot(p, p)
     if not deep:
         return Atoms(r, p, back, square)
-    reflection = add_matrices(_scaled(square, r), _scaled(-2, outer(p, back)))
+    reflection = add_matrices(scaled(square, r), scaled(-2, outer(p, back)))
     return Atoms(r, p, back, square, matmul(hat(p, zero), r), reflection)
 
 
-def _scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
+def frame_of(entries: Mapping[tuple[int, int], S]) -> Frame[S]:
+    """A frame from its entries by row and column, from 0."""
+    x, y, z = ((entries[i, 0], entries[i, 1], entries[i, 2]) for i in range(3))
+    return Frame((x, y, z), (entries[0, 3], entries[1, 3], entries[2, 3]))
+
+
+def scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
+    """A matrix times a number."""
     return (scale(factor, m[0]), scale(factor, m[1]), scale(factor, m[2]))
 
 

@@ -7,7 +7,7 @@ six directions in which it can be left; where an equation needs joints, these fo
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -19,10 +19,10 @@ from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, Provenance
-from derive.inverse.closed.pool import Atoms, Links, dimension
+from derive.inverse.closed.pool import Atoms, Links, dimension, frame_of, scaled
 from derive.inverse.closed.unknowns import InverseDomain, turned
 from derive.inverse.closed.walk import GraphWalk, pose_of
-from derive.mechanics.vectors import Frame, Matrix, dot, hat, matmul, multiply, outer, transpose
+from derive.mechanics.vectors import Matrix, Vector, add_matrices, dot, hat, matmul, multiply, outer, transpose
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
@@ -58,36 +58,32 @@ class Pose:
         self._domain, self._evidence, self._constants = domain, evidence, constants
         self._known: list[tuple[int, bool, tuple[int, ...], Polynomial]] = []
         self.definitions: dict[str, Polynomial] = {}
-        self.constant: dict[str, Polynomial] = {}
         places = [(i, j) for j in range(4) for i in range(3)]
         first = sorted(places, key=lambda place: (place[0] + 1, place[1] + 1) not in allowed)
-        end = self._frame({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in first})
+        end = frame_of({(i, j): self._entry(f"T[{i + 1},{j + 1}]", None) for i, j in first})
         inner = links.base.inverse @ end @ links.tool.inverse
         self._known.clear()
         flat = {(i, j): inner.position[i] if j == 3 else inner.rotation[i][j] for i, j in places}
         told = sorted(places, key=lambda place: not evidence.is_told(f"W[{place[0] + 1},{place[1] + 1}]"))
-        pose = self._frame({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in told})
+        pose = frame_of({(i, j): self._entry(f"W[{i + 1},{j + 1}]", flat[i, j]) for i, j in told})
         r, p = pose.rotation, pose.position
         plain = [(f"p[{i + 1}]", flat[i, 3] - p[i]) for i in range(3) if f"W[{i + 1},4]" not in self.definitions]
         self.constant = {entry: difference for entry, difference in plain if difference}
-        back = [self._entry(f"u[{k + 1}]", value) for k, value in enumerate(multiply(transpose(r), p))]
+        back = self._vector("u[", multiply(transpose(r), p))
         square = self._entry("p.p", dot(p, p))
         moment = reflection = None
         if deep:
-            zero = links.zero
-            moment = self._matrix("m", matmul(hat(p, zero), r))
-            products = outer(p, (back[0], back[1], back[2]))
-            rows = [[square * r[i][j] - 2 * products[i][j] for j in range(3)] for i in range(3)]
-            reflection = self._matrix("k", _as_matrix(rows))
-        self.atoms = Atoms(r, p, (back[0], back[1], back[2]), square, moment, reflection)
+            moment = self._matrix("m", matmul(hat(p, links.zero), r))
+            reflection = self._matrix("k", add_matrices(scaled(square, r), scaled(-2, outer(p, back))))
+        self.atoms = Atoms(r, p, back, square, moment, reflection)
 
-    def _matrix(self, name: str, values: Matrix[Polynomial]) -> Matrix[Polynomial]:
-        return _as_matrix([[self._entry(f"{name}[{i + 1},{j + 1}]", values[i][j]) for j in range(3)] for i in range(3)])
+    def _matrix(self, name: str, matrix: Matrix[Polynomial]) -> Matrix[Polynomial]:
+        a, b, c = (self._vector(f"{name}[{i},", row) for i, row in enumerate(matrix, 1))
+        return (a, b, c)
 
-    @staticmethod
-    def _frame(entries: Mapping[tuple[int, int], Polynomial]) -> Frame[Polynomial]:
-        rows = [[entries[i, j] for j in range(3)] for i in range(3)]
-        return Frame(_as_matrix(rows), (entries[0, 3], entries[1, 3], entries[2, 3]))
+    def _vector(self, stem: str, vector: Vector[Polynomial]) -> Vector[Polynomial]:
+        x, y, z = (self._entry(f"{stem}{k}]", value) for k, value in enumerate(vector, 1))
+        return (x, y, z)
 
     def _entry(self, name: str, value: Polynomial | None) -> Polynomial:
         """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name.
@@ -120,11 +116,6 @@ def is_plain(p: Polynomial) -> bool:
     return p.is_constant or (len(p) == 1 and sum(p.degrees()) == 1 and abs(next(iter(p.terms()))[1]) == 1)
 
 
-def _as_matrix(rows: Sequence[Sequence[Polynomial]]) -> Matrix[Polynomial]:
-    a, b, c = ((row[0], row[1], row[2]) for row in rows)
-    return (a, b, c)
-
-
 def entry_conditions(
     graph: SolutionGraph, evidence: Evidence, constants: Mapping[str, Expression]
 ) -> list[NodeEquation]:
@@ -136,9 +127,8 @@ def entry_conditions(
         residues = evidence.number(f"T[{i},{j}]", constants)
         entry = ring.generator(f"T[{i},{j}]")
         # Constant or equal at all sampled poses of the arm, modulo the prime: identically so.
-        number = next((k for k in (0, 1, -1) if np.all(residues == k % prime)), None)
-        equal = [(p, sign) for key, p in known for sign in (1, -1) if np.all(residues == sign * np.array(key) % prime)]
-        same = [ring.number(number)] if number is not None else [sign * p for p, sign in equal]
+        same = [ring.number(k) for k in (0, 1, -1) if np.all(residues == k % prime)]
+        same += [e * p for key, p in known for e in (1, -1) if np.all(residues == e * np.array(key) % prime)]
         found += [NodeEquation({(): entry - p}, 0 if j < 4 else 1, whole) for p in same[:1]]
         known.append((tuple(map(int, residues)), entry))
     return sorted(found, key=lambda equation: _number_of(equation) is None)
@@ -162,7 +152,7 @@ def conditions(
     zeros = {said[0] for said, is_new in zip(says, added, strict=True) if said and is_new and said[1] == 0}
     chosen = [e for e, said, is_new in zip(entries, says, added, strict=True) if is_new or _tells_sign(said, zeros)]
     for p, source in equations:
-        if leaving.rank >= missing:
+        if len(leaving.basis) >= missing:
             break
         if p and leaving.adds(p):
             chosen.append(NodeEquation({(): p}, dimension(source.entry), source))
@@ -186,7 +176,7 @@ def _tells_sign(said: tuple[tuple[int, int], int] | None, zeros: set[tuple[int, 
 
 
 class _Leaving:
-    """Derivatives of equations where the reachable poses are left; `rank` of them are independent so far."""
+    """Derivatives of equations where the reachable poses are left, an orthonormal `basis` of them so far."""
 
     def __init__(self, graph: SolutionGraph, numbers: Mapping[str, Expression]) -> None:
         rng = np.random.default_rng(6)
@@ -218,8 +208,7 @@ class _Leaving:
             for joint, sign in zip(unknown.joints[1:], unknown.signs[1:], strict=True):
                 total = turned(total, nearest.joints[joint], sign)
             self._values.update(zip(unknown.generators, total, strict=True))
-        self.rank = 0
-        self._basis = np.zeros((0, 6))
+        self.basis: list[Floats] = []
 
     @staticmethod
     def _around(rotation: Floats, position: Floats) -> Floats:
@@ -251,11 +240,10 @@ class _Leaving:
         if not np.isfinite(size) or size < _INDEPENDENT:
             return False
         rest = slope / size
-        for vector in self._basis:
+        for vector in self.basis:
             rest = rest - (rest @ vector) * vector
         length = float(np.linalg.norm(rest))
         if length < 1e-4:
             return False
-        self._basis = np.vstack([self._basis, rest / length])
-        self.rank += 1
+        self.basis.append(rest / length)
         return True

@@ -60,14 +60,10 @@ class Search:
         self._slides = frozenset(i for i, joint in enumerate(robot.joints) if not joint.is_revolute)
         # Every link of a group by itself; a given joint joins the links before and behind it.
         start = State(tuple(tuple(1 << k for k in range(len(g) + 1)) for g in groups), self._slides & set(given))
-        for joint in given:
-            for g, group in enumerate(groups):
-                if joint in group:
-                    place = group.index(joint)
-                    a, b = (next(part for part in start.groups[g] if part >> k & 1) for k in (place, place + 1))
-                    start = start.joined(g, a, b)
+        for joint in (joint for joint in given if joint not in self._slides):
+            g, *ends = evidence.domain.ends(evidence.domain.unknown(joint))
+            start = start.joined(g, *(next(part for part in start.groups[g] if part >> k & 1) for k in ends))
         self.start = start
-        self._depends = {change: effect.depends for change, effect in evidence.effects.items()}
 
     def way(self, start: State | None = None) -> list[SearchStep] | None:
         """The steps of the best way from what is known (by default the given joints); None where there is none."""
@@ -108,6 +104,7 @@ class Search:
 
     def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
         """What can be found next."""
+        prime = self.evidence.prime
         for group, parts, found in self._targets(state, 1):
             effect, order = self.evidence.effects[self.change(group, parts[1])], self._shortest_first(found)
             if group < 0:
@@ -122,7 +119,14 @@ class Search:
                         choices.append(Choice(NodeKind.QUADRATIC, (k,), cost))
             else:
                 linear = [k for k in order if effect.degrees[k] == 1]
-                choices = self._pairs(effect.coefficients, linear) + self._singles(effect.coefficients, linear)
+                choices = self._pairs(effect.coefficients, linear)
+                # By themselves: best A c + B s = 0, an atan2 alone; then those that never degenerate, because A^2 + B^2
+                # is the same at all poses.
+                for k in linear[:CONSIDERED]:
+                    right, a, b = effect.coefficients[k, :, :3].T
+                    never = self._constant((a**2 % prime + b**2 % prime) % prime)
+                    rank = 2 if not np.any(right) else 3 if never else 5
+                    choices.append(Choice(NodeKind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
                 if not choices:
                     conics = [k for k in order if effect.degrees[k] == 2][:4]
                     rank = RANK[NodeKind.CONIC]
@@ -141,7 +145,7 @@ class Search:
                 # An equation that changes with k parts of a group holds k - 1 angles between them.
                 unknown += np.maximum(sum(vector.astype(np.int64) for vector in own) - 1, 0)
                 turning += [(g, part, vector) for part, vector in zip(parts, own, strict=True)]
-        slides = [(joint, self._depends[Change(-1, joint)]) for joint in sorted(self._slides - state.slides)]
+        slides = [(joint, self.depends(-1, joint)) for joint in sorted(self._slides - state.slides)]
         for _, vector in slides:
             unknown += vector
         usable = (unknown == unknowns) & self.evidence.allowed
@@ -163,8 +167,8 @@ class Search:
         return (group[min(a, b)], max(a, b) - min(a, b))
 
     def depends(self, group: int, part: int) -> Array:
-        """Which equations change when some links of a group turn."""
-        return self._depends[self.change(group, part)]
+        """Which equations change when some links of a group turn, or with a slide where there is no group."""
+        return self.evidence.effects[self.change(group, part)].depends
 
     def change(self, group: int, part: int) -> Change:
         """The change in which some links of a group turn, or the others against them."""
@@ -184,7 +188,7 @@ class Search:
             links = sum(self.depends(g, 1 << k).astype(np.int64) for k in range(len(group) + 1))
             touched += np.maximum(links - 1, 0)
         for joint in self._slides:
-            touched += self._depends[Change(-1, joint)]
+            touched += self.depends(-1, joint)
         kinds = {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}
         own = [cut.last - cut.first + kinds[entry[0]] + 3 * ("." in entry) for cut, entry in evidence.equations]
         return 8 * touched + np.array(own, dtype=np.int64)
@@ -233,18 +237,8 @@ class Search:
         leading = {NodeKind.TYPE_1: [1], NodeKind.QUADRATIC: [2], NodeKind.TYPE_2: [1, 2]}
         return np.asarray(np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1))
 
-    def _singles(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
-        """Equations A c + B s = C by themselves: best C = 0, an atan2 alone; then those that never degenerate."""
-        p, choices = self.evidence.prime, []
-        for k in linear[:CONSIDERED]:
-            # Where A^2 + B^2 is the same at all poses the equation never degenerates.
-            square = (coefficients[k, :, 1] ** 2 % p + coefficients[k, :, 2] ** 2 % p) % p
-            rank = 2 if not np.any(coefficients[k, :, 0]) else 3 if self._constant(square) else 5
-            choices.append(Choice(NodeKind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
-        return choices
-
     def _pairs(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
-        """Pairs of such equations that determine cosine and sine.
+        """Pairs of equations A c + B s = C that determine cosine and sine.
 
         First those that do so at every pose, then A c + B s, -B c + A s, whose determinant is a sum of squares: it is
         zero where the angle is free, and nowhere else.

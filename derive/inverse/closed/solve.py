@@ -28,7 +28,7 @@ from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_n
 from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
-from derive.mechanics.vectors import column, cross
+from derive.mechanics.vectors import column, cross, subtract
 from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.names import free_symbols
@@ -96,11 +96,8 @@ def usual_task(robot: Robot) -> Task:
 
 def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
     """The graph of an arm by the simplest way that leads anywhere, with its conditions and count."""
-    for way, deep in (
-        (GraphDerivation.graph, False),
-        (GraphDerivation.graph, True),
-        (GraphDerivation.graph_by_pairs, False),
-    ):
+    by_one, by_pairs = GraphDerivation.graph, GraphDerivation.graph_by_pairs
+    for way, deep in ((by_one, False), (by_one, True), (by_pairs, False)):
         for choice in choices:
             derivation = GraphDerivation(robot, task, choice, deep=deep)
             graph = way(derivation)
@@ -124,10 +121,8 @@ def counted(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping[str, 
     """A graph with the number of its solutions."""
     # joint variables are counted from where their cells have no constants: an angle has no value modulo a prime
     graph, original = replace(graph, shifts=(ZERO,) * graph.robot.n), graph
-    count = 0
-    if all(node.kind is not NodeKind.CONIC for node in graph.nodes):
-        count = _modulo_prime(graph, sampled, numbers)
-    count = count or _over_complex(graph, numbers)
+    has_quartic = any(node.kind is NodeKind.CONIC for node in graph.nodes)
+    count = (0 if has_quartic else _modulo_prime(graph, sampled, numbers)) or _over_complex(graph, numbers)
     return replace(original, count=count, complete=count > 0)
 
 
@@ -218,10 +213,10 @@ class Freedom:
         for i, j in (place for row in task for place in ROWS[row]):
             # Velocity of an entry of T by each joint: that of the origin, or omega x the column of R.
             moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
-            rows.append([int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in moved])
+            rows.append([int(x.values.item()) for x in moved])
         self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
         self._wanted = sum(FREEDOMS.get(row, 1) for row in task)
-        self._twists = [[int(np.broadcast_to(x.values, (1, 1))[0, 0]) for x in v] for v in columns]
+        self._twists = [[int(x.values.item()) for x in v] for v in columns]
         self.rank = self._rank(range(robot.n))
         motions = [(joint.cosine, joint.sine) if joint.revolute else (joint.offset,) for joint in chain.joints]
         links = Links(self.robot, residues, lambda k, _: motions[k])
@@ -263,22 +258,19 @@ class Freedom:
         return False
 
     def _generated(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
-        """A basis of the Lie algebra of some twists."""
+        """A basis of the Lie algebra of some twists, velocities of a point before angular velocities."""
         basis, before = self._basis(twists), 0
         while before < len(basis):
-            before = len(basis)
-            # Closed under Lie brackets.
-            basis = self._basis([*basis, *(self._bracket(a, b) for a, b in combinations(basis, 2))])
+            before, brackets = len(basis), []
+            for a, b in combinations(basis, 2):  # closed under Lie brackets
+                (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
+                moved = subtract(cross(wa, vb), cross(wb, va))
+                brackets.append([x % self._prime for x in (*moved, *cross(wa, wb))])
+            basis = self._basis([*basis, *brackets])
         return basis
 
     def _basis(self, twists: Sequence[Sequence[int]]) -> list[list[int]]:
         return list(echelon(np.array(twists, dtype=np.int64), self._prime)[1].tolist())
-
-    def _bracket(self, a: Sequence[int], b: Sequence[int]) -> list[int]:
-        """The Lie bracket of two twists, velocities of a point before angular velocities."""
-        (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
-        moved = (x - y for x, y in zip(cross(wa, vb), cross(wb, va), strict=True))
-        return [x % self._prime for x in (*moved, *cross(wa, wb))]
 
     def choices(self) -> Iterator[tuple[int, ...]]:
         """Which joints may be given so that the task determines the others, the usual choice first.

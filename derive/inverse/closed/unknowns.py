@@ -26,14 +26,13 @@ from derive.robot.expression import ZERO, Expression, Name, Number, Pi, add, mul
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
-# Of the upper three rows of a pose.
-ENTRIES = tuple(f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3, 4))
-# Of the pose W = (R, p) within the arm: p.p, u = R^T p, m = [p]x R and k = p.p R - 2 p u^T.
-INVARIANTS = (
+# Invariants p.p, u = R^T p, m = [p]x R and k = p.p R - 2 p u^T of the pose W = (R, p) within the arm; then its entries
+# and those of the pose T.
+POSE_NAMES = (
     "p.p",
     *(f"u[{k}]" for k in (1, 2, 3)),
-    *(f"m[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
-    *(f"k[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)),
+    *(f"{name}[{row},{column}]" for name in "mk" for row in (1, 2, 3) for column in (1, 2, 3)),
+    *(f"{name}[{row},{column}]" for name in "WT" for row in (1, 2, 3) for column in (1, 2, 3, 4)),
 )
 S = TypeVar("S", bound=Scalar)
 
@@ -60,8 +59,8 @@ class State:
 class InverseDomain(PolynomialDomain):
     """The ring in which inverse kinematics is derived.
 
-    Besides what a robot's ring has, it holds the cosine and sine of every sum of neighbouring angles of a group, the
-    entries ``T[row,column]`` of the pose, those of the pose within the arm, ``W[row,column]``, and its `INVARIANTS`.
+    Besides what a robot's ring has, it holds the cosine and sine of every sum of neighbouring angles of a group, and of
+    the pose and that within the arm entries and invariants, `POSE_NAMES`.
     """
 
     def __init__(self, robot: Robot, extra: Iterable[Expression] = ()) -> None:
@@ -77,8 +76,7 @@ class InverseDomain(PolynomialDomain):
                     yield Generator(Kind.SINE, f"sin {key}", argument, -1, f"cos {key}")
                     yield Generator(Kind.COSINE, f"cos {key}", argument, -1, f"sin {key}")
         yield from super()._needed_generators(rates)
-        names = [f"{pose}{entry}" for pose in "WT" for entry in ENTRIES]
-        yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in [*INVARIANTS, *names])
+        yield from (Generator(Kind.PARAMETER, name, Name(name)) for name in POSE_NAMES)
 
     def unknown(self, *joints: int) -> Unknown:
         """The angle of a joint, or of the sum of neighbouring ones of a group, or the length of a slide."""
@@ -93,11 +91,10 @@ class InverseDomain(PolynomialDomain):
         row = self.robot.joints[joint]
         if not row.is_revolute:
             return (row.sign * self.ring.generator(row.variable),)
-        g = next(k for k, group in enumerate(self.groups) if joint in group)
-        group = self.groups[g]
+        g, before, behind = self.ends(self.unknown(joint))
+        group, sign = self.groups[g], row.sign * self.directions[joint]
         root = sum(member < start for member in group) if start >= 0 else len(group)
-        place, sign = group.index(joint), row.sign * self.directions[joint]
-        (c, s), (d, e) = self.turn(g, root, place), self.turn(g, root, place + 1)
+        (c, s), (d, e) = self.turn(g, root, before), self.turn(g, root, behind)
         return c * d + s * e, sign * (c * e - s * d)
 
     def turn(self, group: int, u: int, v: int) -> tuple[Polynomial, Polynomial]:

@@ -16,6 +16,7 @@ from functools import cache
 from itertools import product
 from typing import Generic
 
+from derive.algebra.domain import MappedDomain
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.elementary_solver import ILL, Branch, Field, M, N, Solver
 from derive.inverse.closed.graph import Node, SolutionGraph
@@ -25,7 +26,6 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame
 from derive.robot.description import Joint
-from derive.robot.expression import Expression
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,6 @@ class Value(Generic[N, M]):
 class Leaf(Generic[N, M]):
     """One solution."""
 
-    branches: tuple[int, ...]  # the branch taken at each of the graph's `choices`
     joints: tuple[tuple[N, ...], ...]  # of each joint's variable plus its shift: cosine and sine, or length
     exists: M  # whether all its nodes exist
     free: tuple[M, ...]  # for each joint whether its node was not determined
@@ -96,7 +95,7 @@ class GraphWalk(Generic[N, M]):
                 ill, doubt = ill | value.ill, doubt | value.doubt
             joints = tuple(values[home].numbers[k] for home, k in homes)
             free = tuple(values[home].free for home, _ in homes)
-            yield Leaf(branches, joints, exists, free, boundary, ill, doubt)
+            yield Leaf(joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
         """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
@@ -115,7 +114,7 @@ class GraphWalk(Generic[N, M]):
         return self._horner(horner(p), values)
 
     def _visit(self, node: Node) -> None:
-        axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
+        axes = self.graph.axes[node.index]
         table: dict[tuple[int, ...], list[Value[N, M]]] = {}
         no = self.field.truth(False)
         self.results.append(table)
@@ -140,7 +139,7 @@ class GraphWalk(Generic[N, M]):
             table[branches] = [Value((total,), self.field.truth(True), free, no, no, no)]
 
     def _value(self, node: Node, chosen: Mapping[int, int]) -> Value[N, M]:
-        axes = [axis for axis in self.graph.axes[node.index] if axis != node.index]
+        axes = self.graph.axes[node.index]
         return self.results[node.index][tuple(chosen[axis] for axis in axes)][chosen.get(node.index, 0)]
 
     def _solve(self, node: Node, scope: Mapping[str, N]) -> list[Value[N, M]]:
@@ -218,22 +217,12 @@ class GraphWalk(Generic[N, M]):
         return product_ if rest == 0 else product_ + self._horner(rest, values)
 
 
-class Posture(Generic[N, M]):
-    """An arm at one of its solutions, as scalars of the mechanics (a `derive.mechanics.chain.Domain`)."""
+class Posture(MappedDomain[N]):
+    """An arm at one of its solutions, as scalars of the mechanics."""
 
     def __init__(self, run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> None:
-        self._run, self._joints = run, joints
-        self.number = run.field.number  # a rational
-
-    def constant(self, expression: Expression) -> N:
-        """A cell without joint variables."""
-        domain = self._run.graph.domain
-        return self._run.evaluate(domain.constant(expression), {})
-
-    def cosine_sine(self, angle: Expression) -> tuple[N, N]:
-        """Cosine and sine of a constant angle."""
-        cosine, sine = self._run.graph.domain.cosine_sine(angle)
-        return self._run.evaluate(cosine, {}), self._run.evaluate(sine, {})
+        super().__init__(run.graph.domain, lambda p: run.evaluate(p, {}))
+        self._joints = joints
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
         """Cosine and sine of ``sign*q + theta``."""

@@ -49,11 +49,10 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
             others = [joint for joint in unknowns if joint != hidden]
             for chosen in choices:
                 for multiplied in (None, *others):
-                    rows = _rows(
-                        loop, pose, Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
-                    )
+                    trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
+                    rows = _rows(loop, pose, trial)
                     if rows is not None:
-                        yield Elimination(chosen, hidden, multiplied, rows, finish, start, straight)
+                        yield replace(trial, rows=rows)
 
 
 def _rank(matrix: Array) -> int:
@@ -155,9 +154,8 @@ def general_formula(
     robot: Robot, specimen: Robot, given: Sequence[int], generators: Sequence[tuple[str, ...]], entries: Entries = POSE
 ) -> GeneralFormula | None:
     """The general node of an arm; None where there is no elimination."""
-    missing = sorted(set(free_symbols(specimen)))
     draw = random.Random(5)
-    chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in missing})
+    chain = NumericChain.of(robot, {name: draw.uniform(0.3, 1.1) for name in sorted(set(free_symbols(specimen)))})
     found = find_general(chain, given, entries)
     if not found:
         return None

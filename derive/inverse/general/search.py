@@ -23,7 +23,6 @@ from derive.inverse.numeric.chain import POSE, POSITION, Entries, NumericChain, 
 from derive.inverse.numeric.newton import fit
 from derive.robot.robot import Robot
 
-PAIR = 2  # numbers of an angle: cosine and sine
 # With as many joints as a task has dimensions the number of real solutions is even at regular poses.
 FULL = {POSE: 6, POSITION: 3}
 SPECIAL = 4  # solutions that special poses of arms with few joints have (`derive.inverse.closed.graph.SPECIAL`)
@@ -299,7 +298,7 @@ class GeneralFormula:
         numbers, given = iter(part.ravel() for part in flat[12:]), []
         for names in self.given:
             first = next(numbers)
-            given.append(np.arctan2(next(numbers), first) if len(names) == PAIR else first)
+            given.append(np.arctan2(next(numbers), first) if len(names) > 1 else first)
         found = self.solution.solve(chain, poses, np.stack(given, axis=-1) if given else None)
         branches: list[tuple[tuple[tuple[Any, ...], ...], Any]] = []
         for k in range(self.branches):

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from math import prod
 from typing import Any
 
 import mpmath
@@ -40,9 +41,7 @@ def array_value(e: Expr, known: Numbers) -> Any:
     elif e.is_Add:
         found = sum(arguments[1:], arguments[0])
     elif e.is_Mul:
-        found = arguments[0]
-        for argument in arguments[1:]:
-            found = found * argument
+        found = prod(arguments[1:], start=arguments[0])
     elif e.is_Pow:
         found = np.sqrt(arguments[0]) if e.args[1] == sympy.S.Half else arguments[0] ** arguments[1]
     else:
@@ -57,7 +56,7 @@ _FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np
 class DigitsDomain(FloatDomain):
     """Cells of a robot and joint positions as numbers of mpmath, with its working precision."""
 
-    functions: tuple[Any, Any] = (mpmath.cos, mpmath.sin)
+    functions: tuple[Any, Any, Any] = (mpmath.cos, mpmath.sin, mpmath.mpf)  # the last one makes numbers
 
     def __init__(self, robot: Robot, q: Sequence[Any], values: Numbers) -> None:
         super().__init__(robot, q, {})
@@ -65,20 +64,20 @@ class DigitsDomain(FloatDomain):
 
     def number(self, value: int | Fraction) -> Any:
         """A rational."""
-        return mpmath.mpf(value.numerator) / value.denominator
+        return self.functions[2](value.numerator) / value.denominator
 
     def constant(self, expression: Expression) -> Any:
         """The value of a cell."""
-        return value_of(expression_to_sympy(expression), self._known)
+        return self.functions[2](value_of(expression_to_sympy(expression), self._known))
 
     def cosine_sine(self, angle: Expression) -> Any:
         """Cosine and sine of a constant angle."""
-        value = expression_to_sympy(angle)
-        return value_of(sympy.cos(value), self._known), value_of(sympy.sin(value), self._known)
+        value, number = expression_to_sympy(angle), self.functions[2]
+        return tuple(number(value_of(function(value), self._known)) for function in (sympy.cos, sympy.sin))
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
         """Cosine and sine of the angle of a revolute joint."""
-        cosine, sine = self.functions
+        cosine, sine, _ = self.functions
         value = joint.sign * self.q[index] + self.constant(joint.theta)
         return cosine(value), sine(value)
 
@@ -86,16 +85,4 @@ class DigitsDomain(FloatDomain):
 class ArrayDomain(DigitsDomain):
     """The same at many configurations, as arrays of floats."""
 
-    functions = (np.cos, np.sin)
-
-    def number(self, value: int | Fraction) -> Any:
-        """A rational."""
-        return float(value)
-
-    def constant(self, expression: Expression) -> Any:
-        """The value of a cell."""
-        return float(super().constant(expression))
-
-    def cosine_sine(self, angle: Expression) -> Any:
-        """Cosine and sine of a constant angle."""
-        return tuple(map(float, super().cosine_sine(angle)))
+    functions = (np.cos, np.sin, float)

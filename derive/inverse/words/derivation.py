@@ -18,6 +18,7 @@ from derive.algebra.ring import Polynomial
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
 from derive.inverse.closed.pose import is_plain
+from derive.inverse.closed.unknowns import POSE_NAMES
 from derive.inverse.words.elementary import Linear, PrintedLine, Scribe, Solved, is_negative, minus_signs, usual
 from derive.inverse.words.origins import Origin, origin
 from derive.lecture.form import LectureForm
@@ -123,9 +124,8 @@ class PrintedDerivation:
             j.variable: add(Name(j.variable), shift) for j, shift in zip(joints, self._graph.shifts, strict=True)
         }
         images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
-        defined = {name for name, _ in self._graph.definitions}
         for g in self._graph.domain.generators:
-            if g.name not in images and g.name not in defined and not _OF_POSE.fullmatch(g.name):
+            if g.name not in POSE_NAMES:
                 images[g.name] = target.constant(substitute(g.expression, shifted))
         return images
 
@@ -322,6 +322,5 @@ class PrintedDerivation:
 
 
 _SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
-_OF_POSE = re.compile(r"W\[\d,\d\]|p\.p|[umk]\[[\d,]+\]")  # entries and invariants of the pose within the arm
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
 _SHORTHAND = ("c", "s")

@@ -8,7 +8,7 @@ Identification and Control of Robots, 2002, chapter 4; the forms are those of Cr
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import gcd, lcm
+from functools import reduce
 
 import sympy
 
@@ -101,10 +101,7 @@ class Scribe:
     def simplest(self, polynomials: Linear) -> Linear:
         """An equation divided by its common factor, with as few minus signs as may be."""
         ring = polynomials[0].ring
-        kept = [p for p in polynomials if p]
-        common = kept[0].raw
-        for p in kept[1:]:
-            common = common.gcd(p.raw)
+        common = reduce(lambda p, q: p.gcd(q), (p.raw for p in polynomials if p))
         a, b, c = (ring.wrap(p.raw / common) for p in polynomials)
         signs = sum(minus_signs(self.write(p)) for p in (a, b, c))
         return (-a, -b, -c) if signs > sum(minus_signs(self.write(-p)) for p in (a, b, c)) else (a, b, c)
@@ -169,15 +166,11 @@ class Scribe:
         return self._quotients(unknown, label, (above[0], determinant), (above[1], determinant))
 
     def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:
-        """An atan2; of a sine with a minus sign it has the minus sign in front."""
-        if is_negative(self.write(sine)):
-            return -self._arc(self.write(-sine), self.write(cosine))
-        return self._arc(self.write(sine), self.write(cosine))
-
-    def _arc(self, sine: Expr, cosine: Expr) -> Expr:
-        """An atan2; that of the sine and cosine of an angle is the angle, by its name."""
-        arc = _atan2(sine, cosine)
-        return self.sums.get(arc, arc)
+        """An atan2, or the name of its angle; of a sine with a minus sign it has the minus sign in front."""
+        negative = is_negative(self.write(sine))
+        found = _atan2(self.write(-sine if negative else sine), self.write(cosine))
+        arc: Expr = self.sums.get(found, found)
+        return -arc if negative else arc
 
     def _quotients(
         self, unknown: Expr, label: str, sine: tuple[Polynomial, Polynomial], cosine: tuple[Polynomial, Polynomial]
@@ -219,8 +212,10 @@ def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomia
         return above, ring.one
     common = above.raw.gcd(below.raw)
     above, below = ring.wrap(above.raw / common), ring.wrap(below.raw / common)
-    if below.is_constant and (len(above) == 1 or content(above * (1 / below.constant_term)).denominator == 1):
-        return above * (1 / below.constant_term), ring.one
+    if below.is_constant:
+        whole = above * (1 / below.constant_term)
+        if len(above) == 1 or all(coefficient.denominator == 1 for _, coefficient in whole.terms()):
+            return whole, ring.one
     negative = sum(c < 0 for _, c in below.terms())
     scale = usual(above.terms()) * (-1 if 2 * negative > len(below) else 1)
     return above * (1 / scale), below * (1 / scale)
@@ -232,12 +227,6 @@ def usual(terms: Iterable[tuple[tuple[int, ...], Fraction]]) -> Fraction:
     squares = [size for is_square, size in sizes if is_square]
     among = squares or [size for _, size in sizes]
     return max(among, key=among.count)
-
-
-def content(p: Polynomial) -> Fraction:
-    """The positive rational that leaves whole coefficients without a common divisor."""
-    coefficients = [c for _, c in p.terms()]
-    return Fraction(gcd(*(c.numerator for c in coefficients)), lcm(*(c.denominator for c in coefficients)))
 
 
 def operations(e: Expr) -> int:

@@ -106,13 +106,11 @@ class Reach:
 
 def find_reach(robot: Robot, style: Style, own: InverseKinematics) -> Reach:
     """What an arm reaches."""
-    found = own
     if robot.n <= LARGEST_FREE and robot.inverse.task == POSE:
         task = next((task for task in _POSITIONS if len(task) == robot.n == Freedom(robot, task).rank), None)
         if task is not None:
-            asked = replace(robot, inverse=InverseOptions(task))
-            found = inverse_kinematics(asked, style)
-    return _Reading(found).reach()
+            own = inverse_kinematics(replace(robot, inverse=InverseOptions(task)), style)
+    return _Reading(own).reach()
 
 
 class _Reading:
@@ -123,8 +121,7 @@ class _Reading:
         self._places = {found.pose[i, 3] for i in range(3)}
         self._places |= {line.symbol for line in found.definitions if str(line.symbol)[-1:] in ("x", "y", "z")}
         self._pose = set(found.pose.free_symbols) | {line.symbol for line in found.definitions}
-        self._turned: list[tuple[dict[Expr, Expr], Expr, Expr]] = []
-        self._signed: list[Expr] = []
+        self._turned: list[tuple[Expr, dict[Expr, Expr], Expr, Expr]] = []
         self._names = list(found.definitions)
         self._values = parameter_numbers(found.robot, random.Random(12))
 
@@ -150,7 +147,10 @@ class _Reading:
                     others.append(step.unknown)  # a condition on more than the geometry
             if formula.kind is NodeKind.TYPE_2 and len(node.unknown.joints) == 1:
                 self._remember(node.unknown.joints[0], a, b, right, node.unknown.generators)
-        for u in self._signed:  # distances along the turned arm, counted so that its offset is positive: (rho - a1)^2
+        for (
+            u,
+            *_,
+        ) in self._turned:  # distances along the turned arm, counted so that its offset is positive: (rho - a1)^2
             parts = [term for bound in bounds for term in sympy.Add.make_args(bound.quantity) if term.has(u)]
             if parts and all(t.is_Pow and t.exp == 2 and self._number(t.base.subs(u, 0)) > 0 for t in parts):
                 turned = {term: (u - term.base.subs(u, 0)) ** 2 for term in parts}
@@ -189,15 +189,14 @@ class _Reading:
             second[1]: (right / scale * sine + u * cosine) * scale / second[0],
         }
         square = sympy.expand(first[1] ** 2 + second[1] ** 2 - (right / scale) ** 2)
-        self._turned.append((put_in, cosine, sine))
+        self._turned.append((u, put_in, cosine, sine))
         self._names.append(PrintedLine(u, sign * sympy.sqrt(square)))
         self._places.add(u)
         self._pose.add(u)
-        self._signed.append(u)
 
     def _without_turns(self, e: Expr) -> Expr:
         """An expression of the pose turned back by the first angle, in distances along the turned arm."""
-        for put_in, cosine, sine in self._turned:
+        for _, put_in, cosine, sine in self._turned:
             if not e.has(cosine, sine):
                 continue
             c, s = sympy.symbols("c s", cls=sympy.Dummy)

@@ -174,7 +174,7 @@ def planar_graph() -> SolutionGraph:
 
 def test_nodes_have_a_value_for_each_branch_and_joints_are_found_where_they_are_solved_for() -> None:
     graph = planar_graph()
-    assert graph.axes == ((0,), (0,))
+    assert graph.axes == ((), (0,))
     assert graph.choices == (0,)
     assert graph.leaves == graph.slots == 2
     assert [node.unknown.joints for node in graph.nodes] == [(1,), (0,)]
