@@ -18,7 +18,7 @@ from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Section
 from derive.handouts.sheet.language import text_for
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot

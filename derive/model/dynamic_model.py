@@ -9,8 +9,7 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError
-from derive.lecture.matrices import aligned_latex, columns_matrix
-from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, columns_matrix
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting
 from derive.model.regressor_forms import IdentifiedModel

@@ -9,7 +9,7 @@ from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import Derivation, HandoutOptions, NotationOptions
 from derive.robot.robot import Robot

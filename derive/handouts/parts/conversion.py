@@ -11,7 +11,7 @@ from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, t
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.mechanics.convention import Conversion, convert
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO

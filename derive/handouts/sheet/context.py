@@ -9,7 +9,7 @@ from derive.handouts.notation.symbols import Symbols
 from derive.handouts.sheet.document import Paragraph
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.robot.description import Convention
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot

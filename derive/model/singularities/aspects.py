@@ -22,7 +22,6 @@ from derive.inverse.numeric.chain import Array, NumericChain
 from derive.inverse.numeric.in_numbers import Numbers, array_value
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.sympy_conversion import Expr
-from derive.model.singularities.conditions import Condition
 from derive.model.singularities.nonsingular_path import (
     CLEAR,
     Crossing,
@@ -30,7 +29,7 @@ from derive.model.singularities.nonsingular_path import (
     ScaledDeterminant,
     random_configurations,
 )
-from derive.model.singularities.singularities import Outcome, Singularities
+from derive.model.singularities.singularities import Condition, Outcome, Singularities
 
 POSES = 200  # random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal
 _LOOKED_AT = 12  # random poses at which the signs of each branch are looked at

@@ -22,7 +22,7 @@ from derive.handouts.sheet.document import Figure, Paragraph, Rows, Section, She
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.mechanics.floats import value_at
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.plans.hermite import TIME, Piece
 from derive.plans.profile import AnyPiece, Curve

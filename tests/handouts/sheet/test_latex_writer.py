@@ -24,7 +24,7 @@ from derive.handouts.sheet.document import (
 )
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, Derivation
 from derive.robot.robot import Robot
