@@ -221,7 +221,7 @@ def _formula(block: SheetFormula, _: Text) -> Iterator[str]:
         yield _macro("paragraph", text=_words(_("the entries are as follows.")))
     if lines:
         is_alone = len(whole_equations(lines)) == 1 and matrix_equation(lines[0]) is not None
-        entries = [entry for entry in block.entries if "\\begin" not in entry.latex] if is_alone else []
+        entries = [entry for entry in block.entries() if "\\begin" not in entry.latex] if is_alone else []
         named = [f"{entry.name} = {entry.latex}" for entry in entries]
         yield _rows(lines, _, named)
     if block.omitted:

@@ -121,9 +121,6 @@ def build_robot(
     def _chosen() -> tuple[Target, ...]:
         return targets_named(targets, written_targets(target), only=only)
 
-    def _are_chosen(written: tuple[Target, ...]) -> bool:
-        return written == _chosen()
-
     while True:
         chosen = _chosen()
         if not force and is_current(target, robot.digest, __version__, chosen, effort):
@@ -145,9 +142,8 @@ def build_robot(
                 tell(robot.name, " and ".join(stages))
                 finish = partial(_finished, robot, take, whole, verified, target)
                 late = [name for each in chosen if not each.needs_program for name in each.files]
-                report, rendered = publish(
-                    first.files, target, robot.name, finish, [*libraries, *late], partial(_are_chosen, chosen)
-                )
+                further, still = [*libraries, *late], lambda written=chosen: written == _chosen()
+                report, rendered = publish(first.files, target, robot.name, finish, further, still)
         except OvertakenError:  # a build of other targets was faster, and what it has written stays
             continue
         tell(robot.name, "built")

@@ -47,6 +47,12 @@ def bare_context(robot: Robot, *, steps: bool = True, policy: SheetPolicy = POLI
     return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
 
 
+def changed(context: Context, **changes: Any) -> Context:
+    """What the parts of a handout are made from, with something else in it."""
+    given = {name: getattr(context, name) for name in ("entries", "options", "text", "version", "poses", "policy")}
+    return Context(**(given | changes))
+
+
 def document_of(context: Context, parts: Iterable[str]) -> Document:
     """A sheet of some parts, as far as the robot has them."""
     found = (section_of(context, part) for part in parts)

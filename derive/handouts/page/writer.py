@@ -205,11 +205,11 @@ class BlockWriter:
             parts += [f"<p>{self.words(omitted_words(block, _))}</p>", self._displays(block.omitted)]
         if block.note:
             parts.append(f"<p class=note>{self.words(block.note)}</p>")
-        if block.entries:
+        if written := tuple(block.entries()):
             words = {"entry": _("Entry"), "latex": _("Copy LaTeX"), "python": _("Copy Python")}
             entries = [
                 {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
-                for e in block.entries
+                for e in written
             ]
             words = {name: html_text(word) for name, word in words.items()}
             function = html_text(block.function)

@@ -15,7 +15,7 @@ from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.parts.orientation import euler_names
+from derive.handouts.parts.kinematics import euler_names
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook

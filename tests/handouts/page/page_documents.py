@@ -44,7 +44,7 @@ def result() -> SheetFormula:
         omitted=(r"b_{33} \colon\ 12\,345\text{ terms}",),
         note="The matrix is symmetric.",
         function="inertia_matrix",
-        entries=ENTRIES,
+        entries=lambda: ENTRIES,
         blanks=(r"\mathbf{B}",),
     )
 
