@@ -41,7 +41,6 @@ from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
 _WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")
-
 _INDEX = re.compile(r"(?<![A-Za-z\\])i(?![A-Za-z])")  # the index in a symbol of the registry
 _COMMAND = re.compile(r"\\[A-Za-z]+|[{}_^]")  # what takes no room in print
 _LETTER = 8.0  # a bold letter [pt]

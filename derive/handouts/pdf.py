@@ -21,7 +21,6 @@ PACKAGES = "texlive-latex-recommended latexmk"  # Debian packages that bring the
 TIME_LIMIT = 120.0  # seconds after which LaTeX is stopped; the longest handout takes a few
 _OPTIONS = ("-interaction=nonstopmode", "-halt-on-error", "-file-line-error", "-no-shell-escape")
 _SECTION = re.compile(r"\\section\*\{(.*)\}")
-
 _SHOWN = 160  # characters of a line of LaTeX in a message
 # No time of day in the PDF, no line of the log cut, no file read or written outside.
 _ENVIRONMENT = {

@@ -51,7 +51,8 @@ def convention_drawing(convention: Convention) -> Drawing:
     _joint(paper, joint - 42 * z_after, z_after)
     axes = zip((origin - 62 * _Z, joint - 68 * z_after), ends, strict=True)
     for start, end in (*axes, *((place, place + way) for place, way in carried)):
-        _dashes(paper, start, end)
+        # an axis, or a direction carried over from elsewhere
+        paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
     for start, end in solid:
         paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), width=1.1))
     if convention is Convention.MODIFIED:
@@ -71,11 +72,6 @@ def convention_drawing(convention: Convention) -> Drawing:
 def _joint(paper: Paper, center: Array, axis: Array) -> None:
     for path in paint(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28), _VIEW):
         paper.draw(path, weight=0.2)
-
-
-def _dashes(paper: Paper, start: Array, end: Array) -> None:
-    """An axis, or a direction carried over from elsewhere."""
-    paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
 
 
 def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:

@@ -7,7 +7,7 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Rows, SheetFormula, Steps
+from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
@@ -83,10 +83,8 @@ def link_jacobians(context: Context) -> Iterator[Block]:
         angular = context.entries.angular_jacobian(body.index, body.is_rotor)
         items.append(BodyItem(body.symbol("J", "v"), linear, Group.body(body.place, 1)))
         items.append(BodyItem(body.symbol("J", "\\omega"), angular, Group.body(body.place, 2)))
-    if has_rotors(context.robot):
-        task = _("Find the Jacobians of the links and of the rotors.")
-    else:
-        task = _("Find the Jacobians of the links.")
+    of_both = _("Find the Jacobians of the links and of the rotors.")
+    task = of_both if has_rotors(context.robot) else _("Find the Jacobians of the links.")
     yield from body_formulas(context, items, task)
 
 
@@ -168,13 +166,10 @@ def inertia(context: Context) -> Iterator[Block]:
 
 
 def _contributions(context: Context) -> Iterator[Block]:
-    letter, rotors = context.symbols.inertia_letter, has_rotors(context.robot)
-    if rotors:
-        yield context.paragraph(
-            "Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians."
-        )
-    else:
-        yield context.paragraph("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
+    _, letter, rotors = context.text, context.symbols.inertia_letter, has_rotors(context.robot)
+    of_both = _("Every link and every rotor adds its own part, made of its mass, its inertia and its Jacobians.")
+    of_links = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
+    yield Paragraph(of_both if rotors else of_links)
     yield textbook("inertia_matrix", B=letter, rotors=rotors)
     items = (
         BodyItem(

@@ -21,7 +21,6 @@ from derive.model.singularities.singularities import Condition, Outcome, Posture
 _IS_ZERO = TexPiece(Box(" = 0", RELATION_WIDTH + 5.0))
 _IF_AND_ONLY_IF = TexPiece(Box(" \\iff ", 34.0), Break.BINARY)
 _DETERMINANT = Box("\\det", 16.0)
-
 _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 

@@ -158,7 +158,8 @@ def test_what_is_copied_is_what_is_computed() -> None:
     formulas = [b for b in blocks_of(part(robot, "example")) if isinstance(b, SheetFormula)]
     q = configuration(robot).q
     for formula, name in zip(formulas, "TJB", strict=False):
-        np.testing.assert_allclose(json.loads(formula.entries[0].python), value_at(robot, name, q), atol=1e-11)
+        (entry,) = formula.entries()
+        np.testing.assert_allclose(json.loads(entry.python), value_at(robot, name, q), atol=1e-11)
     assert len(formulas) == 4
 
 
