@@ -16,9 +16,8 @@ from derive.errors import QuantityError
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.language import Text
-from derive.lecture.matrices import aligned_latex
-from derive.lecture.sympy_conversion import Expr
-from derive.model.dynamic_entries import ModelEntries
+from derive.lecture.sympy_conversion import Expr, aligned_latex
+from derive.model.entries import ModelEntries
 from derive.model.model import Model as ClosedForms
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse

@@ -140,14 +140,11 @@ def _float(angle: Expression, units: dict[Expression, float]) -> float:
 
 
 def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -> tuple[Expression, ...]:
-    """What is added to each joint angle inside the sines and cosines that are printed: ``cos(q1 + pi/4)``.
+    """What is added to each joint angle inside the sines and cosines that are printed [rad]: ``cos(q1 + pi/4)``.
 
     That is the constant of its cell where it is no multiple of pi/2, sine and cosine of which are numbers that vanish.
     Where constants of a group add up to such a multiple, as two of pi/4 do, the sums of the group are turned by right
     angles until none does: then ``q1 + q2`` has no constant.
-
-    Returns:
-        For every joint the angle that is added to its variable [rad].
     """
     offsets: list[Expression] = [ZERO] * robot.n
     nothing = ExactAngle(Fraction(0), ())

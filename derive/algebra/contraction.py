@@ -6,6 +6,7 @@ each basis, each s^2 or c^2 is replaced by s^2 + c^2 = 1 where that leaves fewer
 c2*c3 - s2*s3 becomes c23, c1*c12 + s1*s12 becomes c2, 1 - c5^2 becomes s5^2.
 """
 
+from fractions import Fraction
 from functools import cache, lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -16,8 +17,8 @@ from derive.algebra.ring import fraction
 
 Edge = tuple[int, int]  # nodes lo < hi: the sum of the angles lo+1 .. hi, counted within the group
 Tree = tuple[Edge, ...]
-# Terms (exponents of s_1..s_k, c_1..c_k; numerator; denominator) in the generators of the ring.
-Items = tuple[tuple[tuple[int, ...], int, int], ...]
+# Terms (exponents of s_1..s_k, c_1..c_k; coefficient) in the generators of the ring.
+Items = tuple[tuple[tuple[int, ...], Fraction], ...]
 MAX_ENUMERATED = 3  # largest group whose spanning trees are all tried; 16 trees for 3 joints, 125 for 4
 MAX_STARS = 8
 """Largest number of sums for which each of them is tried as the common reference: every further one costs a rewriting
@@ -37,10 +38,9 @@ class Trig(NamedTuple):
 
 
 class Contracted(NamedTuple):
-    """One term of the result: coefficient as numerator and denominator, and its factors."""
+    """One term of the result."""
 
-    numerator: int
-    denominator: int
+    coefficient: Fraction
     factors: tuple[Trig, ...]
 
 
@@ -49,14 +49,14 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     if not sums or size == 1:
         return _shortest(size, sums, items)
     # sums that do not occur are left out, and the nodes of the others numbered as in the whole group afterwards
-    used = [i for i in range(size) if any(e[i] or e[size + i] for e, _, _ in items)]
+    used = [i for i in range(size) if any(e[i] or e[size + i] for e, _ in items)]
     places = [*used, *(size + i for i in used)]
-    small = tuple((tuple(e[p] for p in places), n, d) for e, n, d in items)
+    small = tuple((tuple(e[p] for p in places), coefficient) for e, coefficient in items)
     nodes = (0, *(i + 1 for i in used))
     found = []
     for term in _shortest(len(used), True, small):
         factors = tuple(Trig(f.is_sine, (nodes[f.edge[0]], nodes[f.edge[1]]), f.exponent) for f in term.factors)
-        found.append(Contracted(term.numerator, term.denominator, factors))
+        found.append(Contracted(term.coefficient, factors))
     return tuple(found)
 
 
@@ -64,7 +64,7 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
 def _shortest(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     """The terms in the basis in which there are fewest; then those of least degree, with the fewest angles."""
     # every basis is tried: rewritten, squares folded, counted; ties go to the ring's own angles, which come first
-    polynomial = _context(size).from_dict({exponents: fmpq(p, q) for exponents, p, q in items})
+    polynomial = _context(size).from_dict({exponents: fmpq(c.numerator, c.denominator) for exponents, c in items})
     bases = trees(size, sums)
     if len(items) == 1 or len(items) > MAX_REWRITTEN_TERMS:
         return _terms_in(bases[0], polynomial)
@@ -162,6 +162,5 @@ def _terms_in(tree: Tree, p: fmpq_mpoly) -> tuple[Contracted, ...]:
         factors = tuple(
             Trig(position < size, tree[position % size], int(e)) for position, e in enumerate(exponents) if e
         )
-        value = fraction(coefficient)
-        terms.append(Contracted(value.numerator, value.denominator, factors))
+        terms.append(Contracted(fraction(coefficient), factors))
     return tuple(terms)

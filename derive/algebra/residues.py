@@ -150,10 +150,9 @@ def fraction_residue(value: Fraction, prime: int) -> int:
 
 
 def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
-    """The reduced row echelon form of a matrix (m, n) modulo a prime.
+    """The pivot columns of a matrix (m, n) modulo a prime, and its reduced row echelon form (rank, n).
 
-    Returns:
-        The pivot columns, and a matrix (rank, n) whose entry (k, j) is the coefficient of pivot column k in column j.
+    Entry (k, j) of the form is the coefficient of pivot column k in column j.
     """
     entries = np.asarray(matrix, dtype=np.int64) % prime
     form, rank = nmod_mat(*entries.shape, entries.ravel().tolist(), prime).rref()

@@ -258,12 +258,9 @@ def fraction(value: fmpq) -> Fraction:
 
 
 def determinant(rows: Sequence[Sequence[E]]) -> E:
-    """The determinant of polynomials or other scalars by Laplace expansion, every minor computed once.
+    """The determinant of a matrix (n, n) of polynomials or other scalars by Laplace expansion, every minor once.
 
     With the rows taken from the last one up, a minor is fixed by its columns; a matrix of size n has 2^n of them.
-
-    Args:
-        rows: A square matrix (n, n) over one ring, n at least 1.
     """
     size = len(rows)
 

@@ -85,7 +85,7 @@ def build_all(
         RobotFileError: A file does not describe a robot.
         OutputError: Two different robots would share a folder.
     """
-    from derive.publish.many import build_many
+    from derive.publish.build import build_many
 
     chosen, how = load_all(robots), effort_named(effort)
     return build_many(chosen, Path(out), targets, only=only, jobs=jobs, force=force, effort=how, progress=progress)
@@ -118,7 +118,7 @@ def stale(
     Raises:
         RobotFileError: A file does not describe a robot.
     """
-    from derive.publish.many import check_many
+    from derive.publish.build import check_many
 
     chosen, how = load_all(robots), effort_named(effort)
     return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=how, progress=progress)

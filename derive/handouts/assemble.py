@@ -3,22 +3,30 @@
 from collections.abc import Callable, Iterable
 
 from derive.errors import DeriveError
-from derive.handouts.parts.bodies import energies, has_rotors, inertia, link_jacobians
 from derive.handouts.parts.conversion import conversion
+from derive.handouts.parts.dynamics import (
+    christoffel,
+    coriolis,
+    energies,
+    equations_of_motion,
+    gravity,
+    has_rotors,
+    inertia,
+    link_jacobians,
+    skew,
+)
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.inverse import inverse
 from derive.handouts.parts.jacobian import jacobian
-from derive.handouts.parts.kinematics import end_effector, transforms
-from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
+from derive.handouts.parts.kinematics import end_effector, orientation, transforms
 from derive.handouts.parts.newton_euler import newton_euler
-from derive.handouts.parts.orientation import orientation
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Section
 from derive.handouts.sheet.language import text_for
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot

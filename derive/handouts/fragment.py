@@ -41,7 +41,6 @@ from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
 
 _WIDTH = re.compile(r"[0-9]+(\.[0-9]+)?(pt|mm|cm|in|em)")
-
 _INDEX = re.compile(r"(?<![A-Za-z\\])i(?![A-Za-z])")  # the index in a symbol of the registry
 _COMMAND = re.compile(r"\\[A-Za-z]+|[{}_^]")  # what takes no room in print
 _LETTER = 8.0  # a bold letter [pt]
@@ -221,7 +220,7 @@ def _formula(block: SheetFormula, _: Text) -> Iterator[str]:
         yield _macro("paragraph", text=_words(_("the entries are as follows.")))
     if lines:
         is_alone = len(whole_equations(lines)) == 1 and matrix_equation(lines[0]) is not None
-        entries = [entry for entry in block.entries if "\\begin" not in entry.latex] if is_alone else []
+        entries = [entry for entry in block.entries() if "\\begin" not in entry.latex] if is_alone else []
         named = [f"{entry.name} = {entry.latex}" for entry in entries]
         yield _rows(lines, _, named)
     if block.omitted:

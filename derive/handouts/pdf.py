@@ -21,7 +21,6 @@ PACKAGES = "texlive-latex-recommended latexmk"  # Debian packages that bring the
 TIME_LIMIT = 120.0  # seconds after which LaTeX is stopped; the longest handout takes a few
 _OPTIONS = ("-interaction=nonstopmode", "-halt-on-error", "-file-line-error", "-no-shell-escape")
 _SECTION = re.compile(r"\\section\*\{(.*)\}")
-
 _SHOWN = 160  # characters of a line of LaTeX in a message
 # No time of day in the PDF, no line of the log cut, no file read or written outside.
 _ENVIRONMENT = {
@@ -41,11 +40,11 @@ _PAGES = re.compile(r"Output written on [^(]*\((\d+) page")
 
 
 @dataclass(frozen=True, slots=True)
-class LatexLog:
-    """The log of a run of pdflatex, of the last one where there were several."""
+class LatexRun:
+    """A run of pdflatex, the last one where there were several."""
 
     text: str  # the whole log
-    status: int = 0  # exit status of the program
+    pdf: bytes = b""  # the file; empty where none was asked for
 
     @property
     def faults(self) -> list[tuple[str, int]]:
@@ -67,15 +66,7 @@ class LatexLog:
         return int(match.group(1)) if match else 0
 
 
-@dataclass(frozen=True, slots=True)
-class Compiled:
-    """A PDF and how it came about."""
-
-    pdf: bytes  # the file
-    log: LatexLog  # the log of the last run
-
-
-def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> Compiled:
+def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> LatexRun:
     """Compiles a document as often as its references need."""
     if missing := [program for program in PROGRAMS if shutil.which(program) is None]:
         raise LatexError(
@@ -87,15 +78,13 @@ def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_
         source.write_bytes(text.encode())
         status = _run([PROGRAMS[0], "-norc", "-pdf", *_OPTIONS, source.name], folder.path, time_limit)
         written = log_file.read_text(encoding="latin-1") if log_file.is_file() else ""
-        log = LatexLog(written, -1 if status is None else status)
         if status is None:
             folder.keep()
             raise LatexError(f"LaTeX was stopped after {time_limit:g} s", remedy=f"see what it was doing in {log_file}")
-        if status or log.faults:
+        if status or LatexRun(written).faults:
             folder.keep()
-            raise _refusal(text, log, source)
-        pdf = source.with_suffix(".pdf").read_bytes()
-    return Compiled(pdf, log)
+            raise _refusal(text, LatexRun(written).faults, source)
+        return LatexRun(written, source.with_suffix(".pdf").read_bytes())
 
 
 def _run(command: list[str], folder: Path, time_limit: float) -> int | None:
@@ -121,9 +110,8 @@ def _run(command: list[str], folder: Path, time_limit: float) -> int | None:
                 process.wait()
 
 
-def _refusal(text: str, log: LatexLog, kept: Path) -> LatexError:
+def _refusal(text: str, faults: list[tuple[str, int]], kept: Path) -> LatexError:
     """What LaTeX said first, the line at which it says so or gave up, and what is written there under which heading."""
-    faults = log.faults
     if not faults:
         return LatexError("latexmk failed without a word of LaTeX", remedy=f"see {kept.with_name('output.txt')}")
     message = faults[0][0].removeprefix("LaTeX Error: ").rstrip(".")

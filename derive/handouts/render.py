@@ -84,12 +84,12 @@ def handout_files(
         if Format.PDF in formats:
             tell(robot.name, "pdflatex")
             compiled, spare = compile_latex(tex, name), 0
-            while name == robot.name and compiled.log.pages > options.pages > spare + 1:  # the estimate was too low
+            while name == robot.name and compiled.pages > options.pages > spare + 1:  # the estimate was too low
                 spare += 1
                 tex = latex(within(whole, options.pages, context.text, spare), context.text)
                 compiled = compile_latex(tex, name)
             shortened |= spare > 0
-            printed[f"{name}.pdf"], pages[f"{name}.pdf"] = compiled.pdf, compiled.log.pages
+            printed[f"{name}.pdf"], pages[f"{name}.pdf"] = compiled.pdf, compiled.pages
         if Format.TEX in formats:
             files[f"{name}.tex"] = tex.encode()
         files.update(printed)

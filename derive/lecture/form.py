@@ -21,8 +21,11 @@ from derive.lecture import plan as planning
 from derive.lecture.plan import Level, Plan, Plus, Term, Times, Writer, factored, flat, grouped, joined
 from derive.lecture.sympy_conversion import Expr, ProductBuilder
 from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
+from derive.robot.description import Motor
+from derive.robot.expression import ZERO, Expression, names
 from derive.robot.options import style as options
 from derive.robot.options.style import CommonFactors, GravityPlace, Grouping, LengthOrder, Order, ShortSums, Style
+from derive.robot.robot import Robot
 from derive.robot.rounding import is_given_in_decimals
 
 MOST_SHORT_TERMS = 3  # a kinematic sum with at most so many terms is short, see `ShortSums`
@@ -40,6 +43,29 @@ class SymbolRoles:
     offsets: frozenset[str] = frozenset()  # lengths along joint axes, not those of links
     moments: frozenset[str] = frozenset()  # moments of inertia alone
     point_masses: bool = False  # whether no body has a moment of inertia
+
+    @classmethod
+    def of(cls, robot: Robot) -> SymbolRoles:
+        """Symbols of masses, moments of inertia, gravity and offsets, by which expressions are grouped.
+
+        Lengths in a moment of inertia are none of them: of ``m*l**2/12`` the mass alone leads.
+        """
+        masses: set[str] = set()
+        moments: list[Expression] = []
+        lengths = {name for joint in robot.joints for cell in (joint.a, joint.d) for name in names(cell)}
+        for link in robot.links:
+            t, motor = link.inertia, link.motor or Motor()
+            lengths.update(name for cell in link.com for name in names(cell))
+            masses.update(*(names(cell) for cell in (link.mass, motor.mass)))
+            moments += (t.xx, t.yy, t.zz, t.xy, t.xz, t.yz, link.armature, motor.inertia)
+        # a moment of inertia with a mass in it, m*l^2/12, is grouped by the mass alone
+        plain = [set(names(cell)) for cell in moments if masses.isdisjoint(names(cell))]
+        inertias, heavy = frozenset(set().union(*plain) - lengths), frozenset(masses - lengths)
+        gravity = frozenset(name for cell in robot.gravity or () for name in names(cell))
+        point_masses = robot.has_dynamics and all(cell == ZERO for cell in moments)
+        links = {name for joint in robot.joints for name in names(joint.a)}
+        offsets = frozenset(name for joint in robot.joints for name in names(joint.d)) - links
+        return cls(heavy | inertias, gravity, offsets, inertias, point_masses)
 
 
 class LectureForm:

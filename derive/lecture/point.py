@@ -45,13 +45,9 @@ def at_point(
     *,
     name: str = "the quantity",
     exact: bool = False,
-    digits: int | None = None,
+    digits: int | None = None,  # significant ones of the numbers where symbols stay; None for thirty
 ) -> Expr:
-    """An expression or matrix with numbers put in.
-
-    Args:
-        digits: Significant digits of the numbers where symbols stay; None for thirty.
-    """
+    """An expression or matrix with numbers put in."""
     put_in = {sympy.Symbol(name): expression_to_sympy(value) for name, value in values.items()}
     if exact:
         found = expression.xreplace(put_in)

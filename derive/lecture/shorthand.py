@@ -182,13 +182,16 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
 
 def notation_text(expression: Expression, robot: Robot, write: Callable[[Fraction], str] = str) -> str:
     """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
-    labels = [joint_label(joint.variable) for joint in robot.joints]
-    taken = own_names(robot)
-    clear = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
-    if not clear or any(name[0] in "cs" and name[1:].isdigit() for name in taken):
-        return to_text(_with_tokens(expression, {}), write)
-    digits = {j.variable: label for j, label in zip(robot.joints, labels, strict=True) if j.is_revolute}
+    revolute = {joint.variable for joint in robot.joints if joint.is_revolute}
+    digits = {variable: digit for variable, digit in clear_labels(robot).items() if variable in revolute}
     return to_text(_with_tokens(expression, digits), write)
+
+
+def clear_labels(robot: Robot) -> dict[str, str]:
+    """Joint variable -> its digit; none where tokens such as c12 could be read in two ways."""
+    labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints}
+    is_clear = all(len(label) == 1 for label in labels.values()) and len(set(labels.values())) == len(labels)
+    return labels if is_clear and not any(map(_CIRCULAR.fullmatch, own_names(robot))) else {}
 
 
 def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:

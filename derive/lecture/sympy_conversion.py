@@ -4,6 +4,7 @@ Symbols are plain, sines and cosines too; a tree is walked, no text is ever eval
 """
 
 from bisect import insort
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cache, cmp_to_key
 from typing import Any
@@ -15,6 +16,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, quoted
 from derive.lecture.terms import FactorTable, Monomial, PrintedFactor
+from derive.mechanics.vectors import Frame, Vector
 from derive.robot import expression as exact
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, number
 from derive.robot.reading.size_limits import CELL_LIMITS
@@ -23,6 +25,7 @@ Expr = Any  # a SymPy expression; SymPy comes without types
 Matrix = Any  # a SymPy matrix; those of a model are immutable
 # Factors that SymPy never merges with another or with a number.
 PLAIN = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.PARAMETER, Kind.RATE, Kind.ACCELERATION})
+Write = Callable[[Any], Expr]  # writes an exact entry
 _order = cmp_to_key(Basic.compare)
 
 _FUNCTIONS = {
@@ -136,6 +139,27 @@ def _power(e: Any, known: dict[Any, Expression]) -> Expression:
 
 def _refused(e: Any, allowed: str) -> ExpressionError:
     return ExpressionError(f"SymPy expression {quoted(str(e), 80)}", allowed=allowed)
+
+
+def frame_matrix(frame: Frame[Any], write: Write = lambda value: value) -> Matrix:
+    """A frame as a homogeneous matrix, 4x4."""
+    rows = [[*map(write, frame.rotation[i]), write(frame.position[i])] for i in range(3)]
+    return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+
+
+def columns_matrix(
+    linear: Sequence[Vector[Any]], angular: Sequence[Vector[Any]] | None = None, write: Write = lambda value: value
+) -> Matrix:
+    """A Jacobian from its columns: 3xn, or 6xn with the linear rows first."""
+    halves = [linear] if angular is None else [linear, angular]
+    columns = [[write(x) for vector in parts for x in vector] for parts in zip(*halves, strict=True)]
+    return sympy.ImmutableMatrix(columns).T
+
+
+def aligned_latex(lines: Sequence[str]) -> str:
+    """Equations below each other, aligned at their left, as a notebook shows them."""
+    body = " \\\\ ".join(f"& {line}" for line in lines)
+    return f"$\\displaystyle \\begin{{aligned}} {body} \\end{{aligned}}$"
 
 
 class ProductBuilder:

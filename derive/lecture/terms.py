@@ -119,7 +119,7 @@ class FactorTable:
         for other, _, coefficient in part:
             exponents = tuple(other.get(i, 0) for i in group.places)
             sign = 1 if group.sums else self._sign(zip(joints, exponents, strict=False))
-            items.append((exponents, sign * coefficient.numerator, coefficient.denominator))
+            items.append((exponents, sign * coefficient))
         for term in contract(len(joints), group.sums, tuple(sorted(items))):
             sign = self._sign((joints[f.edge[0]], f.exponent) for f in term.factors if f.is_sine)
             written = tuple(
@@ -129,7 +129,7 @@ class FactorTable:
                 )
                 for f in term.factors
             )
-            yield rest, trig + written, Fraction(sign * term.numerator, term.denominator)
+            yield rest, trig + written, sign * term.coefficient
 
     def _sign(self, sines: Iterable[tuple[int, int]]) -> int:
         """The sign of a product of powers of sines when the angles that turn against their group are turned round."""

@@ -39,7 +39,7 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
             f"abbreviations by {way} do not apply to {quantity!r}", allowed=f"they apply to {listed(allowed[way])}"
         )
     writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
-    matrix, definitions, letter = _matrix(model, quantity, writer), writer.names.definitions(), writer.names.letter
+    matrix, definitions, letter = _matrix(model, quantity, writer), writer.names.definitions, writer.names.letter
     if len(definitions) != 1:
         return matrix, definitions
     ((symbol, value),) = definitions.items()
@@ -74,22 +74,17 @@ class _Names:
     """Gives names to values, the same one to values that differ by a rational factor."""
 
     def __init__(self, letters: Sequence[str], model: DynamicModel) -> None:
-        taken = tuple(robot_symbols(model.robot))
-
         # h is taken by a symbol h, and by h1
-        stems = {name.rstrip("0123456789") for name in taken}
+        stems = {name.rstrip("0123456789") for name in robot_symbols(model.robot)}
         self.letter = next((letter for letter in letters if letter not in stems), "abbreviation_")
-        self._known: dict[object, int] = {}
-        self._values: list[Expr] = []
+        self.definitions: dict[Expr, Expr] = {}  # what the names mean
+        self._known: dict[object, Expr] = {}
 
     def name(self, key: object, value: Callable[[], Expr]) -> Expr:
         if key not in self._known:
-            self._known[key] = len(self._values)
-            self._values.append(value())
-        return sympy.Symbol(f"{self.letter}{self._known[key] + 1}")
-
-    def definitions(self) -> dict[Expr, Expr]:
-        return {sympy.Symbol(f"{self.letter}{i}"): value for i, value in enumerate(self._values, start=1)}
+            self._known[key] = sympy.Symbol(f"{self.letter}{len(self._known) + 1}")
+            self.definitions[self._known[key]] = value()
+        return self._known[key]
 
 
 class _ByChristoffel:

@@ -9,7 +9,7 @@ given in `derive.model.abbreviations`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
@@ -18,12 +18,13 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
-from derive.lecture.matrices import only_body
 from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
 from derive.mechanics.exact_dynamics import Dynamics
+from derive.robot.description import Link
 from derive.robot.options.style import Grouping, Rates
+from derive.robot.robot import Robot
 
 MAX_DYNAMIC_TERMS = 400_000  # budget of one entry of B; beyond it only the generated functions remain
 
@@ -214,3 +215,10 @@ def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:
     if rates is Rates.EXPANDED and value.is_Add:
         return sympy.Add(*(term * rate for term in value.args))
     return value * rate
+
+
+def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
+    """The robot with one body alone, a link or a rotor: every other link massless, no armature."""
+    own, bare = robot.links[i - 1], Link()
+    body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
+    return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)))

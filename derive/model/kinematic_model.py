@@ -14,9 +14,8 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
-from derive.lecture.form import MOST_SHORT_TERMS, LectureForm
-from derive.lecture.matrices import columns_matrix, frame_matrix, symbol_roles
-from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.lecture.form import MOST_SHORT_TERMS, LectureForm, SymbolRoles
+from derive.lecture.sympy_conversion import Expr, Matrix, columns_matrix, frame_matrix
 from derive.mechanics.exact_kinematics import Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import Vector, multiply, transpose
 from derive.model.long_chain import LongChain
@@ -104,7 +103,7 @@ class KinematicModel:
         """How expressions are written."""
         if self._alike:
             return self._alike.form.with_style(self.style)
-        return LectureForm(self.domain, symbol_roles(self.robot), self.style, lambda: self._is_of_short_arm)
+        return LectureForm(self.domain, SymbolRoles.of(self.robot), self.style, lambda: self._is_of_short_arm)
 
     @cached_property
     def _is_of_short_arm(self) -> bool:

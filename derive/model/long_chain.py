@@ -20,8 +20,7 @@ import sympy
 from derive.algebra.domain import MappedDomain, PolynomialDomain
 from derive.algebra.ring import TooManyTerms
 from derive.lecture.form import LectureForm
-from derive.lecture.matrices import frame_matrix
-from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix, frame_matrix
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale

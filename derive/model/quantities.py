@@ -4,8 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from derive.errors import QuantityError, listed
-from derive.lecture.matrices import columns_matrix
-from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.lecture.sympy_conversion import Expr, Matrix, columns_matrix
 from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS

@@ -37,13 +37,12 @@ EVERY = "all"  # what the user says for all of them
 
 
 def targets_named(
-    names: Iterable[str] | None = None, present: Iterable[str] = (), *, only: bool = False
+    names: Iterable[str] | None = None,  # what the user says, `EVERY` for all; None for what a build writes unasked
+    present: Iterable[str] = (),
+    *,
+    only: bool = False,
 ) -> tuple[Target, ...]:
-    """Targets by name beside those of a usual build, those that they require, and those that are there already.
-
-    Args:
-        names: What the user says, `EVERY` for all; None for what a build writes unasked.
-    """
+    """Targets by name beside those of a usual build, those that they require, and those that are there already."""
     usual = {name for name, target in TARGETS.items() if target.default}
     wanted = set(usual if names is None else [names] if isinstance(names, str) else names)
     if EVERY in wanted:

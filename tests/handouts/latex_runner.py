@@ -10,19 +10,19 @@ from pathlib import Path
 import pytest
 
 from derive.handouts.notation.pieces import Box
-from derive.handouts.pdf import LatexLog
+from derive.handouts.pdf import LatexRun
 
 _OVERFULL = re.compile(
     r"^Overfull \\[hv]box \((?P<size>[0-9.]+)pt too (?:wide|high)\)(?:.*?lines? (?P<line>\d+))?", re.M
 )
 
 
-def overfull_boxes(log: LatexLog) -> list[tuple[float, int]]:
+def overfull_boxes(log: LatexRun) -> list[tuple[float, int]]:
     """What is too large for its place: by how much [pt], and the line where its paragraph begins, 0 for none."""
     return [(float(match["size"]), int(match["line"] or 0)) for match in _OVERFULL.finditer(log.text)]
 
 
-def overfull(log: LatexLog) -> float:
+def overfull(log: LatexRun) -> float:
     """The worst overfull box [pt]; 0 if there is none."""
     return max((size for size, _ in overfull_boxes(log)), default=0.0)
 
@@ -33,19 +33,19 @@ def require_latex() -> None:
         pytest.skip("pdflatex is not installed")
 
 
-def run_latex(text: str, folder: Path) -> LatexLog:
+def run_latex(text: str, folder: Path) -> LatexRun:
     require_latex()
     (folder / "sheet.tex").write_text(text, encoding="utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "sheet.tex"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, timeout=120, check=False, stdin=subprocess.DEVNULL)
-    return LatexLog((folder / "sheet.log").read_text(encoding="latin-1"), done.returncode)
+    subprocess.run(command, cwd=folder, capture_output=True, timeout=120, check=False, stdin=subprocess.DEVNULL)
+    return LatexRun((folder / "sheet.log").read_text(encoding="latin-1"))
 
 
-def run_clean(text: str, folder: Path) -> LatexLog:
+def run_clean(text: str, folder: Path) -> LatexRun:
     """As `run_latex`, of what has no error and nothing outside of the margins."""
     log = run_latex(text, folder)
     assert not log.faults
-    assert log.status == 0
+    assert log.pages
     assert overfull(log) <= 1.0
     return log
 

@@ -9,7 +9,7 @@ from derive.handouts.layout.quantity import POLICY, SheetPolicy
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, SheetFormula, blocks_of
 from derive.handouts.sheet.language import Text
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import Derivation, HandoutOptions, NotationOptions
 from derive.robot.robot import Robot
@@ -45,6 +45,12 @@ def bare_context(robot: Robot, *, steps: bool = True, policy: SheetPolicy = POLI
     derivation = Derivation.STEPS if steps else Derivation.RESULT
     options = HandoutOptions(derivation=derivation, notation=NotationOptions(**notation))
     return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
+
+
+def changed(context: Context, **changes: Any) -> Context:
+    """What the parts of a handout are made from, with something else in it."""
+    given = {name: getattr(context, name) for name in ("entries", "options", "text", "version", "poses", "policy")}
+    return Context(**(given | changes))
 
 
 def document_of(context: Context, parts: Iterable[str]) -> Document:

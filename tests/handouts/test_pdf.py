@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import LatexError
-from derive.handouts.pdf import LatexLog, compile_latex
+from derive.handouts.pdf import LatexRun, compile_latex
 from tests.handouts.latex_runner import overfull, overfull_boxes, require_latex
 
 DOCUMENT = r"""\documentclass{{article}}
@@ -46,8 +46,8 @@ def test_the_same_text_gives_the_same_bytes() -> None:
 
 def test_references_are_resolved() -> None:
     compiled = compile_latex(document(r"\begin{equation}\label{e} x \end{equation} \ref{e} \pageref{e}"))
-    assert "undefined references" not in compiled.log.text
-    assert compiled.log.pages == 1
+    assert "undefined references" not in compiled.text
+    assert compiled.pages == 1
 
 
 def test_nothing_is_left_behind(scratch: Path) -> None:
@@ -96,26 +96,26 @@ def test_no_program_is_run(tmp_path: Path) -> None:
 def test_settings_of_the_user_do_not_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / ".latexmkrc").write_text("die 'read';\n")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert compile_latex(document("x")).log.pages == 1
+    assert compile_latex(document("x")).pages == 1
 
 
 def test_overfull_boxes_are_measured() -> None:
-    log = compile_latex(document(r"\hbox to 3pt{aaaaaa}")).log
+    log = compile_latex(document(r"\hbox to 3pt{aaaaaa}"))
     assert [line for _, line in overfull_boxes(log)] == [5]
     assert 10 < overfull(log) < 40
 
 
 def test_both_forms_of_an_error_are_read() -> None:
-    plain = LatexLog("! Undefined control sequence.\n<recently read> \\x\nl.12 \\x\n", 1)
-    placed = LatexLog("./arm.tex:12: Undefined control sequence.\nl.12 \\x\n", 1)
+    plain = LatexRun("! Undefined control sequence.\n<recently read> \\x\nl.12 \\x\n")
+    placed = LatexRun("./arm.tex:12: Undefined control sequence.\nl.12 \\x\n")
     assert plain.faults == [("Undefined control sequence.", 12)]
     assert plain.faults == placed.faults
-    assert LatexLog("!  ==> Fatal error occurred, no output PDF file produced!\n", 1).faults == []
+    assert LatexRun("!  ==> Fatal error occurred, no output PDF file produced!\n").faults == []
 
 
 def test_pages_are_counted_across_a_wrapped_line() -> None:
-    assert LatexLog("Output written on a_very_long_name.pdf (1\n2 pages, 100 bytes).").pages == 12
-    assert LatexLog("No pages of output.").pages == 0
+    assert LatexRun("Output written on a_very_long_name.pdf (1\n2 pages, 100 bytes).").pages == 12
+    assert LatexRun("No pages of output.").pages == 0
 
 
 def test_the_caller_keeps_its_folder(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ def test_a_formula_goes_into_notes_of_ones_own(tmp_path: Path) -> None:
         r"\\usepackage(?:\[[^]]*\])?\{[^}]*\}", (tmp_path / "position.tex").read_text().splitlines()[0]
     )
     log = run_latex(NOTES % "\n".join(packages), tmp_path)
-    assert log.status == 0
+    assert log.pages
     assert "Overfull" not in log.text
 
 

@@ -10,7 +10,6 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, Location
 from derive.lecture.form import LectureForm, SymbolRoles
-from derive.lecture.matrices import columns_matrix
 from derive.lecture.plan import (
     LARGE_FACTOR,
     Plan,
@@ -25,7 +24,13 @@ from derive.lecture.plan import (
     product_form,
     with_plain_numbers,
 )
-from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy, factor_to_sympy
+from derive.lecture.sympy_conversion import (
+    Expr,
+    columns_matrix,
+    expression_from_sympy,
+    expression_to_sympy,
+    factor_to_sympy,
+)
 from derive.lecture.terms import FactorTable, Monomial, Terms, common_factor, divide, multiply, partition, project
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Number

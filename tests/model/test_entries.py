@@ -7,8 +7,7 @@ import sympy
 
 from derive.algebra.ring import TooManyTerms
 from derive.mechanics import exact_dynamics as dynamics
-from derive.model.dynamic_entries import ModelEntries
-from derive.model.entries import Entries, expanded_terms, of_matrix
+from derive.model.entries import Entries, ModelEntries, expanded_terms, of_matrix
 from derive.model.model import Model
 from derive.robot.robot import Robot
 

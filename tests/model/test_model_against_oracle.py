@@ -14,8 +14,8 @@ from derive.checking import frames_file
 from derive.errors import QuantityError
 from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.text import TextPrinter
-from derive.lecture.matrices import columns_matrix, frame_matrix, only_body
-from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.lecture.sympy_conversion import columns_matrix, expression_to_sympy, frame_matrix
+from derive.model.dynamic_form import only_body
 from derive.model.long_chain import LongChain, nested_kinematics
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float

@@ -13,7 +13,6 @@ from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import Verdict, verdict
 from derive.model.model import Model
-from derive.model.regressor_forms import IdentifiedModel
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot
 
@@ -183,7 +182,7 @@ def test_long_entries_are_not_expanded() -> None:
 
 @pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab"])
 def test_torques_are_regressors_times_parameters(name: str) -> None:
-    tau, model = Model(Robot.load(name)).tau, IdentifiedModel(Robot.load(name))
+    tau, model = Model(Robot.load(name)).tau, DynamicModel(Robot.load(name))
     pairs = ((model.regressor, model.standard_parameters), (model.regressor_base, model.base_parameters))
     for regressor, values in pairs:
         assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - tau)

@@ -15,8 +15,16 @@ import derive
 from derive.errors import OutputError, TargetError, VerificationError
 from derive.programs.optimise.search_policy import Effort
 from derive.publish import build
-from derive.publish.build import BuildFailure, BuildResult, CheckResult, build_robot, check_robot, folder_of
-from derive.publish.many import build_many, check_many
+from derive.publish.build import (
+    BuildFailure,
+    BuildResult,
+    CheckResult,
+    build_many,
+    build_robot,
+    check_many,
+    check_robot,
+    folder_of,
+)
 from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler

@@ -13,7 +13,7 @@ from typing import NoReturn
 
 import pytest
 
-from derive.publish import many
+from derive.publish import build
 from derive.publish.manifest import read_manifest
 from derive.robot.robot import Robot
 from tests.places import ROOT
@@ -102,7 +102,7 @@ def test_processes_that_die_leave_no_temporary_file(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     robots = [Robot.load("planar-2r-perugia"), Robot.load("scara-perugia")]
-    done = many._run(die_over_a_file, robots, 2, None)
+    done = build._run(die_over_a_file, robots, 2, None)
     assert [str(failure.error) for failure in done] == ["the process that built it was killed"] * 2
     assert list(tmp_path.iterdir()) == []
 

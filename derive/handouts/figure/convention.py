@@ -26,70 +26,52 @@ _VIEW = View(math.radians(-58), math.radians(24))
 
 def convention_drawing(convention: Convention) -> Drawing:
     """Frames i-1 and i with a, alpha, d and theta of row i."""
-    paper = Paper()
+    paper, origin, z_after = Paper(), np.zeros(3), _turned(_Z, _X, _ALPHA)
     if convention is Convention.STANDARD:
-        _standard(paper)
+        # d along z_{i-1} to the common normal, a along it; theta turns x_{i-1} into x_i, alpha z_{i-1} into z_i
         title = "d_i, theta_i, a_i, alpha_i between frames i-1 and i"
+        foot, x_before, x_after = _D * _Z, _turned(_X, _Z, -_THETA), _X
+        joint = second = foot + _A * _X
+        ends = [foot + 62 * _Z, second + 44 * z_after]
+        carried = [(second, 52 * _Z), (foot, 60 * x_before)]
+        solid = [(foot, second)]
+        arcs = [(foot, x_before, _Z, _THETA, r"\theta_{i}"), (second, _Z, _X, _ALPHA, r"\alpha_{i}")]
+        lengths = [(origin, foot, -24.0, "d_{i}"), (foot, second, -20.0, "a_{i}")]
     else:
-        _modified(paper)
+        # a along x_{i-1}, the common normal, d along z_i; alpha turns z_{i-1} into z_i, theta x_{i-1} into x_i
         title = "alpha_{i-1}, a_{i-1}, d_i, theta_i between frames i-1 and i"
-    return moved(paper.items, 4.0, title)
-
-
-def _standard(paper: Paper) -> None:
-    """d along z_{i-1} to the common normal, a along it; theta turns x_{i-1} into x_i, alpha z_{i-1} into z_i."""
-    origin, foot = np.zeros(3), _D * _Z
-    second = foot + _A * _X
-    x_before, z_after = _turned(_X, _Z, -_THETA), _turned(_Z, _X, _ALPHA)
+        joint = foot = _A * _X
+        second, x_before, x_after = foot + _D * z_after, _X, _turned(_X, z_after, _THETA)
+        ends = [origin + 84 * _Z, second + 80 * z_after]
+        carried = [(foot, 62 * _Z), (second, 60 * _X)]
+        solid = [(origin, foot), (foot, second)]
+        arcs = [(second, _X, z_after, _THETA, r"\theta_{i}"), (foot, _Z, _X, _ALPHA, r"\alpha_{i-1}")]
+        lengths = [(origin, foot, 18.0, "a_{i-1}")]
     _joint(paper, origin - 34 * _Z, _Z)
-    _joint(paper, second - 42 * z_after, z_after)
-    _dashes(paper, origin - 62 * _Z, foot + 62 * _Z)
-    _dashes(paper, second - 68 * z_after, second + 44 * z_after)
-    _dashes(paper, second, second + 52 * _Z)
-    _dashes(paper, foot, foot + 60 * x_before)
-    paper.draw(Path((_VIEW.flat(foot), _VIEW.flat(second)), width=1.1))
+    _joint(paper, joint - 42 * z_after, z_after)
+    axes = zip((origin - 62 * _Z, joint - 68 * z_after), ends, strict=True)
+    for start, end in (*axes, *((place, place + way) for place, way in carried)):
+        # an axis, or a direction carried over from elsewhere
+        paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
+    for start, end in solid:
+        paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), width=1.1))
+    if convention is Convention.MODIFIED:
+        a, b = _VIEW.flat(foot), _VIEW.flat(second)
+        paper.label("d_{i}", around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), (a[1] - b[1], b[0] - a[0]), 9.0))
     _axis(paper, origin, _Z, 2, "z_{i-1}")
     _axis(paper, origin, x_before, 0, "x_{i-1}")
     _axis(paper, second, z_after, 2, "z_{i}")
-    _axis(paper, second, _X, 0, "x_{i}")
-    _arc(paper, foot, x_before, _Z, _THETA, r"\theta_{i}")
-    _arc(paper, second, _Z, _X, _ALPHA, r"\alpha_{i}")
-    _length(paper, origin, foot, -24.0, "d_{i}")
-    _length(paper, foot, second, -20.0, "a_{i}")
-
-
-def _modified(paper: Paper) -> None:
-    """a along x_{i-1}, the common normal, d along z_i; alpha turns z_{i-1} into z_i, theta x_{i-1} into x_i."""
-    origin, foot = np.zeros(3), _A * _X
-    z_after = _turned(_Z, _X, _ALPHA)
-    second, x_after = foot + _D * z_after, _turned(_X, z_after, _THETA)
-    _joint(paper, origin - 34 * _Z, _Z)
-    _joint(paper, foot - 42 * z_after, z_after)
-    _dashes(paper, origin - 62 * _Z, origin + 84 * _Z)
-    _dashes(paper, foot - 68 * z_after, second + 80 * z_after)
-    _dashes(paper, foot, foot + 62 * _Z)
-    _dashes(paper, second, second + 60 * _X)
-    a, b = _VIEW.flat(foot), _VIEW.flat(second)
-    paper.draw(Path((_VIEW.flat(origin), a), width=1.1))
-    paper.draw(Path((a, b), width=1.1))
-    paper.label("d_{i}", around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), (a[1] - b[1], b[0] - a[0]), 9.0))
-    _axis(paper, origin, _Z, 2, "z_{i-1}")
-    _axis(paper, origin, _X, 0, "x_{i-1}")
-    _axis(paper, second, z_after, 2, "z_{i}")
     _axis(paper, second, x_after, 0, "x_{i}")
-    _arc(paper, second, _X, z_after, _THETA, r"\theta_{i}")
-    _arc(paper, foot, _Z, _X, _ALPHA, r"\alpha_{i-1}")
-    _length(paper, origin, foot, 18.0, "a_{i-1}")
+    for arc in arcs:
+        _arc(paper, *arc)
+    for length in lengths:
+        _length(paper, *length)
+    return moved(paper.items, 4.0, title)
 
 
 def _joint(paper: Paper, center: Array, axis: Array) -> None:
     for path in paint(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28), _VIEW):
         paper.draw(path, weight=0.2)
-
-
-def _dashes(paper: Paper, start: Array, end: Array) -> None:
-    """An axis, or a direction carried over from elsewhere."""
-    paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
 
 
 def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:

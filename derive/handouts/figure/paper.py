@@ -14,7 +14,6 @@ AXIS_COLORS: tuple[Color, Color, Color] = ((0.78, 0.10, 0.10), (0.08, 0.50, 0.15
 DIMENSION: Color = (0.35, 0.35, 0.35)  # of the lines and names of lengths
 _STEP = 2.5  # distance of the points of a line that count as taken [pt]
 _LABEL_COST = 14.0
-
 LETTER_WIDTH = 9.0  # of a letter with its index [pt]
 _Box = tuple[float, float, float, float]  # left, bottom, right and top [pt]
 

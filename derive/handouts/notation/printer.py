@@ -38,7 +38,6 @@ from derive.robot.units import Unit, in_file_units, symbol_unit
 # Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken.
 WIDEST_FRACTION = 120.0
 MINUS = TexPiece(Box("-", MINUS_WIDTH))
-
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
 _FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}

@@ -5,7 +5,6 @@ where it can be read one way: every label is a single digit, none occurs twice, 
 token. Otherwise cosines and sines are spelled out.
 """
 
-import re
 from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
@@ -15,11 +14,9 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from derive.handouts.notation.notation import Notation, Order, is_below
-from derive.robot.names import joint_label, robot_symbols
+from derive.lecture.shorthand import clear_labels
 from derive.robot.robot import Robot
 from derive.robot.rounding import number_text, shown
-
-_TOKEN = re.compile(r"[cs][0-9]+")
 
 
 class PlainPrinter(StrPrinter):  # type: ignore[misc]
@@ -46,7 +43,7 @@ class TextPrinter(PlainPrinter):
 
     def __init__(self, robot: Robot, rounded: Notation | None = None) -> None:
         super().__init__()
-        self._labels = _labels(robot)
+        self._labels = clear_labels(robot)
         self._order = Order(rounded or Notation.of(robot))
         self._rounded = rounded
 
@@ -106,13 +103,3 @@ def loses_digits(expressions: Iterable[Any], *, decimals: bool, digits: int) -> 
                 return True
         stack.extend(expression.args)
     return False
-
-
-def _labels(robot: Robot) -> dict[str, str]:
-    """Joint variable -> its digit; empty where tokens would be ambiguous."""
-    variables = [joint.variable for joint in robot.joints]
-    labels = [joint_label(variable) for variable in variables]
-    readable = all(len(label) == 1 for label in labels) and len(set(labels)) == len(labels)
-    if not readable or any(_TOKEN.fullmatch(name) for name in (*variables, *robot_symbols(robot))):
-        return {}
-    return dict(zip(variables, labels, strict=True))

@@ -15,7 +15,6 @@ from derive.targets.escape import html_text
 
 Formula = float | str | list[Any]  # a number, the letter ``t``, or an operation and its operands
 SQUARED = "\N{SUPERSCRIPT TWO}"
-
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # how fast a motion is played
 CURVES = 8  # colours and dashes of curves; further joints begin anew
 QUANTITIES = ("position", "speed", "acceleration", "torque")  # what is shown of each joint of a motion as it is wanted

@@ -84,7 +84,6 @@ def viewer(
     values: Mapping[str, float],
     text: Text,
     *,
-    start: Sequence[float] | None = None,  # configuration at first, see `travels`
     notation: Notation | None = None,  # how symbols are written; None for the robot file's way
     dragged: Dragging | None = None,  # how its end effector is dragged, by the inverse kinematics of the program
     playback: Playback | None = None,  # a motion that is played
@@ -92,7 +91,7 @@ def viewer(
 ) -> Viewer:
     """The figure of a robot, in which symbols without a number have one of ``values`` [m, rad], else 1."""
     numbers = symbol_values(robot, program.parameters, values)
-    ways = travels(robot, numbers, start)
+    ways = travels(robot, numbers)
     if playback is not None:
         spans = zip(ways, playback.ranges, strict=True)
         ways = tuple(replace(way, lower=min(way.lower, a), upper=max(way.upper, b)) for way, (a, b) in spans)
@@ -147,24 +146,23 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
     return dict.fromkeys(symbols, _FALLBACK) | known | dict(values)
 
 
-def travels(robot: Robot, numbers: Mapping[str, float], start: Sequence[float] | None) -> tuple[Travel, ...]:
+def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
     """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link.
 
-    It starts where ``start`` says [rad or m], else at the configuration of the figure, else at zero or half way out.
+    It starts at the configuration of the figure, else at zero or half way out.
     """
-    if start is None and robot.figure.q is not None:
-        start = [evaluate(value, numbers) for value in robot.figure.q]
+    given = robot.figure.q or (None,) * robot.n
     lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
     longest = float(f"{max(lengths) or 1.0:.2g}")
     ways = []
-    for index, joint in enumerate(robot.joints):
+    for joint, cell in zip(robot.joints, given, strict=True):
         low, high = (-math.pi, math.pi) if joint.is_revolute else (0.0, longest)
         with suppress(ArithmeticError):  # limits that are no numbers do not count
             lower, upper = (evaluate(limit, numbers) for limit in joint.limits) if joint.limits else (low, high)
             low, high = (lower, upper) if lower < upper else (low, high)
         wanted = 0.0 if joint.is_revolute and low <= 0.0 <= high else (low + high) / 2
-        if start is not None:
-            wanted = start[index]
+        if cell is not None:
+            wanted = evaluate(cell, numbers)
         ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))
     return tuple(ways)
 

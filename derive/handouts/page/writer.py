@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from functools import cache
 from html import escape
 from importlib.resources import files
-from typing import Any
 
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.writers import svg_drawing
@@ -45,22 +44,7 @@ _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page, with a figure that the reader moves where there is one."""
-    return templating.render(
-        "page/page.html.jinja",
-        language=html_text(document.language),
-        title=html_text(document.title or document.name),
-        style="\n".join((formula_style(), templating.render("page/style.css.jinja"))),
-        script=templating.render("page/page.js.jinja"),
-        katex=safe_script(_asset("katex.min.js").decode()),
-        viewer_style=safe_style(viewer.css) if viewer else "",
-        viewer_script=safe_script(viewer.script) if viewer else "",
-        content=templating.render("page/content.html.jinja", **_content(document, text, viewer)),
-    )
-
-
-def _content(document: Document, text: Text, viewer: Viewer | None) -> dict[str, Any]:
-    _ = text
-    writer = BlockWriter(text)
+    _, writer = text, BlockWriter(text)
     words = {
         "skip": _("Skip to the content"),
         "contents": _("Contents"),
@@ -76,19 +60,31 @@ def _content(document: Document, text: Text, viewer: Viewer | None) -> dict[str,
         {"anchor": html_text(section.part), "title": writer.words(section.title), "body": writer.blocks(section.blocks)}
         for section in document.sections
     ]
-    return {
-        "words": {name: html_text(word) for name, word in words.items()},
-        "title": html_text(document.title),
-        "subtitle": writer.words(document.subtitle),
-        "form": [writer.words(word) for word in document.form],
-        "sections": sections,
-        "viewer": viewer.html if viewer else "",
-        "steps": any(isinstance(block, Steps) for section in document.sections for block in blocks_of(section)),
-        "footer": writer.words(document.footer),
-        "name": html_text(document.name),
-        "digest": html_text(document.digest),
-        "version": html_text(document.version),
-    }
+    content = templating.render(
+        "page/content.html.jinja",
+        words={name: html_text(word) for name, word in words.items()},
+        title=html_text(document.title),
+        subtitle=writer.words(document.subtitle),
+        form=[writer.words(word) for word in document.form],
+        sections=sections,
+        viewer=viewer.html if viewer else "",
+        steps=any(isinstance(block, Steps) for section in document.sections for block in blocks_of(section)),
+        footer=writer.words(document.footer),
+        name=html_text(document.name),
+        digest=html_text(document.digest),
+        version=html_text(document.version),
+    )
+    return templating.render(
+        "page/page.html.jinja",
+        language=html_text(document.language),
+        title=html_text(document.title or document.name),
+        style="\n".join((formula_style(), templating.render("page/style.css.jinja"))),
+        script=templating.render("page/page.js.jinja"),
+        katex=safe_script(_asset("katex.min.js").decode()),
+        viewer_style=safe_style(viewer.css) if viewer else "",
+        viewer_script=safe_script(viewer.script) if viewer else "",
+        content=content,
+    )
 
 
 @cache
@@ -205,11 +201,11 @@ class BlockWriter:
             parts += [f"<p>{self.words(omitted_words(block, _))}</p>", self._displays(block.omitted)]
         if block.note:
             parts.append(f"<p class=note>{self.words(block.note)}</p>")
-        if block.entries:
+        if written := tuple(block.entries()):
             words = {"entry": _("Entry"), "latex": _("Copy LaTeX"), "python": _("Copy Python")}
             entries = [
                 {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
-                for e in block.entries
+                for e in written
             ]
             words = {name: html_text(word) for name, word in words.items()}
             function = html_text(block.function)

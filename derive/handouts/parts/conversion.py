@@ -11,7 +11,7 @@ from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, t
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.mechanics.convention import Conversion, convert
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO
@@ -19,7 +19,6 @@ from derive.robot.robot import Robot
 
 NEW_BASE = Box("\\mathbf{T}'_{\\mathrm{base}}", 32.0)
 NEW_TOOL = Box("\\mathbf{T}'_{\\mathrm{tool}}", 32.0)
-
 FEW_FACTORS = 7  # so many brackets of a product are all written; of more the first two and the last
 _DEFINITIONS = (
     "\\mathbf{Z}_i = \\mathrm{Rot}_z(\\theta_i)\\,\\mathrm{Trans}_z(d_i)",

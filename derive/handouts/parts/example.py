@@ -127,7 +127,9 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
     blanks = tuple(name.tex for name in names)
     task = context.text("Compute the gravity vector in numbers, each component with its unit.")
-    yield SheetFormula((Rows(tuple(lines)),), function="gravity_vector", entries=entries, task=task, blanks=blanks)
+    yield SheetFormula(
+        (Rows(tuple(lines)),), function="gravity_vector", entries=lambda: entries, task=task, blanks=blanks
+    )
 
 
 # -- numbers
@@ -160,7 +162,7 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)
-    return SheetFormula((Rows(tuple(lines)),), (), (), note, function, entries, task, (symbol.tex,))
+    return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))
 
 
 # -- the configuration

@@ -21,8 +21,7 @@ from derive.inverse.words.origins import OriginForm
 from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
 from derive.model.singularities.coincidences import coincidences
-from derive.model.singularities.conditions import Posture
-from derive.model.singularities.singularities import SingularFactor
+from derive.model.singularities.singularities import Posture, SingularFactor
 from derive.robot.expression import ZERO
 from derive.robot.options.inverse import POSE, InverseOptions
 

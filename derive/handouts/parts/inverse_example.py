@@ -10,7 +10,7 @@ import numpy as np
 import sympy
 
 from derive.errors import DeriveError
-from derive.handouts.figure.branches import branches_drawing
+from derive.handouts.figure.arm import branches_drawing
 from derive.handouts.layout.lines import EQUALS, matrix
 from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
 from derive.handouts.notation.symbols import bold
@@ -182,10 +182,8 @@ def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
     array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
     python = "[" + ", ".join("[" + ", ".join(map(copied, s.q)) + "]" for s in solutions) + "]"
     task = _("Compute in numbers all configurations that reach this pose.")
-    room = ("",) * max(1, len(solutions) // 2)
-    yield SheetFormula(
-        (), function="inverse_kinematics", entries=(Entry("\\mathbf{q}", array, python),), task=task, blanks=room
-    )
+    room, entries = ("",) * max(1, len(solutions) // 2), (Entry("\\mathbf{q}", array, python),)
+    yield SheetFormula((), function="inverse_kinematics", entries=lambda: entries, task=task, blanks=room)
     if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:
         separator = ";\\, " if context.notation.comma else ",\\, "
         vectors = (f"\\mathbf{{q}} = [{separator.join(row)}]" for row in cells)

@@ -15,7 +15,7 @@ from derive.handouts.notation.solution_printer import SignLatexPrinter, with_nam
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Entry, LazyEntries, Rows, SheetFormula
+from derive.handouts.sheet.document import Entry, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
 from derive.inverse.words.derivation import PrintedEquation
 from derive.inverse.words.elementary import PrintedLine
@@ -179,8 +179,9 @@ class FormulaWriter:
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
         blanks = names if is_each_asked else names[-1:]
-        entries = LazyEntries(len(lines), lambda: map(self.entry, lines))
-        return SheetFormula((Rows(rows),), entries=entries, task=task, blanks=blanks if task else ())
+        return SheetFormula(
+            (Rows(rows),), entries=lambda: map(self.entry, lines), task=task, blanks=blanks if task else ()
+        )
 
     def entry(self, line: PrintedLine) -> Entry:
         """A formula to be copied."""

@@ -15,7 +15,7 @@ from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.parts.orientation import euler_names
+from derive.handouts.parts.kinematics import euler_names
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook
@@ -63,19 +63,12 @@ def jacobian(context: Context) -> Iterator[Block]:
 
 def _construction(context: Context, axes: _JointAxes) -> Iterator[Block]:
     joints, index = context.robot.joints, "i-1" if context.is_standard else "i"
-    names = {"z": f"\\mathbf{{z}}_{{{index}}}", "o": f"\\mathbf{{o}}_{{{index}}}", "p": "\\mathbf{p}"}
-    if context.is_standard:
-        yield context.paragraph(
-            "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i-1$ through its origin $%(o)s$; "
-            "$%(p)s$ is the origin of the end effector, all in the world.",
-            **names,
-        )
-    else:
-        yield context.paragraph(
-            "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $i$ through its origin $%(o)s$; "
-            "$%(p)s$ is the origin of the end effector, all in the world.",
-            **names,
-        )
+    names = {"z": f"\\mathbf{{z}}_{{{index}}}", "o": f"\\mathbf{{o}}_{{{index}}}", "p": "\\mathbf{p}", "frame": index}
+    yield context.paragraph(
+        "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $%(frame)s$ through its origin "
+        "$%(o)s$; $%(p)s$ is the origin of the end effector, all in the world.",
+        **names,
+    )
     column = script(bold("J"), italic("i"))
     if any(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a revolute joint is")

@@ -1,16 +1,34 @@
-"""The parts with the transforms of the rows and with the end effector: T as a product and by its entries."""
+"""The parts with the transforms of the rows, with the end effector, its position and its orientation.
+
+Roll, pitch, yaw: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll); Euler ZYZ: R = Rot(z, phi) Rot(y, theta) Rot(z, psi)
+(Siciliano, Sciavicco, Villani, Oriolo, Robotics, section 2.4).
+"""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
+from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate
+from derive.handouts.notation.pieces import (
+    BINARY_WIDTH,
+    BRACKET_WIDTH,
+    Box,
+    Break,
+    TexPiece,
+    concatenate,
+    fraction,
+    greek,
+    italic,
+    minus,
+    operator,
+    script,
+    upright,
+)
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, TOOL
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Rows, Steps
+from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.handouts.sheet.formula import entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot.description import IDENTITY
@@ -117,3 +135,168 @@ def _partial_products(context: Context) -> Iterator[Block]:
     yield context.paragraph("The arm as a whole is")
     factors = (TexPiece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
     yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))
+
+
+# -- position and orientation
+
+# Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
+SHORT_ANGLES = 12
+_COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
+_RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
+
+Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
+Names = tuple[Box, Box, Box]
+Place = tuple[int, int]
+
+
+def orientation(context: Context) -> Iterator[Block]:
+    """The position of the end effector, and its orientation by two sets of angles."""
+    yield context.paragraph(
+        "The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END.tex
+    )
+    quantity = context.entries.T.part((1, 2, 3), (4,))
+    entries = [context.symbols.entry("t", i, 4) for i in (1, 2, 3)]
+    if quantity.is_short(context.policy.compact_terms):
+        letters = [script(italic("p"), italic(axis)) for axis in "xyz"]
+        names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
+        group = Group.row(context.robot.n + 1)
+        laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
+        yield formula(context, laid_out, "forward_kinematics", context.text("Find the position of the end effector."))
+    else:
+        yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
+    yield from _roll_pitch_yaw(context)
+    yield from _euler_zyz(context)
+
+
+def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
+    """Singular where t_11 = t_21 = 0, at t_31 = -+1."""
+    _, t = context.text, partial(context.symbols.entry, "t")
+    words = _("roll"), _("pitch"), _("yaw")
+    names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
+    said = {angle: f"${name.tex}$" for angle, name in zip(("roll", "pitch", "yaw"), names, strict=True)}
+    yield context.paragraph(
+        "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: $\\mathbf{R} = %(product)s$.",
+        product=_rotations("zyx", names[::-1]),
+    )
+    task = _("Find roll, pitch and yaw of the end effector.")
+    is_upright = not _terms(context, (1, 1), (2, 1))
+    if is_upright:
+        upright_pitch = (TexPiece(minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
+        angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
+        used = [(3, 1), (1, 2), (2, 2)]
+    else:
+        by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
+        angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
+        used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
+    yield from _angles(context, names, angles, used, context.entries.rpy, task)
+    if is_upright:
+        yield context.answer(
+            "This arm has %(pitch)s at a right angle in every configuration; only the sum or the difference of "
+            "%(roll)s and %(yaw)s is determined, and %(roll)s is taken as zero.",
+            **said,
+        )
+    elif not _terms(context, (3, 1)):
+        yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${t(3, 1).tex} = 0$")
+    else:
+        yield context.answer(
+            "They are singular where %(zeros)s, that is at %(pitch)s $= \\pm %(right)s$: there only "
+            "%(yaw)s $-$ %(roll)s (plus) or %(yaw)s $+$ %(roll)s (minus) is determined.",
+            zeros=f"${t(1, 1).tex} = {t(2, 1).tex} = 0$",
+            **said,
+            right="90^{\\circ}" if context.notation.degrees else "\\pi/2",
+        )
+
+
+def euler_names(context: Context) -> Names:
+    """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name."""
+    taken = {tex.strip() for tex in context.notation.taken}
+    phi, theta, psi = (
+        script(letter, upright("e")) if letter.tex.strip() in taken else letter
+        for letter in map(greek, ("varphi", "vartheta", "psi"))
+    )
+    return phi, theta, psi
+
+
+def _euler_zyz(context: Context) -> Iterator[Block]:
+    """Singular where t_13 = t_23 = 0, at t_33 = +-1."""
+    _, t = context.text, partial(context.symbols.entry, "t")
+    names, cosine = euler_names(context), t(3, 3)
+    said = {place: f"${name.tex.strip()}$" for place, name in zip(("first", "second", "third"), names, strict=True)}
+    yield context.paragraph(
+        "Euler angles ZYZ turn about the moving axes $z$, $y$ and $z$: $\\mathbf{R} = %(product)s$.",
+        product=_rotations("zyz", names),
+    )
+    task = _("Find the Euler angles ZYZ of the end effector.")
+    is_parallel = not _terms(context, (1, 3), (2, 3))
+    if is_parallel:
+        signed = [concatenate(cosine, t(i, 1)) for i in (2, 1)]
+        inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
+        angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
+        used = [(3, 3), (2, 1), (1, 1)]
+    else:
+        by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
+        angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
+        used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
+    yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
+    if is_parallel:
+        yield context.answer(
+            "The axis $z$ of the end effector is parallel to that of the world in every configuration of this arm; "
+            "only the sum or the difference of %(first)s and %(third)s is determined, and %(third)s is taken as "
+            "zero.",
+            **said,
+        )
+    elif not _terms(context, (3, 3)):
+        yield context.answer("They are never singular for this arm, for %(zero)s.", zero=f"${cosine.tex} = 0$")
+    else:
+        yield context.answer(
+            "They are singular where %(zeros)s, that is at %(second)s $= 0$ and %(second)s $= %(straight)s$: there "
+            "only %(first)s $+$ %(third)s or %(first)s $-$ %(third)s is determined.",
+            zeros=f"${t(1, 3).tex} = {t(2, 3).tex} = 0$",
+            **said,
+            straight="180^{\\circ}" if context.notation.degrees else "\\pi",
+        )
+
+
+def _rotations(axes: str, names: Sequence[Box]) -> str:
+    pairs = zip(axes, names, strict=True)
+    return "\\,".join(f"\\mathrm{{Rot}}({axis},{name.tex.strip()})" for axis, name in pairs)
+
+
+def _angles(
+    context: Context, names: Sequence[Box], by_entries: Angles, used: Sequence[Place], quantity: Entries, task: str
+) -> Iterator[Block]:
+    """The angles by entries of T, then written out if those entries are short, which an exercise asks for."""
+    is_short = _terms(context, *used) <= SHORT_ANGLES
+    yield Paragraph(context.text("With the entries $t_{ij}$ of $%(end)s$:", end=_END.tex), is_answer=is_short)
+    yield Rows(tuple(equation_lines(map(Equation, names, by_entries))), is_answer=is_short)
+    if not is_short:
+        return
+    values = [quantity.entry(i, 1) for i in (1, 2, 3)]
+    written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
+    yield context.paragraph("For this arm:")
+    laid_out = LaidOut(
+        tuple(equation_lines(written)),
+        values=tuple(zip(names, values, strict=True)),
+        blanks=tuple(name.tex for name in names),
+    )
+    yield formula(context, laid_out, task=task)
+
+
+# -- entries of T
+
+
+def _terms(context: Context, *places: Place) -> int:
+    """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
+    return sum(context.entries.T.terms(*place) for place in places)
+
+
+def _root(first: Box, second: Box) -> Box:
+    squares = [script(box, sup=italic("2")) for box in (first, second)]
+    inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
+    return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
+
+
+def _atan2(sine: Box, cosine: Box) -> tuple[TexPiece, ...]:
+    opening, closing = TexPiece(Box("(", BRACKET_WIDTH)), TexPiece(Box(")", BRACKET_WIDTH))
+    second = TexPiece(cosine, Break.COMMA, depth=1)
+    return TexPiece(operator("atan2")), opening, TexPiece(sine, depth=1), _COMMA, second, closing

@@ -28,7 +28,7 @@ from derive.handouts.notation.pieces import (
 from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.notation.text import PlainPrinter
-from derive.handouts.parts.bodies import has_rotors
+from derive.handouts.parts.dynamics import has_rotors
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
@@ -166,15 +166,12 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> SheetFormula:
             shared.append(box)
         else:
             lines += equation_lines(Equation(name, tuple(pieces(cell))) for name, cell in constant.named if cell != 0)
-    python = PlainPrinter()
-    entries = (
-        Entry(name.tex, constant.printer.latex(cell), python.doprint(cell))
-        for constant in constants
-        for name, cell in constant.named
-    )
+    python = PlainPrinter().doprint
+    named = [(constant.printer.latex, *pair) for constant in constants for pair in constant.named]
+    entries = [Entry(name.tex, write(cell), python(cell)) for write, name, cell in named]
     blanks = tuple(constant.symbol.tex for constant in constants)
     task = context.text("Write the constants of each link that the recursion needs.")
-    return SheetFormula((Rows((*pack(shared), *lines)),), entries=tuple(entries), task=task, blanks=blanks)
+    return SheetFormula((Rows((*pack(shared), *lines)),), entries=lambda: entries, task=task, blanks=blanks)
 
 
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:
@@ -287,25 +284,17 @@ class Recursion:
         rate, acceleration = ((joint.sign, concatenate(box, z)) for box in (joint.rate, joint.acceleration))
         product = concatenate(joint.rate, w0 if self.is_standard else w, _TIMES, z)
         coriolis, twice = (joint.sign, product), (joint.sign, concatenate(_TWICE, product))
-        turned, turned_rate = (1, concatenate(turn, w0)), (1, concatenate(turn, wd0))
-        carried = (1, _turned(turn, [(1, a0), *_rotational(w0, wd0, p)]))
-        match self.is_standard, joint.is_revolute:
-            case True, True:
-                yield w, [(1, _turned(turn, [(1, w0), rate]))]
-                yield wd, [(1, _turned(turn, [(1, wd0), acceleration, coriolis]))]
-                yield a, [(1, concatenate(turn, a0)), *_rotational(w, wd, p)]
-            case True, False:
-                yield w, [turned]
-                yield wd, [turned_rate]
-                yield a, [(1, _turned(turn, [(1, a0), acceleration, twice])), *_rotational(w, wd, p)]
-            case False, True:
-                yield w, [turned, rate]
-                yield wd, [turned_rate, acceleration, coriolis]
-                yield a, [carried]
-            case _:
-                yield w, [turned]
-                yield wd, [turned_rate]
-                yield a, [carried, acceleration, twice]
+        turns: list[list[Term]] = [[rate], [acceleration, coriolis], []]  # what the joint adds to w, wd and a
+        slides: list[list[Term]] = [[], [], [acceleration, twice]]
+        to_w, to_wd, to_a = turns if joint.is_revolute else slides
+        if self.is_standard:
+            yield w, [_turned(turn, [(1, w0), *to_w])]
+            yield wd, [_turned(turn, [(1, wd0), *to_wd])]
+            yield a, [_turned(turn, [(1, a0), *to_a]), *_rotational(w, wd, p)]
+        else:
+            yield w, [_turned(turn, [(1, w0)]), *to_w]
+            yield wd, [_turned(turn, [(1, wd0)]), *to_wd]
+            yield a, [_turned(turn, [(1, a0), *_rotational(w0, wd0, p)]), *to_a]
 
 
 def vector(letter: str, index: str) -> Box:
@@ -329,8 +318,11 @@ def _rotational(w: Box, wd: Box, r: Box) -> list[Term]:
     return [(1, concatenate(wd, _TIMES, r)), (1, concatenate(w, _TIMES, bracketed(w, _TIMES, r)))]
 
 
-def _turned(turn: Box, terms: list[Term]) -> tuple[TexPiece, ...]:
-    return (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
+def _turned(turn: Box, terms: list[Term]) -> Term:
+    """R (a + b), or R a."""
+    if len(terms) == 1:
+        return 1, (TexPiece(turn), *_pieces(terms))
+    return 1, (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
 
 
 def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[TexPiece]:

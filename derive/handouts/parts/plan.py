@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from sympy import Expr, Float, Integer, Matrix, Poly, Rational, Symbol, ff, latex
@@ -133,8 +134,7 @@ def _plots(context: Context, segments: Sequence[SegmentPeaks], times: Array, *cu
         rows.append(tuple(panels))
     ends = np.cumsum([float(peaks.segment.duration) for peaks in segments])
     names = tuple(context.notation.glyph(joint.variable).box.tex for joint in joints)
-    write = LatexPrinter(replace(context.notation, decimals=True)).latex
-    figure = Panels(times, tuple(rows), tuple(map(float, ends[:-1])), names, lambda x: write(Rational(f"{x:.6g}")))
+    figure = Panels(times, tuple(rows), tuple(map(float, ends[:-1])), names, partial(_decimal, context))
     return figure.drawing(context.text("What the joints do over time."))
 
 

@@ -16,13 +16,11 @@ from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula,
 from derive.handouts.sheet.formula import formula
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
-from derive.model.singularities.conditions import Condition, Posture
-from derive.model.singularities.singularities import Outcome, SingularFactor, Singularities
+from derive.model.singularities.singularities import Condition, Outcome, Posture, SingularFactor, Singularities
 
 _IS_ZERO = TexPiece(Box(" = 0", RELATION_WIDTH + 5.0))
 _IF_AND_ONLY_IF = TexPiece(Box(" \\iff ", 34.0), Break.BINARY)
 _DETERMINANT = Box("\\det", 16.0)
-
 _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 

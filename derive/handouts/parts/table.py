@@ -25,7 +25,6 @@ TOOL = Box("\\mathbf{T}_{\\mathrm{tool}}", 30.0)
 _TABLE_WIDTH = 470.0  # room for a table [pt]
 _FIRST_COLUMNS = 90.0
 _COLUMN_GAP = 12.0
-
 _LONGEST_TABLE = 30  # rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align
 _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
@@ -35,11 +34,9 @@ _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 def dh_table(context: Context) -> Iterator[Block]:
     """The convention in words, the DH table, base and tool."""
     n = context.robot.n
-    if context.is_standard:
-        kind = context.text("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
-    else:
-        kind = context.text("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
-    yield Paragraph(f"{kind} {_units(context)}")
+    standard = context.text("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    modified = context.text("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    yield Paragraph(f"{standard if context.is_standard else modified} {_units(context)}")
     yield table_rows(context)
     if frames := end_lines(context):
         yield context.paragraph(

@@ -11,8 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from derive.handouts.figure.drawing import Drawing
 
@@ -43,23 +42,6 @@ class Entry:
     python: str  # the same as a Python expression in the names of the robot file
 
 
-class LazyEntries(Sequence[Entry]):
-    """Entries that are written when they are looked at: a page copies them, paper has no use for them."""
-
-    def __init__(self, count: int, write: Callable[[], Iterable[Entry]]) -> None:
-        self._count, self._write = count, write
-
-    @cached_property
-    def _written(self) -> tuple[Entry, ...]:
-        return tuple(self._write())
-
-    def __len__(self) -> int:
-        return self._count
-
-    def __getitem__(self, place: Any) -> Any:
-        return self._written[place]
-
-
 @dataclass(frozen=True, slots=True)
 class SheetFormula:
     """The result for one quantity: what an exercise leaves blank."""
@@ -70,7 +52,8 @@ class SheetFormula:
     # What else a reader must know: which entries are left out because they are zero, that it is symmetric.
     note: str = ""
     function: str = ""  # the generated function that computes it, empty if none does
-    entries: Sequence[Entry] = ()  # every printed entry for copying
+    # Every printed entry for copying, written when it is asked for: paper has no use for them.
+    entries: Callable[[], Iterable[Entry]] = tuple
     task: str = ""  # what an exercise asks in its place; empty where it asks nothing
     # Left sides of the answers, empty for an answer without one; none for what is too long by hand.
     blanks: tuple[str, ...] = ()

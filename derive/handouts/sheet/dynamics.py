@@ -13,8 +13,7 @@ from derive.handouts.notation.printer import MINUS, LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
 from derive.lecture.sympy_conversion import Expr
-from derive.model.dynamic_entries import ModelEntries
-from derive.model.entries import Entries
+from derive.model.entries import Entries, ModelEntries
 from derive.robot.names import acceleration_name, velocity_name
 
 Signed = tuple[int, tuple[Box, ...]]  # a product of boxes with its sign

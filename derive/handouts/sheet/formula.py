@@ -10,7 +10,7 @@ from derive.handouts.notation.pieces import EMPTY, Box, bracketed, concatenate, 
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import Block, Entry, LazyEntries, Rows, SheetFormula
+from derive.handouts.sheet.document import Block, Entry, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries
@@ -29,10 +29,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
         omitted=laid_out.omitted,
         note=note,
         function=function,
-        entries=LazyEntries(
-            len(laid_out.values),
-            lambda: (Entry(name.tex, context.printer.latex(value), python(value)) for name, value in laid_out.values),
-        ),
+        entries=lambda: [Entry(name.tex, context.printer.latex(e), python(e)) for name, e in laid_out.values],
         task=task,
         blanks=laid_out.blanks,
     )

@@ -20,9 +20,8 @@ from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers
 from derive.inverse.words.derivation import PrintedDerivation
 from derive.inverse.words.elementary import PrintedLine, Sign
 from derive.inverse.words.postures import postures
-from derive.lecture.matrices import aligned_latex
 from derive.lecture.point import DIGITS, value_of, written
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.expression import Expression

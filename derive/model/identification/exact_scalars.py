@@ -84,7 +84,6 @@ class ExactDomain:
                 return number**exponent
             case Call(function, arguments):
                 return getattr(arb(self._value(arguments[0])), function)()  # of sin, cos, tan and sqrt
-        raise TypeError(expression)
 
 
 def is_zero(value: Exact) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from derive.mechanics.chain import Chain
 from derive.model.identification.exact_scalars import Exact
-from derive.model.identification.regressor_null_space import WIDTH, Direction
+from derive.model.identification.regressor_null_space import WIDTH, Direction, parameters_of
 from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed, unpacked
 
 # Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it: programs that read
@@ -63,9 +63,10 @@ def pseudo_inertias(parameters: Array) -> Array:
     return found
 
 
-def in_own_units(parameters: Sequence[Exact], basis: Sequence[Direction], size: float) -> Bodies:
-    """Bodies, and their changes, each about the centre of mass, in radii of gyration and masses of the link."""
-    numbers = np.array([float(value) for value in parameters]).reshape(-1, WIDTH)
+def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
+    """The bodies of an arm, and their changes, each about its centre of mass, in its radius of gyration and mass."""
+    size = size_of(chain)
+    numbers = np.array([[float(value) for value in parameters_of(body)] for body in chain.bodies])
     columns = np.array([[float(value) for value in direction] for direction in basis])
     along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
     given, heaviest = pseudo_inertias(numbers), float(np.abs(numbers[:, 0]).max())

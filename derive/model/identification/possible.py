@@ -86,18 +86,16 @@ def possible(robot: Robot) -> Possible:
     with exactly():
         domain = ExactDomain(robot)
         chain = bare_chain(robot, domain)
-        parameters = [value for body in chain.bodies for value in parameters_of(body)]
-        size = nearest_bodies.size_of(chain)
-        if float(nearest_bodies.least_eigenvalues(nearest_bodies.in_own_units(parameters, (), size)).min()) >= EXISTING:
+        if float(nearest_bodies.least_eigenvalues(nearest_bodies.in_own_units(chain, ())).min()) >= EXISTING:
             return Possible(robot, ())
         every = regressor_null_space.directions(robot, chain, domain)
         # Where torques leave a link no mass it gets no first moment: a solver would not see a small one beside large
         # second ones, which is within its tolerance.
-        masses = [k for k in range(0, len(parameters), WIDTH) if is_zero(parameters[k])]
+        masses = [WIDTH * i for i, body in enumerate(chain.bodies) if is_zero(body.mass)]
         massless = [k for k in masses if all(is_zero(direction[k]) for direction in every)]
         basis = regressor_null_space.fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
         # A semidefinite program in each link's own units: room, targets, which links change, and how little.
-        bodies = nearest_bodies.in_own_units(parameters, basis, size)
+        bodies = nearest_bodies.in_own_units(chain, basis)
         room = nearest_bodies.most_room(bodies)
         if room.value < -BORDER:
             raise refusal(robot, chain, every, room.prices, bodies.units)
@@ -110,7 +108,7 @@ def possible(robot: Robot) -> Possible:
         still = [WIDTH * i + k for i in range(robot.n) if i not in changed for k in range(WIDTH)]
         fewer = regressor_null_space.fixing(basis, still)
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
-            alone = replace(nearest_bodies.in_own_units(parameters, among, size), masses=bodies.masses)
+            alone = replace(nearest_bodies.in_own_units(chain, among), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
                 with suppress(DeriveError):  # rounding left a link a first moment without a mass
                     return _result(robot, chain, domain, regressor_null_space.combined(among, steps), border)
@@ -158,9 +156,7 @@ def _result(
 ) -> Possible:
     """The links after a change of their parameters."""
     links, changes = list(robot.links), []
-    shapes = nearest_bodies.in_own_units(
-        [value for body in chain.bodies for value in parameters_of(body)], [moved], nearest_bodies.size_of(chain)
-    )
+    shapes = nearest_bodies.in_own_units(chain, [moved])
     for i, link in enumerate(robot.links):
         change = moved[WIDTH * i : WIDTH * (i + 1)]
         if all(map(is_zero, change)):

@@ -7,6 +7,7 @@ Everything is exact: the factors multiply to the determinant as polynomials modu
 are moved where a reader expects them: 0.43*c2 + 0.41*s23, not 43*c2 + 41*s23.
 """
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -17,14 +18,22 @@ import sympy
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor, Factoring
+from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.form import LectureForm
+from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.model.singularities.blocks import matrices, square_blocks, task_words
-from derive.model.singularities.conditions import Condition, zero_condition
 from derive.model.singularities.rank import Zero, rank_loss
 from derive.model.singularities.real_zeros import RealZeros
-from derive.model.singularities.singularities import JacobianBlock, Outcome, SingularFactor, Singularities
+from derive.model.singularities.singularities import (
+    Condition,
+    JacobianBlock,
+    Outcome,
+    Posture,
+    SingularFactor,
+    Singularities,
+)
 from derive.robot.expression import Number
 from derive.robot.options.inverse import FREEDOMS, POSE
 from derive.robot.options.style import Contraction, Style
@@ -34,6 +43,7 @@ MAX_DET_TERMS = 20_000  # budget of any polynomial on the way to the determinant
 MAX_JOINTS = 10  # of longer arms no closed form is looked for
 MAX_MINOR_TERMS = 3_000
 
+Write = Callable[[Polynomial], Expr]
 MOST_WHOLE = 10**9  # whole numbers that are larger read no better than decimals
 
 
@@ -154,3 +164,59 @@ def _scaled(domain: PolynomialDomain, factor: Factor, lengths: list[Fraction]) -
     scale = next((scale for scale in scales if all(scale * c in lengths for c in sizes)), common)
     scale = scale if positive > 0 else -scale
     return ring.number(Fraction(1) / scale) ** factor.exponent, Factor(p * scale, factor.exponent)
+
+
+# -- where a factor is zero: an equation, its solutions where they can be read off, and the name of the posture
+
+
+def zero_condition(
+    zeros: RealZeros, factor: Factor, expression: Expr, write: Write, *, is_position: bool, has_wrist: bool
+) -> Condition | None:
+    """Where a factor of the determinant is zero; None if it does not move, or is never zero."""
+    joints, domain = zeros.moving(factor.value), zeros.domain
+    exists = bool(joints) and zeros.exist([factor.value])
+    if exists is False:
+        return None
+    variable: Expr | None = None
+    values: tuple[Expr, ...] = ()
+    if factor.kind is not None:  # a sine or cosine alone
+        variable = expression_to_sympy(domain.angle_sum(factor.joints))
+        angles = (sympy.S.Zero, sympy.pi) if factor.kind is Kind.SINE else (-sympy.pi / 2, sympy.pi / 2)
+        offset = expression_to_sympy(domain.offset_sum(factor.joints))
+        values = tuple(_in_one_turn(angle - offset) for angle in angles)
+    elif len(joints) == 1:
+        values = _solved(domain, factor.value, joints[0], write)
+        variable = sympy.Symbol(domain.robot.joints[joints[0]].variable) if values else None
+    robot, posture = domain.robot, None
+    articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or is_position)
+    elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
+    if has_wrist and joints == (4,):
+        posture = Posture.WRIST
+    elif articulated and elbow:
+        posture = {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
+    certain = exists is True or bool(values)
+    return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints), certain)
+
+
+def _in_one_turn(angle: Expr) -> Expr:
+    """An angle with its multiple of pi in (-1, 1]."""
+    turns = sympy.ceiling((angle.coeff(sympy.pi) - 1) / 2)
+    return angle - 2 * turns * sympy.pi
+
+
+def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:
+    """q of k*q + rest = 0 where k is a number; both angles of a*c + b*s = 0, the arc tangents of -a/b."""
+    slope = domain.derivative(p, joint)
+    if not domain.robot.joints[joint].is_revolute:
+        if not slope.is_constant:
+            return ()
+        rest = p - slope * domain.ring.generator(domain.robot.joints[joint].variable)
+        return (write(rest * (-1 / slope.constant_term)),)
+    # p = a c + b s + rest and dp/dq = b c - a s give a and b; both must be free of joint variables.
+    c, s = domain.cosine_sine_of(joint, offset=True)
+    offset = expression_to_sympy(domain.offsets[joint])
+    a, b = p * c - slope * s, p * s + slope * c
+    if any(domain.derivative(p, j) for p in (a, b) for j in range(domain.robot.n)):
+        return ()
+    ways = (sympy.atan2(write(-a), write(b)), sympy.atan2(write(a), write(-b)))
+    return tuple(_in_one_turn(way - offset) for way in ways)

@@ -9,7 +9,6 @@ import sympy
 
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.exact_kinematics import Reference
-from derive.model.singularities.conditions import Condition
 
 Write = Callable[[Any], str]
 
@@ -21,6 +20,31 @@ class Outcome(StrEnum):
     NEVER = "never"  # the rank is the same in every configuration
     EVERYWHERE = "everywhere"  # the rank is less than the numbers of rows and columns in every configuration
     UNSOLVED = "no closed form"  # no closed form was found of where the rank is less than usual
+
+
+class Posture(StrEnum):
+    """What a singular posture is called (Siciliano et al., Robotics, sec. 3.3.2 and 3.3.3)."""
+
+    WRIST = "wrist"  # axes 4 and 6 are aligned
+    ELBOW = "elbow"  # the arm is stretched out or folded: the wrist centre lies in the plane of axes 2 and 3
+    SHOULDER = "shoulder"  # the wrist centre lies on axis 1, or in the plane through it that is parallel to axis 2
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Where one factor is zero."""
+
+    expression: Expr  # the factor
+    variable: Expr | None  # the joint variable, or the sum of angles, that can be solved for; None if none can
+    values: tuple[Expr, ...]  # what it is there, angles in (-pi, pi]; empty if nothing can be solved
+    posture: Posture | None  # what the arm looks like, where that is certain
+    joints: tuple[int, ...]  # the joints (from 1) whose variables it holds
+    is_certain: bool = True  # whether it is known that it can be zero, whatever the parameters are
+
+    @property
+    def is_solution(self) -> bool:
+        """Whether it is the variable less its one value, printed ``q2 = pi``; not ``q3``, which is zero itself."""
+        return len(self.values) == 1 and bool(self.expression == self.variable - self.values[0] != self.variable)
 
 
 @dataclass(frozen=True)

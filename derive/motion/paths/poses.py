@@ -27,7 +27,7 @@ from derive.plans.segments import Segment
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from derive.model.singularities.conditions import Condition
+    from derive.model.singularities.singularities import Condition
 
 # Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them.
 NODES = (64, 128, 256, 512)

@@ -260,7 +260,7 @@ def test_what_is_left_out_is_said(context: Context) -> None:
 
 def test_entries_are_copied_as_latex_and_python(context: Context) -> None:
     laid_out = LaidOut(("P = c_{1}",), values=((P, sympy.cos(q1)),))
-    (entry,) = formula(context, laid_out).entries
+    (entry,) = formula(context, laid_out).entries()
     assert (entry.name, entry.latex, entry.python) == ("P", "c_{1}", "cos(q1)")
 
 

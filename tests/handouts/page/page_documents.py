@@ -1,6 +1,5 @@
 """A handout made by hand: every kind of block, and a title that tries to be markup; and a page with a figure alone."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from derive.handouts.figure.drawing import Drawing, Label, Path
@@ -45,7 +44,7 @@ def result() -> SheetFormula:
         omitted=(r"b_{33} \colon\ 12\,345\text{ terms}",),
         note="The matrix is symmetric.",
         function="inertia_matrix",
-        entries=ENTRIES,
+        entries=lambda: ENTRIES,
         blanks=(r"\mathbf{B}",),
     )
 
@@ -82,11 +81,11 @@ FRAME = """<!DOCTYPE html>
 PAGE_STYLE = "body{margin:1rem;font-family:sans-serif} @media(prefers-color-scheme:dark){body{background:#16181c}}"
 
 
-def viewer_page(robot: Robot, start: Sequence[float] | None = None, theme: str = "") -> str:
+def viewer_page(robot: Robot, theme: str = "") -> str:
     dragged = dragging(robot, symbol_values(robot, (), assumed(robot)))
     asked = robot if dragged is None else replace(robot, inverse=dragged.task)
     program = build_program(asked, Effort.QUICK, inverse=dragged is not None)
-    made = viewer(robot, program, assumed(robot), Text(), start=start, dragged=dragged)
+    made = viewer(robot, program, assumed(robot), Text(), dragged=dragged)
     attribute = f' data-theme="{theme}"' if theme else ""
     return FRAME.format(theme=attribute, css=PAGE_STYLE + made.css, html=made.html, script=made.script)
 

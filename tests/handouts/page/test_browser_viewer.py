@@ -59,7 +59,7 @@ class Figure:
     def __init__(self, browser: Any, folder: Path, robot: Robot, theme: str = "", without_webgl: bool = False) -> None:
         self.robot = robot
         self.values = symbol_values(robot, (), assumed(robot))
-        self.travels = travels(robot, self.values, None)
+        self.travels = travels(robot, self.values)
         self.trouble: list[str] = []
         path = folder / "viewer.html"
         path.write_text(viewer_page(robot, theme=theme), encoding="utf-8")

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pytest
 
 from derive.handouts.layout.quantity import SheetPolicy
-from derive.handouts.parts.bodies import bodies
+from derive.handouts.parts.dynamics import bodies
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Rows, Section, SheetFormula, Steps, blocks_of
 from derive.handouts.sheet.dynamics import DynamicsLayout
@@ -30,7 +30,7 @@ from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
-from tests.handouts.reading import bare_context, document_of, words
+from tests.handouts.reading import bare_context, changed, document_of, words
 from tests.random_robots import catalogue, robot_text, sampled
 
 Array = npt.NDArray[np.float64]
@@ -48,14 +48,14 @@ def random_arm(seed: int) -> Robot:
 
 
 def part_of(context: Context, part: str, steps: bool = False) -> Section:
-    (section,) = document_of(context if steps else replace(context, options=HandoutOptions()), [part]).sections
+    (section,) = document_of(context if steps else changed(context, options=HandoutOptions()), [part]).sections
     return section
 
 
 def entries_of(section: Section) -> dict[str, str]:
     """Name of every printed entry -> its Python expression."""
     formulas = [block for block in blocks_of(section) if isinstance(block, SheetFormula)]
-    return {entry.name: entry.python for block in formulas for entry in block.entries}
+    return {entry.name: entry.python for block in formulas for entry in block.entries()}
 
 
 def omitted_of(section: Section) -> str:

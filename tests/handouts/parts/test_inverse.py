@@ -56,8 +56,8 @@ def solved(robot: Robot) -> Robot:
 
 def copied(section: Section) -> list[str]:
     """What the buttons of the page copy: definitions and formulas as assignments, in their order."""
-    found = [block for block in section.blocks if isinstance(block, SheetFormula) and block.entries]
-    return [entry.python for block in found if block.function != "inverse_kinematics" for entry in block.entries]
+    found = [block for block in section.blocks if isinstance(block, SheetFormula)]
+    return [entry.python for block in found if block.function != "inverse_kinematics" for entry in block.entries()]
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_the_example_draws_its_configurations_over_each_other(name: str) -> None
     (figure,) = (block for block in section.blocks if isinstance(block, Figure))
     assert figure.drawing.width <= 380
     table = next(b for b in section.blocks if isinstance(b, SheetFormula) and b.function == "inverse_kinematics")
-    configurations = np.array(eval(table.entries[0].python, {"__builtins__": {}}))
+    configurations = np.array(eval(next(iter(table.entries())).python, {"__builtins__": {}}))
     assert len(configurations) >= 2
     robot = Robot.load(name)
     poses = context_of(robot).poses
@@ -120,7 +120,7 @@ def test_the_example_draws_its_configurations_over_each_other(name: str) -> None
 
 def test_a_single_joint_has_no_example() -> None:
     blocks = list(inverse(context_of(Robot.load("dh-general-laschi"))))
-    assert any(isinstance(block, SheetFormula) and block.entries for block in blocks)
+    assert any(isinstance(block, SheetFormula) and any(block.entries()) for block in blocks)
     assert not any(isinstance(block, Table | Figure) for block in blocks)
 
 
@@ -273,7 +273,7 @@ def test_derive_show_prints_the_same_formulas(name: str) -> None:
     shown = derivation_lines(context.entries.model.inverse, "latex", context.notation)
     known = {" ".join(line.replace("&=", "=").removesuffix("\\\\").split()) for line in shown}
     for block in formulas(context):
-        for entry in block.entries:
+        for entry in block.entries():
             printed = " ".join(f"{entry.name} = {entry.latex}".split())
             assert "\\frac" in printed or printed in known
 

@@ -22,7 +22,7 @@ from derive.handouts.sheet.document import Figure, Paragraph, Rows, Section, She
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
 from derive.mechanics.floats import value_at
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.plans.hermite import TIME, Piece
 from derive.plans.profile import AnyPiece, Curve
@@ -158,7 +158,8 @@ def test_what_is_copied_is_what_is_computed() -> None:
     formulas = [b for b in blocks_of(part(robot, "example")) if isinstance(b, SheetFormula)]
     q = configuration(robot).q
     for formula, name in zip(formulas, "TJB", strict=False):
-        np.testing.assert_allclose(json.loads(formula.entries[0].python), value_at(robot, name, q), atol=1e-11)
+        (entry,) = formula.entries()
+        np.testing.assert_allclose(json.loads(entry.python), value_at(robot, name, q), atol=1e-11)
     assert len(formulas) == 4
 
 

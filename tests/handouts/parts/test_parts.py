@@ -10,15 +10,22 @@ from functools import cache
 import pytest
 
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.parts.bodies import energies, inertia, link_jacobians
 from derive.handouts.parts.conversion import conversion
+from derive.handouts.parts.dynamics import (
+    christoffel,
+    coriolis,
+    energies,
+    equations_of_motion,
+    gravity,
+    inertia,
+    link_jacobians,
+    skew,
+)
 from derive.handouts.parts.example import example
 from derive.handouts.parts.figure import arm, convention
 from derive.handouts.parts.jacobian import jacobian
-from derive.handouts.parts.kinematics import end_effector, transforms
-from derive.handouts.parts.motion import christoffel, coriolis, equations_of_motion, gravity, skew
+from derive.handouts.parts.kinematics import end_effector, orientation, transforms
 from derive.handouts.parts.newton_euler import JointLetters, Recursion, newton_euler
-from derive.handouts.parts.orientation import orientation
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context
@@ -30,7 +37,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.options.handout import Derivation, FigureOptions, HandoutOptions
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
-from tests.handouts.reading import REACHED, lines, part, words
+from tests.handouts.reading import REACHED, changed, lines, part, words
 from tests.random_robots import random_robot
 
 KINEMATICS = {
@@ -301,7 +308,7 @@ def test_tables_have_the_units_of_the_file(in_file: bool) -> None:
 
 
 def test_nothing_is_drawn_without_poses() -> None:
-    assert section_of(replace(context_of(Robot.load("scara-perugia")), poses=None), "figure") is None
+    assert section_of(changed(context_of(Robot.load("scara-perugia")), poses=None), "figure") is None
 
 
 def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:

@@ -24,11 +24,12 @@ from derive.handouts.sheet.document import (
 )
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
-from derive.model.dynamic_entries import ModelEntries
+from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, Derivation
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex, run_clean, run_latex
+from tests.handouts.reading import changed
 from tests.random_robots import swept_catalogue
 
 MOST_PAGES = 40
@@ -50,7 +51,7 @@ def section_source(blocks: tuple[Block, ...]) -> str:
 
 
 def sheet(robot: Robot, policy: SheetPolicy = POLICY) -> str:
-    context = replace(context_of(robot), policy=policy)
+    context = changed(context_of(robot), policy=policy)
     return latex(document(context), context.text)
 
 

@@ -18,7 +18,6 @@ from derive.model.identification.nearest_bodies import (
     nearest,
     needed,
     pseudo_inertias,
-    size_of,
     targets,
     weighed,
 )
@@ -283,8 +282,7 @@ def bodies_of(robot: Robot) -> Bodies:
     with exactly():
         domain = ExactDomain(robot)
         chain = bare_chain(robot, domain)
-        parameters = [value for body in chain.bodies for value in parameters_of(body)]
-        return in_own_units(parameters, directions(robot, chain, domain), size_of(chain))
+        return in_own_units(chain, directions(robot, chain, domain))
 
 
 def test_a_pseudo_inertia_is_the_integral_of_place_by_place() -> None:

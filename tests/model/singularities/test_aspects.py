@@ -9,8 +9,14 @@ import pytest
 
 from derive.inverse.numeric.chain import NumericChain
 from derive.model.model import Model
-from derive.model.singularities.aspects import Aspects, connected
-from derive.model.singularities.nonsingular_path import CLEAR, Roadmap, ScaledDeterminant, random_configurations
+from derive.model.singularities.aspects import (
+    CLEAR,
+    Aspects,
+    Roadmap,
+    ScaledDeterminant,
+    connected,
+    random_configurations,
+)
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian, numeric_arm
 from tests.inverse.arms import PUBLISHED
