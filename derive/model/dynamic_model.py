@@ -13,7 +13,7 @@ from derive.lecture.matrices import aligned_latex, columns_matrix
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting
-from derive.model.regressor_forms import IdentifiedModel
+from derive.model.regressor_forms import IdentifiedModel, friction_torque
 from derive.robot.options.style import Grouping, Kinetic
 
 
@@ -276,14 +276,15 @@ class DynamicModel(IdentifiedModel):
 
     @cached_property
     def friction(self) -> Matrix:
-        """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd)."""
+        """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd).
+
+        Where it differs by direction, f_plus*(sign(qd) + sign(qd)**2)/2 + f_minus*(sign(qd) - sign(qd)**2)/2 stands
+        for f*sign(qd): f_plus for qd > 0, -f_minus for qd < 0, and 0 at rest.
+        """
         self._require_links("friction")
-        viscous, coulomb = (
-            [self.form.dynamic(self.domain.constant(getattr(link, kind))) for link in self.robot.links]
-            for kind in ("viscous", "coulomb")
-        )
-        rows = zip(viscous, coulomb, self.qd, strict=True)
-        return sympy.ImmutableMatrix([b * rate + f * sympy.sign(rate) for b, f, rate in rows])
+        pairs = zip(self.robot.links, self.qd, strict=True)
+        rows = [friction_torque(*pair, lambda cell: self.form.dynamic(self.domain.constant(cell))) for pair in pairs]
+        return sympy.ImmutableMatrix(rows)
 
     @cached_property
     def tau(self) -> Matrix:

@@ -1,7 +1,7 @@
 """Regressors and base parameters in closed form, in the robot's own symbols.
 
 The column of a parameter is B qdd + C qd + g of the arm on which that parameter is 1 and all others are 0; friction
-columns are qd_i and sign(qd_i).
+columns are qd_i and sign(qd_i), or one for each sign.
 """
 
 from __future__ import annotations
@@ -18,13 +18,21 @@ from derive.errors import QuantityError
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.mechanics.chain import build_chain
-from derive.mechanics.regressor import with_unit_rotors
+from derive.mechanics.regressor import coulomb_column, with_unit_rotors
 from derive.model.dynamic_form import times_rate
 from derive.model.kinematic_model import KinematicModel
-from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.description import Link
+from derive.robot.expression import Expression
+from derive.robot.inertial_parameters import FRICTION_PARTS, Parameter, coulomb_parts, standard_parameters
 
 if TYPE_CHECKING:  # what identifies imports NumPy, which nothing else of a model in closed form needs
     from derive.model.identification.base_parameters import BaseSet
+
+
+def friction_torque(link: Link, rate: Expr, write: Callable[[Expression], Expr]) -> Expr:
+    """Friction of a joint [N m or N], its coefficients each written in some way."""
+    dry = (write(cell) * coulomb_column(part, sympy.sign(rate)) for part, cell in coulomb_parts(link).items())
+    return sympy.Add(write(link.viscous) * rate, *dry)
 
 
 class IdentifiedModel(KinematicModel):
@@ -118,9 +126,9 @@ class IdentifiedModel(KinematicModel):
 
         units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
         for parameter in parameters:
-            if parameter.part in ("b", "f"):
+            if parameter.part in FRICTION_PARTS:
                 rate = self.qd[parameter.joint - 1]
-                own = rate if parameter.part == "b" else sympy.sign(rate)
+                own = rate if parameter.part == "b" else coulomb_column(parameter.part, sympy.sign(rate))
                 columns.append([own if k == parameter.joint - 1 else sympy.S.Zero for k in n])
                 continue
             gravity = [self.form.gravity(p) for p in units.gravity(parameter)]
