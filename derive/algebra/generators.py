@@ -232,7 +232,7 @@ def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
     values += robot.gravity or ()
     for link in robot.links:
         tensor = link.inertia
-        values += (link.mass, *link.com, link.armature, link.viscous, link.coulomb)
+        values += (link.mass, *link.com, link.armature, link.viscous, *link.dry)
         values += (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
         if link.motor is not None:
             values += (link.motor.mass, link.motor.inertia, link.motor.ratio)

@@ -252,7 +252,7 @@ def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
     """An equation of motion term by term: accelerations, velocities, gravity, friction."""
     variables = [joint.variable for joint in robot.joints]
     accelerations, velocities = set(map(acceleration_name, variables)), set(map(velocity_name, variables))
-    frictional = {name for link in robot.links for cell in (link.viscous, link.coulomb) for name in names(cell)}
+    frictional = {name for link in robot.links for cell in (link.viscous, *link.dry) for name in names(cell)}
     found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}
     for term in _addends(formula):
         used = set(names(term))

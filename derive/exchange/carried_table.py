@@ -14,8 +14,8 @@ from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, Urdf
 from derive.mechanics.space import WORLD, exactly
-from derive.robot.description import Convention, Description, Link
-from derive.robot.expression import number
+from derive.robot.description import Convention, Description, Link, Ways
+from derive.robot.expression import ZERO, Expression, number
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 
@@ -51,16 +51,27 @@ def placement_of(table: Robot) -> Placement:
 
 
 def table_text(robot: Robot) -> str:
-    """A robot file of what a URDF has no words for: the table, slides without limits, gravity, armatures and motors."""
+    """A robot file of what a URDF has no words for: table, slides without limits, gravity, motors, uneven friction."""
     joints = tuple(replace(joint, speed=None, torque=None) for joint in robot.joints)
-    links = tuple(Link(armature=link.armature, motor=link.motor) for link in robot.links)
+    links = tuple(
+        Link(
+            armature=link.armature, motor=link.motor, coulomb=link.coulomb if isinstance(link.coulomb, tuple) else ZERO
+        )
+        for link in robot.links
+    )
     return robot_text(
         Description(robot.name, "", robot.convention, joints, robot.base, robot.tool, robot.gravity, links)
     )
 
 
+def _friction(link: Link, own: Link) -> Expression | Ways:
+    """Coulomb friction by direction where a table has it and its mean is that of the URDF; else that of the URDF."""
+    same = isinstance(own.coulomb, tuple) and text(ball(own.signed[0])) == text(ball(link.signed[0]))
+    return own.coulomb if same else link.coulomb
+
+
 def with_table(robot: Description, table: Robot) -> Description:
-    """A robot with the cells of a table to the letter, and with its gravity, armatures and motors."""
+    """A robot with the cells of a table to the letter, and with its gravity, motors and friction by direction."""
     cells = ("variable", "name", "sign", "theta", "d", "a", "alpha")
     joints = []
     for joint, row in zip(robot.joints, table.joints, strict=True):
@@ -73,7 +84,7 @@ def with_table(robot: Description, table: Robot) -> Description:
     if not (robot.links and table.links):
         return robot
     links = tuple(
-        replace(link, armature=own.armature, motor=own.motor)
+        replace(link, armature=own.armature, motor=own.motor, coulomb=_friction(link, own))
         for link, own in zip(robot.links, table.links, strict=True)
     )
     robot = replace(robot, links=links, gravity=table.gravity, parameters=())

@@ -31,7 +31,11 @@ GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = MappingProxyTy
         "torque": ("the largest torque", lambda segment: given(segment.joint.torque)),
         "bodies": ("mass and inertia", lambda segment: segment.body is not None),
         "viscous": ("the viscous friction", lambda segment: given(segment.link.viscous)),
-        "coulomb": ("the Coulomb friction", lambda segment: given(segment.link.coulomb)),
+        "coulomb": ("the Coulomb friction", lambda segment: given(segment.link.signed[0])),
+        "coulomb by direction": (
+            "the Coulomb friction by direction, written as the mean of both ways,",
+            lambda segment: given(segment.link.signed[1]),
+        ),
         "armature": ("the armature", lambda segment: given(segment.link.armature)),
         "rotor": (
             "the rotor inertia times ratio squared",
@@ -114,7 +118,7 @@ def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_jo
 
 
 def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
-    if any(given(segment.link.coulomb) for segment in arm.segments):
+    if any(given(segment.link.signed[0]) for segment in arm.segments):
         yield (
             "MuJoCo's dry friction is Coulomb's while a joint slips; it is less on a joint that it would stop within "
             "some hundredths of a second, and one that stands creeps under a load"
@@ -159,9 +163,15 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
 # By the name that users type.
 FORMS: Mapping[str, ExportFormat] = MappingProxyType(
     {
-        "urdf": ExportFormat("URDF", ("armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf),
+        "urdf": ExportFormat(
+            "URDF", ("coulomb by direction", "armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf
+        ),
         "mjcf": ExportFormat(
-            "MJCF", ("speed", "coupling that varies"), mjcf_text, _remarks_of_mujoco, says=coupled_by_tendon
+            "MJCF",
+            ("speed", "coulomb by direction", "coupling that varies"),
+            mjcf_text,
+            _remarks_of_mujoco,
+            says=coupled_by_tendon,
         ),
         "rtb": ExportFormat(
             "DHRobot",

@@ -66,9 +66,11 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     if rotor is not None and abs(rotor.ratio) > NOTHING:
         ratio = rotor.ratio
         inertia = inertia / (ratio * ratio) + rotor.inertia
-    viscous, coulomb = ball(link.viscous) / (ratio * ratio), ball(link.coulomb) / abs(ratio)
-    motor = {"Jm": inertia, "G": ratio, "B": viscous, "Tc": coulomb}
-    has_motor = arm.robot.links and any(abs(motor[key]) > NOTHING for key in ("Jm", "B", "Tc"))
+    motor = {"Jm": inertia, "G": ratio, "B": ball(link.viscous) / (ratio * ratio)}
+    ahead, back = (ball(cell) / abs(ratio) for cell in link.dry)
+    rubs = max(abs(ahead), abs(back)) > NOTHING
+    has_motor = arm.robot.links and (rubs or any(abs(motor[key]) > NOTHING for key in ("Jm", "B")))
+    written = {key: text(value) for key, value in motor.items()} | {"Tc": texts((ahead, -back), ", ") if rubs else ""}
     return {
         **cells,
         "variable": joint.variable,
@@ -78,10 +80,7 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
         "offset": "" if getattr(joint, moving) == ZERO else cells[moving],
         "limits": texts(map(ball, joint.limits), ", ") if joint.limits else "",
         "body": body,
-        "motor": {
-            key: text(value) if abs(value) > NOTHING or key != "Tc" else ""
-            for key, value in (motor if has_motor else {}).items()
-        },
+        "motor": written if has_motor else {},
     }
 
 
@@ -127,7 +126,7 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
         out.write(f"# {name}: {'; '.join(_matrix(frame)).replace(',', '')}\n")
     if arm.robot.gravity is not None:
         out.write(f"# gravity: {texts(map(ball, arm.robot.gravity))}\n")
-    rows = []
+    rows, by_direction = [], any(isinstance(link.coulomb, tuple) for link in arm.robot.links)
     for segment in arm.segments:
         joint, link = segment.joint, segment.link
         cells: dict[str, Any] = {key: getattr(joint, key) for key in ("theta", "d", "a", "alpha")}
@@ -136,7 +135,8 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
         if arm.robot.links:
             cells |= {"mass": link.mass, **dict(zip(("x", "y", "z"), link.com, strict=True))}
             cells |= {f"I{key}": getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
-            cells |= {key: getattr(link, key) for key in ("armature", "viscous", "coulomb")}
+            cells |= {"armature": link.armature, "viscous": link.viscous, "coulomb": link.dry[0]}
+            cells |= {"coulomb_minus": link.dry[1]} if by_direction else {}
             motor = link.motor
             cells |= {f"motor_{key}": motor and getattr(motor, key) for key in ("mass", "inertia", "ratio")}
         row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}

@@ -149,7 +149,7 @@ def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
         "range": texts(map(ball, joint.limits)) if joint.limits else "",
         "armature": _unless_zero(armature),
         "damping": _unless_zero(ball(link.viscous)),
-        "frictionloss": _unless_zero(ball(link.coulomb)),
+        "frictionloss": _unless_zero(ball(link.signed[0])),
     }
     return {
         "name": xml_text(joint.label),

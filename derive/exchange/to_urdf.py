@@ -75,7 +75,7 @@ def _joint(segment: ChainSegment, parent: str, child: str) -> dict[str, Any]:
         bounds |= dict(zip(("lower", "upper"), ends, strict=True))
     for key, cell in (("effort", joint.torque), ("velocity", joint.speed)):
         bounds[key] = str(UNLIMITED) if cell is None else text(ball(cell))
-    dynamics = {"damping": text(ball(link.viscous)), "friction": text(ball(link.coulomb))}
+    dynamics = {"damping": text(ball(link.viscous)), "friction": text(ball(link.signed[0]))}
     return {
         "name": xml_text(joint.label),
         "type": kind,

@@ -71,7 +71,8 @@ class ChainJoint(Generic[S]):
     coupling: S  # sign * ratio * rotor inertia: the rotor's momentum about z per unit of rate
     armature: S  # what resists the joint's own acceleration: ratio^2 * rotor inertia + armature of the file
     viscous: S  # b of b*qd
-    coulomb: S  # f of f*sign(qd)
+    coulomb: S  # f of f*sign(qd), of friction by direction half the sum of both magnitudes
+    coulomb_even: S  # and half their difference, of sign(qd)^2
 
     def motion(self, zero: S, one: S) -> Frame[S]:
         """Z_i = Rot(z, theta_i) Trans(z, d_i)."""
@@ -194,6 +195,7 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
     motor = link.motor or Motor()
     ratio = domain.constant(motor.ratio)
     spin = ratio * domain.constant(motor.inertia)
+    odd, even = link.signed
     return ChainJoint(
         revolute=joint.is_revolute,
         sign=joint.sign,
@@ -204,7 +206,8 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
         coupling=spin if joint.sign > 0 else -spin,
         armature=ratio * spin + domain.constant(link.armature),
         viscous=domain.constant(link.viscous),
-        coulomb=domain.constant(link.coulomb),
+        coulomb=domain.constant(odd),
+        coulomb_even=domain.constant(even),
     )
 
 

@@ -147,7 +147,7 @@ def printed_newton_euler(
         raise QuantityError(f"dynamics of {robot.name}", allowed="allowed: robots with `links`")
     for i, link in enumerate(robot.links, 1):
         rotor = link.motor or Motor()
-        if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, link.coulomb)):
+        if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, *link.dry)):
             raise QuantityError(
                 f"rotor, armature or Coulomb friction of link {i}",
                 allowed="none: these equations know rigid links and viscous friction",

@@ -17,8 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import accumulate
-from typing import Generic
+from typing import Any, Generic
 
 from derive.mechanics.chain import Chain, ChainJoint
 from derive.mechanics.joint_motion import along_axes, axis, origin, to_child
@@ -68,6 +69,12 @@ def with_unit_rotors(robot: Robot) -> Robot:
 def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
     """Where the rotor of a joint sits, in joint frame ``joint - 1``."""
     return chain.bodies[joint - 2].first_moment
+
+
+def coulomb_column(part: str, sign: Any) -> Any:
+    """Coulomb friction per unit of a parameter by sign(qd): 1 and 0 for `fp`, 0 and -1 for `fm` where a joint moves."""
+    ahead = (sign + sign * sign) * Fraction(1, 2)
+    return {"f": sign, "fp": ahead, "fm": sign - ahead}[part]
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +159,9 @@ class Regressor(Generic[S]):
         elif part in ("mm", "Im"):
             found = self._of_rotor(i, part)
         else:
-            if part == "f":
+            if part[0] == "f":
                 assert self._sign is not None, "Coulomb friction needs a sign"
-                own = self._sign(self._qd[i])
+                own = coulomb_column(part, self._sign(self._qd[i]))
             else:
                 # Armature and friction act on their own joint alone.
                 own = {"Ia": self._qdd, "b": self._qd}[part][i]

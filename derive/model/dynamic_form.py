@@ -8,7 +8,7 @@ given in `derive.model.abbreviations`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -22,7 +22,10 @@ from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
 from derive.mechanics.exact_dynamics import Dynamics
+from derive.mechanics.regressor import coulomb_column
 from derive.robot.description import Link
+from derive.robot.expression import Expression
+from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.options.style import Grouping, Rates
 from derive.robot.robot import Robot
 
@@ -222,3 +225,9 @@ def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
     own, bare = robot.links[i - 1], Link()
     body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
     return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)))
+
+
+def friction_torque(link: Link, rate: Expr, write: Callable[[Expression], Expr]) -> Expr:
+    """Friction of a joint [N m or N], its coefficients each written in some way."""
+    dry = (write(cell) * coulomb_column(part, sympy.sign(rate)) for part, cell in coulomb_parts(link).items())
+    return sympy.Add(write(link.viscous) * rate, *dry)

@@ -21,10 +21,10 @@ from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, columns_matrix
 from derive.mechanics.chain import build_chain
 from derive.mechanics.exact_dynamics import Dynamics
-from derive.mechanics.regressor import with_unit_rotors
-from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting, times_rate
+from derive.mechanics.regressor import coulomb_column, with_unit_rotors
+from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting, friction_torque, times_rate
 from derive.model.kinematic_model import KinematicModel
-from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.inertial_parameters import FRICTION_PARTS, Parameter, standard_parameters
 from derive.robot.options.style import Grouping, Kinetic
 
 if TYPE_CHECKING:  # what identifies imports NumPy, which nothing else of a model in closed form needs
@@ -294,14 +294,15 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def friction(self) -> Matrix:
-        """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd)."""
+        """Joint friction, nx1 [N m or N]: b*qd + f*sign(qd).
+
+        Where it differs by direction, f_plus*(sign(qd) + sign(qd)**2)/2 + f_minus*(sign(qd) - sign(qd)**2)/2 stands
+        for f*sign(qd): f_plus for qd > 0, -f_minus for qd < 0, and 0 at rest.
+        """
         self._require_links("friction")
-        viscous, coulomb = (
-            [self.form.dynamic(self.domain.constant(getattr(link, kind))) for link in self.robot.links]
-            for kind in ("viscous", "coulomb")
-        )
-        rows = zip(viscous, coulomb, self.qd, strict=True)
-        return sympy.ImmutableMatrix([b * rate + f * sympy.sign(rate) for b, f, rate in rows])
+        pairs = zip(self.robot.links, self.qd, strict=True)
+        rows = [friction_torque(*pair, lambda cell: self.form.dynamic(self.domain.constant(cell))) for pair in pairs]
+        return sympy.ImmutableMatrix(rows)
 
     @cached_property
     def tau(self) -> Matrix:
@@ -405,9 +406,9 @@ class DynamicModel(KinematicModel):
 
         units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
         for parameter in parameters:
-            if parameter.part in ("b", "f"):
+            if parameter.part in FRICTION_PARTS:
                 rate = self.qd[parameter.joint - 1]
-                own = rate if parameter.part == "b" else sympy.sign(rate)
+                own = rate if parameter.part == "b" else coulomb_column(parameter.part, sympy.sign(rate))
                 columns.append([own if k == parameter.joint - 1 else sympy.S.Zero for k in n])
                 continue
             gravity = [self.form.gravity(p) for p in units.gravity(parameter)]

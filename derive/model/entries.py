@@ -19,7 +19,7 @@ import sympy
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_to_sympy
 from derive.mechanics.vectors import Frame, Vector
-from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm
+from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, friction_torque
 from derive.model.long_chain import NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
 from derive.robot.expression import ZERO
@@ -245,7 +245,7 @@ class ModelEntries:
         joints, link = self._joints, self.robot.links[i - 1]
         inertia = sum(self.B.terms(i, j) for j in joints)
         velocity = sum(self.christoffel(i, j, k).terms(1, 1) for j in joints for k in joints if j <= k)
-        friction = (link.viscous != ZERO) + (link.coulomb != ZERO)
+        friction = sum(cell != ZERO for cell in (link.viscous, *link.signed))
         return inertia + velocity + self.g.terms(i, 1) + friction
 
     @cached_property
@@ -321,7 +321,7 @@ class ModelEntries:
     def friction(self, i: int) -> Expr:
         """Friction of joint i [N m or N], as the file gives it: b qd + f sign(qd)."""
         link, rate = self.robot.links[i - 1], self.model.qd[i - 1]
-        return expression_to_sympy(link.viscous) * rate + expression_to_sympy(link.coulomb) * sympy.sign(rate)
+        return friction_torque(link, rate, expression_to_sympy)
 
     def is_skew(self, limit: int) -> bool:
         """Whether the entries of N + N^T, N = dB/dt - 2C, cancel when multiplied out."""

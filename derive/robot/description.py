@@ -6,15 +6,17 @@ The parts show themselves in the words of the file (``Joint(revolute, theta=q1 +
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
+from fractions import Fraction
 
 from derive.errors import Location
-from derive.robot.expression import ONE, ZERO, Expression, to_text
+from derive.robot.expression import ONE, ZERO, Expression, add, multiply, negate, number, to_text
 from derive.robot.options.handout import FigureOptions, HandoutOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.options.style import Style
 
 INERTIA = ("xx", "yy", "zz", "xy", "xz", "yz")  # entries of a tensor, in the order in which everything lists them
 Vector = tuple[Expression, Expression, Expression]  # three cells: a point, or a vector in space
+Ways = tuple[Expression, Expression]  # one magnitude for each way in which a joint moves, qd > 0 and qd < 0
 Matrix = tuple[tuple[Expression, ...], ...]  # rows of cells; a homogeneous transform has four of four
 # The transform that changes nothing.
 IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
@@ -43,9 +45,14 @@ class FileUnits:
     parameters: bool = False  # whether numbers of symbols are in the units of the cells that these stand in, too
 
 
-def _cells_text(**cells: Expression) -> str:
+def pair_text(cell: Expression | Ways, write: Callable[[Expression], str] = to_text) -> str:
+    """A cell, or two as a list."""
+    return f"[{', '.join(map(write, cell))}]" if isinstance(cell, tuple) else write(cell)
+
+
+def _cells_text(**cells: Expression | Ways) -> str:
     """Cells that are not zero as text: ``d=d1, alpha=pi/2``."""
-    return ", ".join(f"{name}={to_text(cell)}" for name, cell in cells.items() if cell != ZERO)
+    return ", ".join(f"{name}={pair_text(cell)}" for name, cell in cells.items() if cell != ZERO)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -142,7 +149,21 @@ class Link:
     motor: Motor | None = None  # rotor that drives joint i, or None
     armature: Expression = ZERO  # reflected rotor inertia, added to B[i,i] only [kg m^2 or kg]
     viscous: Expression = ZERO  # joint-side viscous coefficient b of ``b*qd``
-    coulomb: Expression = ZERO  # joint-side Coulomb coefficient f of ``f*sign(qd)``
+    # Joint-side Coulomb coefficient f of ``f*sign(qd)``, or that of either way: f_plus for qd > 0, -f_minus for qd < 0.
+    coulomb: Expression | Ways = ZERO
+
+    @property
+    def dry(self) -> Ways:
+        """Coulomb friction for qd > 0, and against that for qd < 0, (f_plus, f_minus) [N m or N]."""
+        return self.coulomb if isinstance(self.coulomb, tuple) else (self.coulomb, self.coulomb)
+
+    @property
+    def signed(self) -> Ways:
+        """Factors of sign(qd) and sign(qd)^2 in it: (f_plus + f_minus)/2 and (f_plus - f_minus)/2 [N m or N]."""
+        if not isinstance(self.coulomb, tuple):
+            return self.coulomb, ZERO
+        half, (ahead, back) = number(Fraction(1, 2)), self.coulomb
+        return multiply(half, add(ahead, back)), multiply(half, add(ahead, negate(back)))
 
     def __repr__(self) -> str:
         parts = [f"com=[{', '.join(map(to_text, self.com))}]"] if any(cell != ZERO for cell in self.com) else []

@@ -6,14 +6,16 @@ friction have theirs where the file gives them.
 
 from dataclasses import dataclass
 
-from derive.robot.expression import ZERO
+from derive.robot.description import Link
+from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
 # Mass [kg], first moments [kg m], entries of the inertia tensor about the frame's origin [kg m^2].
 LINK_PARTS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 # Rotor mass [kg], rotor inertia about its axis [kg m^2], armature [kg m^2 or kg], viscous friction [N m s or N s/m] and
-# Coulomb friction [N m or N].
-JOINT_PARTS = ("mm", "Im", "Ia", "b", "f")
+# Coulomb friction, or that for qd > 0 and that against qd < 0 [N m or N].
+FRICTION_PARTS = ("b", "f", "fp", "fm")
+JOINT_PARTS = ("mm", "Im", "Ia", *FRICTION_PARTS)
 # Regressors are generated up to so many joints: their entries grow with the square, each of them a sum.
 REGRESSOR_JOINTS = 16
 
@@ -36,6 +38,11 @@ class Parameter:
         return self.part in LINK_PARTS
 
 
+def coulomb_parts(link: Link) -> dict[str, Expression]:
+    """The parameters of a link's Coulomb friction: ``f``, or ``fp`` and ``fm`` by direction."""
+    return dict(zip(("fp", "fm"), link.dry, strict=True)) if isinstance(link.coulomb, tuple) else {"f": link.coulomb}
+
+
 def has_regressor(robot: Robot) -> bool:
     """Whether regressors are generated for a robot."""
     return robot.has_dynamics and robot.n <= REGRESSOR_JOINTS
@@ -50,8 +57,8 @@ def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:
             "Im": link.motor is not None,
             "Ia": link.armature != ZERO,
             "b": link.viscous != ZERO,
-            "f": link.coulomb != ZERO,
+            **dict.fromkeys(coulomb_parts(link), link.coulomb != ZERO),
         }
         found += [Parameter(i, part) for part in LINK_PARTS]
-        found += [Parameter(i, part) for part in JOINT_PARTS if given[part]]
+        found += [Parameter(i, part) for part in JOINT_PARTS if given.get(part)]
     return tuple(found)

@@ -232,7 +232,9 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
         if document.find((*path, "motor")) is not None:
             motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
         armature = cells.plain((*path, "armature"))
-        viscous, coulomb = (cells.plain((*path, "friction", key)) for key in ("viscous", "coulomb"))
+        viscous, dry = cells.plain((*path, "friction", "viscous")), (*path, "friction", "coulomb")
+        ways = cells.plain((*dry, 0)), cells.plain((*dry, 1))
+        coulomb = ways if ways != (ZERO, ZERO) else cells.plain(dry)
         links.append(Link(mass, (x, y, z), inertia, motor, armature, viscous, coulomb))
     return tuple(links)
 

@@ -69,7 +69,8 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
             yield (*row, "motor", key), getattr(link.motor, key)
         yield (*row, "armature"), link.armature
         yield (*row, "friction", "viscous"), link.viscous
-        yield (*row, "friction", "coulomb"), link.coulomb
+        dry: KeyPath = (*row, "friction", "coulomb")
+        yield from zip([(*dry, 0), (*dry, 1)] if isinstance(link.coulomb, tuple) else [dry], link.dry, strict=False)
 
 
 def is_turn(expression: Expression) -> bool:

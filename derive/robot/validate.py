@@ -47,6 +47,12 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
             if value is not None and value < 0:
                 found, path = f"negative mass {value:g}", ("links", index, *key)
                 raise document.error(path, found, "allowed: zero or more", "correct the sign")
+        for k, cell in enumerate(link.dry if isinstance(link.coulomb, tuple) else ()):
+            if (value := _value(cell, values)) is not None and value < 0:
+                found = f"negative friction {value:g} where the joint moves {('forwards', 'backwards')[k]}"
+                remedy = f"write {-value:g}: both numbers are magnitudes against the motion, [f_plus, f_minus]"
+                path = ("links", index, "friction", "coulomb", k)
+                raise document.error(path, found, "allowed: zero or more", remedy)
     # numbers for all symbols, random for those without one and those that may change at run time
     source = random.Random(_SEED)
     open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)

@@ -4,7 +4,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction
 
-from derive.robot.description import IDENTITY, INERTIA, Convention, Description, FileUnits, Inertia, Joint, Link, Motor
+from derive.robot.description import (
+    IDENTITY,
+    INERTIA,
+    Convention,
+    Description,
+    FileUnits,
+    Inertia,
+    Joint,
+    Link,
+    Motor,
+    pair_text,
+)
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions
@@ -113,7 +124,7 @@ def _row(joint: Joint, convention: Convention) -> Iterator[str]:
 def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
     """Some cells of a part in braces, without those that are zero; nothing where all are."""
     cells = {key: getattr(part, key) for key in keys}
-    rows = [f"{key}: {cell_text(cell)}" for key, cell in cells.items() if cell != ZERO]
+    rows = [f"{key}: {pair_text(cell, cell_text)}" for key, cell in cells.items() if cell != ZERO]
     return f"{{{', '.join(rows)}}}" if rows else ""
 
 

@@ -65,7 +65,9 @@ class Bounds:
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
         self.potential: Array = whole * weight * farthest  # () bound of U
-        self.friction = np.abs([arm.viscous, arm.coulomb])  # (2, n) viscous and Coulomb coefficients, absolute values
+        self.friction = np.abs(
+            [arm.viscous, np.abs(arm.coulomb).max(axis=0)]
+        )  # (2, n) viscous and Coulomb coefficients, absolute values
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
@@ -170,7 +172,12 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
         "first moment": np.where(arm.revolute, pull, 0.0) + lever * spin,
         "inertia": np.full(arm.n, spin),
     }
-    of_joint = {"Im": ratio**2 * acceleration, "Ia": acceleration, "b": rate, "f": np.ones(arm.n)}
+    of_joint = {
+        "Im": ratio**2 * acceleration,
+        "Ia": acceleration,
+        "b": rate,
+        **dict.fromkeys(("f", "fp", "fm"), np.ones(arm.n)),
+    }
     columns = []
     for parameter in known.standard if function == "regressor" else known.base:
         part, i = parameter.part, parameter.joint - 1

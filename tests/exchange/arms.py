@@ -9,7 +9,7 @@ import pytest
 
 from derive.exchange.numeric import with_numbers
 from derive.robot.description import Inertia, Link, Motor
-from derive.robot.expression import Expression, number
+from derive.robot.expression import Expression, multiply, number
 from derive.robot.load import catalogue_names
 from derive.robot.names import limit_symbols, robot_symbols
 from derive.robot.robot import Robot
@@ -68,6 +68,12 @@ def dressed(name: str, *, rotors: bool = False, coulomb: bool = False, calm: boo
     joints = tuple(replace(joint, limits=None) for joint in robot.joints)
     gravity = (decimal(0.3), decimal(-9.1), decimal(-2.7))
     return replace(robot, joints=joints, gravity=gravity, links=tuple(link(robot.n - i) for i in range(robot.n)))
+
+
+def uneven(robot: Robot) -> Robot:
+    """The robot with more friction where its joints move backwards."""
+    links = (replace(link, coulomb=(link.dry[0], multiply(number("1.3"), link.dry[0]))) for link in robot.links)
+    return replace(robot, links=tuple(links))
 
 
 TABLES = {

@@ -20,7 +20,7 @@ from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package
 from derive.verification.octave_model import OPTIONS, find_octave
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.arms import EVERY, FEW, dressed, numeric
+from tests.exchange.arms import EVERY, FEW, dressed, numeric, uneven
 from tests.targets.generated_models import needs_octave
 
 STAND_INS = Path(__file__).parent / "octave"
@@ -67,15 +67,15 @@ def test_the_python_script_makes_the_same_arm(name: str, monkeypatch: pytest.Mon
 
 def test_motors_are_on_their_side_of_the_gear(monkeypatch: pytest.MonkeyPatch) -> None:
     toolbox(monkeypatch)
-    robot = dressed("planar-2r-perugia", rotors=True, coulomb=True)
+    robot = uneven(dressed("planar-2r-perugia", rotors=True, coulomb=True))
     arm, made = Oracle.of(robot).arm, run_script(exported(robot, "rtb").text)
     for i, link in enumerate(made.links):
         cells, ratio = link.cells, arm.ratio[i]
         assert cells["G"] == pytest.approx(ratio, rel=1e-15)
         assert cells["Jm"] * ratio**2 == pytest.approx(arm.rotor_inertia[i] * ratio**2 + arm.armature[i], rel=1e-14)
         assert cells["B"] * ratio**2 == pytest.approx(arm.viscous[i], rel=1e-14)
-        assert cells["Tc"][0] * abs(ratio) == pytest.approx(arm.coulomb[i], rel=1e-14)
-        assert cells["Tc"][1] == -cells["Tc"][0]
+        assert cells["Tc"][0] * abs(ratio) == pytest.approx(arm.coulomb[0, i], rel=1e-14)
+        assert cells["Tc"][1] * abs(ratio) == pytest.approx(-arm.coulomb[1, i], rel=1e-14)
     assert all(link.cells["I"].shape == (3, 3) for link in made.links)  # the toolbox takes no lists
     assert made.links[0].cells["m"] == pytest.approx(arm.mass[0] + arm.rotor_mass[1], rel=1e-15)
     assert made.gravity == [0.3, -9.1, -2.7]
@@ -112,7 +112,7 @@ def test_the_toolbox_itself_makes_the_same_arm(name: str) -> None:
     made, oracle = run_script(exported(robot, "rtb").text), Oracle.of(robot)
     for q in np.random.default_rng(3).uniform(-3, 3, (5, robot.n)):
         assert np.abs(made.fkine(q).A - oracle.evaluate("forward_kinematics", q)).max() < 1e-12
-    robot = dressed(name, coulomb=True)
+    robot = uneven(dressed(name, coulomb=True))
     made, oracle = run_script(exported(robot, "rtb").text), Oracle.of(robot)
     for states in np.random.default_rng(4).uniform(-1, 1, (2, 3, robot.n)):
         expected = oracle.evaluate("inverse_dynamics", *states)
@@ -168,15 +168,17 @@ def test_rigid_body_tree_has_inertias_about_the_origins_of_frames() -> None:
 
 
 def test_the_table_of_numbers_has_every_cell() -> None:
-    robot = dressed("stanford-deluca", rotors=True, coulomb=True)
+    robot = uneven(dressed("stanford-deluca", rotors=True, coulomb=True))
     joints = (replace(robot.joints[0], limits=(number(-1), number(2)), speed=number(3)), *robot.joints[1:])
     text = exported(replace(robot, joints=joints), "csv").text
     head = [line for line in text.splitlines() if line.startswith("#")]
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     arm = Oracle.of(robot).arm
     assert any(line.startswith("# gravity: 0.3 -9.1 -2.7") for line in head)
-    for cell in ("theta", "d", "a", "alpha", "mass", "viscous", "coulomb", "armature"):
+    for cell in ("theta", "d", "a", "alpha", "mass", "viscous", "armature"):
         assert np.abs([float(row[cell]) for row in rows] - getattr(arm, cell)).max() < 1e-15
+    dry = [[float(row[key]) for row in rows] for key in ("coulomb", "coulomb_minus")]
+    assert np.abs(dry - arm.coulomb).max() < 1e-15
     assert [row["type"] for row in rows] == [joint.type.value for joint in robot.joints]
     assert [rows[0][key] for key in ("lower", "upper", "speed", "torque")] == ["-1", "2", "3", ""]
     assert float(rows[2]["motor_ratio"]) == arm.ratio[2]

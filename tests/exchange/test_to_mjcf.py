@@ -13,7 +13,7 @@ from derive.robot.description import Inertia, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.arms import EVERY, SWEEP, dressed, numeric, with_links
+from tests.exchange.arms import EVERY, SWEEP, dressed, numeric, uneven, with_links
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -65,6 +65,10 @@ def test_a_coupling_that_varies_is_named() -> None:
 def test_friction_limits_and_torques_are_those_of_the_robot_and_cylinders_weigh_what_has_no_masses() -> None:
     robot = dressed("kuka-kr5", coulomb=True)
     assert max(worst(robot, exported(robot, "mjcf").text)) < 1e-12
+    made = exported(uneven(robot), "mjcf")
+    losses = mujoco.MjModel.from_xml_string(made.text).dof_frictionloss
+    assert losses == pytest.approx(1.15 * Oracle.of(robot).arm.coulomb[0])
+    assert any("by direction, written as the mean of both ways, of q1, q2" in remark for remark in made.remarks)
     robot = dressed("planar-3r")
     first = replace(robot.joints[0], limits=(number("-0.5"), number(2)), torque=number(7))
     made = exported(replace(robot, joints=(first, *robot.joints[1:])), "mjcf")

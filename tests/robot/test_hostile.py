@@ -56,6 +56,8 @@ def test_nothing_was_run() -> None:
         ("wrong-convention", 3, 13),
         ("missing-type", 6, 5),
         ("com-two", 9, 21),
+        ("coulomb-three", 10, 36),
+        ("coulomb-signed", 10, 40),
         ("unused-parameter", 11, 32),
         ("unknown-runtime", 12, 11),
         ("tool-scaled", 13, 8),

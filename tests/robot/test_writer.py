@@ -45,6 +45,12 @@ tool:
   - [0, cos(beta), -sin(beta), 0]
   - [0, sin(beta), cos(beta), l + 3]
   - [0, 0, 0, 1]
+gravity: [0, 0, -g]
+links:
+  - mass: 1
+    friction: {viscous: b, coulomb: [f, 0.3]}
+  - mass: 2
+    friction: {coulomb: [0, 2*f]}
 """
     assert robot_text(Robot.from_text(text)) == text
 

@@ -35,7 +35,7 @@ joints:
   - {type: prismatic, a: a2, alpha: pi/2}
 gravity: [0, -9.81, 0]
 links:
-  - {mass: m1, com: [-0.1, 0, 0], inertia: {zz: 0.02}, friction: {viscous: 0.5, coulomb: 0.2}}
+  - {mass: m1, com: [-0.1, 0, 0], inertia: {zz: 0.02}, friction: {viscous: 0.5, coulomb: [0.2, 0.3]}}
   - {mass: m2, com: [-0.2, 0.1, 0], inertia: {zz: 0.03, xx: 0.01}, motor: {mass: 0.3, inertia: 0.001, ratio: 50}}
 parameters: {a1: 0.5, a2: 0.4}
 """

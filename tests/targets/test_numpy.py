@@ -46,7 +46,7 @@ SHAPES = {
     **dict.fromkeys(("gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector"), (2,)),
     "manipulability_dq": (2,),
     **dict.fromkeys(("inverse_dynamics_dq", "inverse_dynamics_dqd"), (2, 2)),
-    "base_regressor": (2, 7),
+    "base_regressor": (2, 8),
 }
 
 CONSTANT = replace(INTERFACES["gravity_vector"], arguments=())

@@ -283,7 +283,8 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     _ = context.text
     friction = any(link.viscous != ZERO or link.coulomb != ZERO for link in context.robot.links)
     letter, gravity = context.symbols.inertia_letter, context.robot.gravity is not None
-    yield textbook("equations_of_motion", B=letter, gravity=gravity, friction=friction)
+    by_direction = any(isinstance(link.coulomb, tuple) for link in context.robot.links)
+    yield textbook("equations_of_motion", B=letter, gravity=gravity, friction=friction, by_direction=by_direction)
     entries, is_compact = context.entries, context.dynamics.is_compact
     if is_compact(entries.C) and is_compact(entries.tau):
         if context.steps:

@@ -123,7 +123,7 @@ def _remarks(context: Context) -> Iterator[Block]:
         )
     added = []
     for i, link in enumerate(robot.links, 1):
-        if any(cell != ZERO for cell in (link.viscous, link.coulomb, link.armature)):
+        if any(cell != ZERO for cell in (link.viscous, *link.dry, link.armature)):
             armature = expression_to_sympy(link.armature) * context.entries.model.qdd[i - 1]
             torque, symbol = armature + context.entries.friction(i), context.symbols.torque(i)
             name = Box(f"\\Delta {symbol.tex}", symbol.width + 9.0)

@@ -15,6 +15,7 @@ from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO
+from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.names import free_symbols
 from derive.robot.units import joint_in_file_units
 from derive.targets.escape import latex_text
@@ -168,8 +169,9 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
     cells += [
         (_("armature"), link.armature),
         (_("viscous friction"), link.viscous),
-        (_("Coulomb friction"), link.coulomb),
     ]
+    ways = {"f": "", "fp": " (+)", "fm": " (-)"}
+    cells += [(_("Coulomb friction") + ways[part], cell) for part, cell in coulomb_parts(link).items()]
     for label, cell in cells:
         if cell != ZERO:
             yield Equation(_word(label), context.data.value(cell))

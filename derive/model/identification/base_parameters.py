@@ -34,7 +34,7 @@ from derive.mechanics.regressor import with_unit_rotors
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.description import IDENTITY, Link, Motor
 from derive.robot.expression import ZERO, Expression, substitute
-from derive.robot.inertial_parameters import JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
+from derive.robot.inertial_parameters import FRICTION_PARTS, JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
 from derive.robot.robot import Robot
 
 MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
@@ -157,8 +157,8 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
     own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
     candidates += [p for p in own if p.part == "Ia"]
     candidates += [p for p in own if p.part == "Im" and p.joint not in absorbed]
-    # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity
-    friction, geometry = [p for p in own if p.part in ("b", "f")], _geometry(robot, numbers)
+    # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity, or jumps
+    friction, geometry = [p for p in own if p.part in FRICTION_PARTS], _geometry(robot, numbers)
     samples = _FEWEST_SAMPLES
     while samples <= 4 * len(candidates):
         try:

@@ -16,7 +16,7 @@ from derive.mechanics.vectors import S, axial_tensor, scale, steiner
 from derive.model.identification.base_parameters import BaseSet, absorbed_rotors
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, to_text
-from derive.robot.inertial_parameters import LINK_PARTS, Parameter
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter, coulomb_parts
 from derive.robot.robot import Robot
 
 
@@ -77,7 +77,8 @@ def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain
         value: S = getattr(body.inertia, p.part[1:])
         return value
     motor = link.motor or Motor()
-    cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous, "f": link.coulomb}
+    cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous}
+    cells |= coulomb_parts(link)
     return domain.constant(cells[p.part])
 
 

@@ -66,6 +66,7 @@ class FastestMotion:
     steps: Indices  # index of the step of each interval, (intervals,)
     bounds: Bounds  # largest speeds, accelerations and torques
     torques: Torques  # of what moves
+    even: Array  # what friction of a joint that moves has more than half of what it has to the other side, (n,)
 
     def solve(self) -> Nodes:
         """The motion from rest to rest."""
@@ -119,13 +120,17 @@ class FastestMotion:
         def _at(qd: Array, qdd: Array) -> Array:
             return self._magnitudes(q, qd, qdd, self.steps)
 
-        # tau(qd = v q', qdd = v^2 q'') = g + v^2 (B q'' + C q') + v D q' + f sign(v q'), asked at v = 0, 1, -1 and 2:
-        # the even part at 1 less g has v^2, the odd part D q' + f sign(q'), of which twice the speed tells D from f.
+        # tau(qd = v q', qdd = v^2 q'') = g + v^2 (B q'' + C q') + v D q' + f sign(v q') + e, e the even friction of
+        # what moves, asked at v = 0, 1, -1 and 2: the even part at 1 less g and e has v^2, the odd part
+        # D q' + f sign(q'), of which twice the speed tells D from f.
+        most, others = self.bounds[2], [np.isfinite(bound).sum() for bound in self.bounds[:2]]
+        even_torque = (self.even * (slope != 0) / most)[:, np.isfinite(most)]
+        lean = np.hstack([np.zeros((len(slope), others[0] + 2 * others[1])), even_torque, -even_torque])
         still, moved = _at(zero, zero), _at(slope, bend)
         back, twice = _at(-slope, bend), _at(2 * slope, 4 * bend)
-        even, odd = (moved + back) / 2 - still, (moved - back) / 2
-        viscous = twice - still - 4 * even - odd
-        return Rows(_at(zero, slope) - still, even, viscous, still, odd - viscous)
+        even, odd = (moved + back) / 2 - still - lean, (moved - back) / 2
+        viscous = twice - still - lean - 4 * even - odd
+        return Rows(_at(zero, slope) - still, even, viscous, still, odd - viscous + lean)
 
     def _ends(self) -> tuple[Rows, Rows]:
         """The coefficients at both ends of each interval.

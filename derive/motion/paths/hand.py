@@ -21,6 +21,7 @@ from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
 from derive.plans.profile import ZERO
 from derive.plans.segments import Joints, Point, Step, Vector
+from derive.robot.description import Link
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
@@ -248,8 +249,10 @@ class Hand:
         grid = grid_of(path, knots)
         # Which step, and so which payload, each interval of the grid belongs to.
         steps = np.asarray(first + np.searchsorted(knots[1:], grid[:-1], side="right"))
+        links = self._plan.robot.links or (Link(),) * self._plan.robot.n
+        even = np.array([evaluate(link.signed[1], self._values) for link in links])
         try:
-            nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques).solve()
+            nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques, even).solve()
         except QuantityError as error:
             raise error.at(step.location) from None
         edges = np.searchsorted(grid, knots).tolist()

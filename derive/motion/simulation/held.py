@@ -51,12 +51,14 @@ class HeldArm:
         """A motion by DOP853 under torques of the motors, (n,), with the usual tolerance and smooth dry friction."""
         clock, rows = np.array([span[0], self._step]), np.empty((times.size, state.size))
         given = [np.ascontiguousarray(part, dtype=float) for part in (times, motors)]
-        others = [np.concatenate([plant.push, plant.viscous, plant.coulomb]), self._constants, state.copy(), rows]
+        ahead, back = plant.coulomb
+        arm = np.concatenate([plant.push, plant.viscous, (ahead + back) / 2, (ahead - back) / 2])
+        others = [arm, self._constants, state.copy(), rows]
         count = self._library.held(_pointer(clock), times.size, *map(_pointer, (*given, *others)))
         self._step = float(clock[1])
         if count == times.size:
             return rows, None
-        n, last = plant.coulomb.size, others[2]
+        n, last = plant.viscous.size, others[2]
         return rows[:count], Divergence(float(clock[0]), last[:n], last[n : 2 * n])
 
 

@@ -95,9 +95,8 @@ def stages_of(
     needed = PLANT | NEEDS[control.law]
     known = link.carrying(bare, values) if link else values
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
-    viscous, coulomb = (
-        np.array([evaluate(getattr(each, kind), true) for each in robot.links]) for kind in ("viscous", "coulomb")
-    )
+    viscous = np.array([evaluate(each.viscous, true) for each in robot.links])
+    coulomb = np.array([[evaluate(each.dry[way], true) for each in robot.links] for way in (0, 1)])
     if plan.friction == "none":
         coulomb = np.zeros_like(coulomb)
     arm = link.robot if link else bare

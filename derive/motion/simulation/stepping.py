@@ -29,10 +29,15 @@ class Plant:
 
     functions: Functions  # those of `PLANT`, without dry friction
     viscous: Array  # coefficients of friction by velocity, which the functions hold
-    coulomb: Array  # coefficients of dry friction, which they do not
+    coulomb: Array  # dry friction for qd > 0, and against that for qd < 0, which they do not, (2, n)
     push: Array  # what acts on the joints besides motors and friction [N m or N]
     held: Held | None = None  # its steps in C under held torques; None where that is not worth a compiler
     base: BaseTorques | None = None  # what the motion of the base adds to the torques; None where it stands
+
+    def dry(self, way: Array) -> Array:
+        """Dry friction by sign(qd), or by a smooth stand-in for it, (n,) [N m or N]; see `Link.signed`."""
+        ahead, back = self.coulomb
+        return np.asarray(((ahead + back) / 2 + (ahead - back) / 2 * way) * way)
 
     def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
         """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
@@ -119,9 +124,9 @@ def integrated(
 
 def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
     """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay."""
-    n = plant.coulomb.size
-    dry, frozen, nothing = plant.coulomb, np.zeros_like(state), np.zeros(n)
-    rough = bool(dry.any())
+    n = plant.viscous.size
+    frozen, nothing = np.zeros_like(state), np.zeros(n)
+    rough = bool(plant.coulomb.any())
 
     def _rates(t: float, state: Array) -> Array:
         q, qd = state[:n], state[n : 2 * n]
@@ -129,7 +134,7 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
             return frozen
         # B qdd = tau + push - C qd - g - viscous qd - f tanh(qd/v0), and the powers of the ledger beside.
         driven = law(t, q, qd) + plant.push
-        slip = dry * np.tanh(qd / STICTION_SPEED) if rough else nothing
+        slip = plant.dry(np.tanh(qd / STICTION_SPEED)) if rough else nothing
         rates = np.empty_like(state)
         rates[:n] = qd
         rates[n : 2 * n] = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - slip)

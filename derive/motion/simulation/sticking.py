@@ -32,24 +32,26 @@ class Contact:
         """What slips after a time at which the velocity of joints at rest is zero; None where rounding leaves it open.
 
         A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
-        them do depends on all: accelerations a = a(tau) - B^-1 p with |p| <= f, and p = f sign(a) where a is not zero.
+        them do depends on all: accelerations a = a(tau) - B^-1 p with -f_minus <= p <= f_plus, and p is at the bound of
+        the sign of a where a is not zero.
         """
-        dry = plant.coulomb
-        way, open_ = np.where(dry > 0, np.sign(qd), 0.0), (dry > 0) & (qd == 0)
+        rough, (ahead, back) = (plant.coulomb > 0).any(axis=0), plant.coulomb
+        way, open_ = np.where(rough, np.sign(qd), 0.0), rough & (qd == 0)
         if open_.any():
             # Accelerations without the friction of joints at rest, and the friction that would hold these: a joint
             # that needs all it has slips against it.
             free = plant.functions(
-                "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - dry * way
+                "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - plant.dry(way)
             )
-            held = _complementary(_mobility(plant, q), free, np.where(open_, dry, 0.0))[1]
-            way = np.where(open_ & (np.abs(held) >= dry), np.sign(held), way)
+            held = _complementary(_mobility(plant, q), free, np.where(open_, plant.coulomb, 0.0))[1]
+            way = np.where(open_ & (held >= ahead), 1.0, np.where(open_ & (held <= -back), -1.0, way))
         # Confirmed by the equations of motion: a joint that stands with more than its friction breaks away, one that
         # should slip and is not accelerated its way stands.
-        for _ in range(4 * dry.size):
+        most, least = _spared(plant, BREAKS / 2)
+        for _ in range(4 * way.size):
             contact = cls(plant, law, way)
             _, qdd, friction = contact.forces(t, q, qd)
-            breaks = contact.stands & (np.abs(friction) > dry * (1 + BREAKS / 2))
+            breaks = contact.stands & ((friction > most) | (friction < least))
             stays = open_ & (way * qdd < 0)
             if not (breaks | stays).any():
                 return contact
@@ -59,7 +61,7 @@ class Contact:
     @cached_property
     def stands(self) -> Flags:
         """Whether friction holds a joint, (n,)."""
-        return np.asarray((self.plant.coulomb > 0) & (self.way == 0))
+        return np.asarray((self.plant.coulomb > 0).any(axis=0) & (self.way == 0))
 
     @cached_property
     def _apart(self) -> tuple[Array, Array]:
@@ -70,7 +72,7 @@ class Contact:
     def forces(self, t: float, q: Array, qd: Array) -> tuple[Array, Array, Array]:
         """What acts on the joints, qdd, and the friction, that which holds joints that stand included, (n,) each."""
         plant, driven = self.plant, self.law(t, q, qd) + self.plant.push
-        friction = plant.coulomb * self.way  # of joints that slip
+        friction = plant.dry(self.way)  # of joints that slip
         qdd = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - friction)
         if self.stands.any():
             # Rows and columns of joints that stand are those of a unit matrix: B_ss qdd_s = pull_s, qdd = 0 elsewhere.
@@ -93,13 +95,13 @@ class Contact:
 
     def margin(self, t: float, state: Array) -> float:
         """Above zero as long as what slips goes on and what stands is held."""
-        n, dry = self.way.size, self.plant.coulomb
+        n = self.way.size
         qd = state[n : 2 * n]
         # A slipping joint has speed its way; a standing one some of its friction to spare. The solver stops at zero.
         found = np.where(self.way != 0, self.way * qd + RESTS, np.inf)
         if self.stands.any():
-            friction = self.forces(t, state[:n], qd)[2]
-            found = np.where(self.stands, dry * (1 + BREAKS) - np.abs(friction), found)
+            friction, (most, least) = self.forces(t, state[:n], qd)[2], _spared(self.plant, BREAKS)
+            found = np.where(self.stands, np.minimum(most - friction, friction - least), found)
         return float(found.min())
 
     def rested(self, state: Array) -> Array:
@@ -116,7 +118,7 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
     there it is decided anew which of them slip (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
     2008, chapter 8). Where changes follow one another without end, time steps of `stepped` lead across them.
     """
-    n, t = plant.coulomb.size, span[0]
+    n, t = plant.viscous.size, span[0]
     rows: list[Array] = []
     changes: list[float] = []
     divergence = None
@@ -149,7 +151,7 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
     joint slips and |p| <= h f where it sticks, by projected Gauss-Seidel (Moreau's time stepping; Acary and Brogliato,
     Numerical Methods for Nonsmooth Dynamical Systems, 2008).
     """
-    n, t = plant.coulomb.size, span[0]
+    n, t = plant.viscous.size, span[0]
     q, qd, done = state[:n], state[n : 2 * n], state[2 * n :]
     rows: list[Array] = []
     for wanted in times:
@@ -171,23 +173,32 @@ def stepped(plant: Plant, law: Law, state: Array, span: tuple[float, float], tim
     return np.array(rows), None
 
 
+def _spared(plant: Plant, share: float) -> tuple[Array, Array]:
+    """The most and the least friction of joints that stand, and a share more of the larger of both, (n,) each."""
+    most = plant.coulomb * (1 + share) + share * (plant.coulomb.max(axis=0) - plant.coulomb)
+    return most[0], -most[1]
+
+
 def _mobility(plant: Plant, q: Array) -> Array:
     """Accelerations by torques, (n, n)."""
     return np.asarray(np.linalg.inv(plant.functions("inertia_matrix", q)))
 
 
-def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Array]:
-    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1."""
-    rows, velocity, bounds = mobility.tolist(), free.tolist(), most.tolist()
-    joints: Sequence[int] = [j for j, bound in enumerate(bounds) if bound]
+def _complementary(mobility: Array, free: Array, coulomb: Array) -> tuple[Array, Array]:
+    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1.
+
+    ``coulomb``: the largest of them for qd > 0, and against that for qd < 0, (2, n).
+    """
+    rows, velocity, (most, back) = mobility.tolist(), free.tolist(), coulomb.tolist()
+    joints: Sequence[int] = [j for j, pair in enumerate(zip(most, back, strict=True)) if any(pair)]
     friction = [0.0] * len(velocity)
-    enough = 1e-14 * max(*bounds, 1e-300)
+    enough = 1e-14 * max(*most, *back, 1e-300)
     for _ in range(SWEEPS):
         largest = 0.0
         for j in joints:
             # The friction that would stop joint j alone, cut to what it has; v -= B^-1 e_j dp.
             wanted = friction[j] + velocity[j] / rows[j][j]
-            new = min(max(wanted, -bounds[j]), bounds[j])
+            new = min(max(wanted, -back[j]), most[j])
             change = new - friction[j]
             if change:
                 largest, friction[j] = max(largest, abs(change)), new
@@ -196,5 +207,5 @@ def _complementary(mobility: Array, free: Array, most: Array) -> tuple[Array, Ar
         if largest <= enough:
             break
     # A joint whose friction is not used up stands exactly: its velocity is nothing but rounding.
-    held = [bounds[j] and abs(friction[j]) < bounds[j] for j in range(len(bounds))]
+    held = [-back[j] < friction[j] < most[j] for j in range(len(most))]
     return np.array([0.0 if stands else v for stands, v in zip(held, velocity, strict=True)]), np.array(friction)

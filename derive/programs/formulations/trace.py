@@ -136,9 +136,9 @@ class Trace:
         return [self.chain.zero] * self.n
 
     def with_friction(self, torques: Sequence[Value]) -> list[Value]:
-        """Torques of the joints [N m, N] and b*qd + f*sign(qd)."""
+        """Torques of the joints [N m, N] and b*qd + f*sign(qd), or (f + d*sign(qd))*sign(qd) by direction."""
         friction = [
-            joint.viscous * rate + joint.coulomb * rate.sign()
+            joint.viscous * rate + (joint.coulomb + joint.coulomb_even * rate.sign()) * rate.sign()
             for joint, rate in zip(self.chain.joints, self.arguments(QD), strict=True)
         ]
         return [torque + loss for torque, loss in zip(torques, friction, strict=True)]

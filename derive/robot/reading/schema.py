@@ -49,6 +49,15 @@ Row4 = tuple[Cell, Cell, Cell, Cell]
 Matrix4 = tuple[Row4, Row4, Row4, Row4]
 
 
+_NAME, _BLOCK = "<name>", "<block>"
+# The forms that a value may have; they stand in the paths of violations, where no key can be called so.
+FORMS = (_NAME, "<list>", _BLOCK)
+
+
+def _block_if(kind: type) -> Any:
+    return Discriminator(lambda value: _BLOCK if isinstance(value, kind) else _NAME)
+
+
 class Units(Strict):
     """Units of plain numbers in joint cells, limits, centres of mass, base and tool; all else is SI."""
 
@@ -86,7 +95,12 @@ class FrictionRow(Strict):
     """Joint-side friction, part of tau only."""
 
     viscous: Cell = Field(default="0", description="Coefficient b of b*qd.")
-    coulomb: Cell = Field(default="0", description="Coefficient f of f*sign(qd).")
+    coulomb: Annotated[Annotated[Cell, Tag(_NAME)] | Annotated[tuple[Cell, Cell], Tag(_BLOCK)], _block_if(list)] = (
+        Field(
+            default="0",
+            description="Coefficient f of f*sign(qd), or [f_plus, f_minus]: f_plus at qd > 0, -f_minus at qd < 0.",
+        )
+    )
 
 
 class InertiaRow(Strict):
@@ -134,15 +148,6 @@ class HandoutRow(Strict):
     language: Language = Field(default="en", description="Language of the texts: en, it, pt, ...")
     notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
     pages: Pages = Field(default="20", description="Most pages of the printed sheet; 0 for any number.")
-
-
-_NAME, _BLOCK = "<name>", "<block>"
-# The forms that a value may have; they stand in the paths of violations, where no key can be called so.
-FORMS = (_NAME, "<list>", _BLOCK)
-
-
-def _block_if(kind: type) -> Any:
-    return Discriminator(lambda value: _BLOCK if isinstance(value, kind) else _NAME)
 
 
 class StyleRow(Strict, options=Style):

@@ -46,7 +46,7 @@ class NumericArm:
     ratio: Array  # (n,) gear ratios
     armature: Array  # (n,) reflected inertias, on the diagonal of B only
     viscous: Array  # (n,) joint-side viscous friction
-    coulomb: Array  # (n,) joint-side Coulomb friction
+    coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
     rows: Mapping[str, tuple[int, ...]]  # of the Jacobian, by part; ``all`` is the task's
     is_named: bool  # whether the robot file names the task, whose rows are then those of the world
 
@@ -93,7 +93,7 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         ratio=numbers(motor.ratio for motor in motors),
         armature=numbers(link.armature for link in links),
         viscous=numbers(link.viscous for link in links),
-        coulomb=numbers(link.coulomb for link in links),
+        coulomb=np.array([numbers(link.dry[way] for link in links) for way in (0, 1)]),
         rows={part: task_rows(robot, part) for part in ("all", *PARTS)},
         is_named=robot.inverse.task != POSE,
     )

@@ -66,6 +66,8 @@ def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
     # At least three times as many equations as unknowns.
     count = 3 * (len(known.base) // n + 1) + len(known.base)
     states = np.random.default_rng(SEED).uniform(-2.0, 2.0, (3, count, n))
+    if any(parameter.part == "fp" for parameter in known.base):
+        states[1, ::2] = 0.0  # only rest tells a constant weight from friction by direction
     return states[0], states[1], states[2]
 
 
@@ -110,10 +112,11 @@ class _Columns:
             zero = np.zeros(self.arm.n)
             tensors, rotor = np.zeros_like(self.arm.inertia), (np.arange(self.arm.n) == i) * 1.0
             alone = replace(self.arm, mass=zero, inertia=tensors, rotor_mass=zero, rotor_inertia=rotor)
-            alone = replace(alone, armature=zero, viscous=zero, coulomb=zero)
+            alone = replace(alone, armature=zero, viscous=zero, coulomb=np.zeros((2, self.arm.n)))
             return inverse_dynamics(alone, *self.arguments)
         _, qd, qdd = self.arguments
-        own = {"Ia": qdd, "b": qd, "f": np.sign(qd)}[parameter.part]
+        ways = {"f": np.sign(qd), "fp": 1.0 * (qd > 0), "fm": -1.0 * (qd < 0)}
+        own = ({"Ia": qdd, "b": qd} | ways)[parameter.part]
         return np.asarray(own * (np.arange(self.arm.n) == i))
 
     def _body_wrench(self, i: int, part: str) -> tuple[Array, Array]:

@@ -41,7 +41,7 @@ class Wrench:
 
 
 def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
-    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + coulomb sign(qd), (..., n) [N m, N]."""
+    """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + Coulomb friction, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     axis, on_axis = joint_axes(arm, frames)
     places = rotor_places(arm, frames)
@@ -68,7 +68,9 @@ def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
         turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
         wrench = wrench + Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)
     rigid = np.stack(torques[::-1], axis=-1)
-    resisting: Array = arm.armature * qdd + arm.viscous * qd + arm.coulomb * np.sign(qd)
+    ahead, back = arm.coulomb
+    dry = np.where(qd.real > 0, ahead, 0.0) - np.where(qd.real < 0, back, 0.0)
+    resisting: Array = arm.armature * qdd + arm.viscous * qd + dry
     return rigid + resisting
 
 

@@ -91,8 +91,7 @@ def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
 
 def coriolis_vector(arm: NumericArm, q: Array, qd: Array) -> Array:
     """C qd: the torques of a motion without acceleration, gravity and friction."""
-    none = np.zeros(arm.n)
-    weightless = replace(arm, gravity=np.zeros(3), viscous=none, coulomb=none)
+    weightless = replace(arm, gravity=np.zeros(3), viscous=np.zeros(arm.n), coulomb=np.zeros((2, arm.n)))
     return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
 
 
@@ -104,7 +103,7 @@ def inverse_dynamics_dq(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Arr
 def inverse_dynamics_dqd(arm: NumericArm, q: Array, qd: Array) -> Array:
     """d tau_i / d qd_j; Coulomb friction counts as constant."""
     # No term of the torques holds both qd and qdd, so qdd is taken as zero.
-    smooth, rest = replace(arm, coulomb=np.zeros(arm.n)), np.zeros_like(_each(q))
+    smooth, rest = replace(arm, coulomb=np.zeros((2, arm.n))), np.zeros_like(_each(q))
     return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
 
 

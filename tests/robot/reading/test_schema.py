@@ -19,7 +19,7 @@ STRUCTURAL = """
 unknown-key unknown-cell unknown-link-key unknown-inertia-key missing-convention missing-name missing-type
 missing-joints wrong-convention wrong-type wrong-unit joints-mapping joints-empty joint-text cell-list cell-mapping
 com-two com-four com-text limits-three gravity-two tool-three-rows tool-short-row name-path name-capital title-list
-thousand-joints robot-is-text list text null
+coulomb-one coulomb-three thousand-joints robot-is-text list text null
 """
 
 

@@ -143,7 +143,7 @@ def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot
 
     def rate(x: Array) -> Array:
         position, velocity = x[: robot.n], x[robot.n : -1]
-        lost = oracle.arm.viscous * velocity + oracle.arm.coulomb * np.sign(velocity)
+        lost = oracle.arm.viscous * velocity + oracle.arm.coulomb[0] * np.sign(velocity)
         acceleration = oracle.evaluate("forward_dynamics", position, velocity, tau)
         return np.concatenate([velocity, acceleration, [(tau - lost) @ velocity]])
 
@@ -160,7 +160,7 @@ def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot
         k4 = rate(end + h * k3)
         end = end + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     scale = max(1.0, abs(energy(start)), float(kinetic_energy(oracle.arm, q, qd)))
-    crossed = (np.sign(start[robot.n : -1]) != np.sign(end[robot.n : -1])) & (oracle.arm.coulomb != 0)
+    crossed = (np.sign(start[robot.n : -1]) != np.sign(end[robot.n : -1])) & (oracle.arm.coulomb[0] != 0)
     assert abs(energy(end) - energy(start) - end[-1]) < (1e-3 if crossed.any() else 1e-7) * scale
 
 
