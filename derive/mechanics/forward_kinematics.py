@@ -16,6 +16,14 @@ section 3.1; Lynch and Park, Modern Robotics, ch. 5, for spatial velocities).
 and of those before only the end effector: dJ_i/dq_j = (w_j x v_i, w_j x w_i) for j <= i, (w_i x v_j, 0) for j > i
 (Hourtash, The kinematic Hessian and higher derivatives, CIRA 2005).
 
+*A wrench* h, force f and moment m on the end effector about its origin, is felt by the joints as J^T h, whatever the
+axes of both. With columns (v_i, w_i) of J and a_i = v_i x f + w_i x m, what joint i feels changes with q_j by
+
+    w_j . a_i  (j <= i),   w_i . (v_j x f)              (j > i)   if f and m stand in the world,
+    0          (j <= i),   w_i . a_j + v_i . (w_j x f)  (j > i)   if they turn with the end effector, f by w_j x f
+
+(Siciliano et al., Robotics, section 3.8; with the derivatives of J above).
+
 *Seen from another frame* and of another point of the last link, J has the same volume, its manipulability: sqrt(det(J
 J^T)), |det J| of a square J (Yoshikawa, Manipulability of robotic mechanisms, International Journal of Robotics
 Research 4(2), 1985). In the middle of the arm most entries are zero.
@@ -39,7 +47,7 @@ from typing import Any, Protocol, Self, TypeVar
 from derive.mechanics.chain import Chain
 from derive.mechanics.forward_dynamics import Field
 from derive.mechanics.joint_motion import advance, along_axes
-from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, scale, subtract
+from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, dot, scale, subtract
 
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
@@ -123,6 +131,26 @@ def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[S]]:
     still = (zero, zero, zero)
     angular = [[cross(columns[j][1], columns[i][1]) if j < i else still for j in places] for i in places]
     return [[entry[r] for entry in row] for half in (linear, angular) for r in range(3) for row in half]
+
+
+def wrench_torques(jacobian: Sequence[Sequence[S]], force: Vector[S], moment: Vector[S]) -> list[S]:
+    """J^T h [N m or N], from J and a wrench in the same axes."""
+    columns = zip(*jacobian, strict=True)
+    return [dot((a, b, c), force) + dot((d, e, f), moment) for a, b, c, d, e, f in columns]
+
+
+def wrench_torque_derivatives(
+    jacobian: Sequence[Sequence[S]], force: Vector[S], moment: Vector[S], zero: S, *, turning: bool
+) -> list[list[S]]:
+    """Derivatives of J^T h by q_j, column j, of a wrench that stands in the world or turns with the end effector."""
+    columns = [((a, b, c), (d, e, f)) for a, b, c, d, e, f in zip(*jacobian, strict=True)]
+    bent = [cross(v, force) for v, _ in columns]
+    both = [add(own, cross(w, moment)) for own, (_, w) in zip(bent, columns, strict=True)]
+    placed = list(enumerate(columns))
+    if turning:
+        bent = [cross(w, force) for _, w in columns]
+        return [[dot(w, both[j]) + dot(v, bent[j]) if j > i else zero for j, _ in placed] for i, (v, w) in placed]
+    return [[dot(w_j, both[i]) if j <= i else dot(w, bent[j]) for j, (_, w_j) in placed] for i, (_, w) in placed]
 
 
 class RootField(Field, Protocol):

@@ -258,5 +258,32 @@ ROWS = (
         exists=lambda robot: robot.n <= POLICY.most_derivatives,
         search=False,
     ),
+    *(
+        row
+        for frame, suffix, axes in ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
+        for row in (
+            _row(
+                (f"tau_h = wrench_torques{suffix}(q, h)", ("n",)),
+                (
+                    f"Torques and forces by which joints feel a wrench in the axes of the {axes}.",
+                    "J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h",
+                ),
+                partial(kinematics.wrench_torques, frame),
+                margin=POLICY.kinematics_margin,
+                search=False,
+            ),
+            _row(
+                (f"dtau_h/dq = wrench_torques{suffix}_dq(q, h)", ("n", "n")),
+                (
+                    f"Derivatives of wrench_torques{suffix} with respect to q.",
+                    f"row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the {axes}",
+                ),
+                partial(kinematics.wrench_torque_derivatives, frame),
+                exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives,
+                margin=1.0,
+                search=False,
+            ),
+        )
+    ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

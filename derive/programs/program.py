@@ -13,12 +13,21 @@ from derive.robot.robot import Robot
 if TYPE_CHECKING:
     from derive.inverse.general.elimination import Elimination
 
-# The arguments that a function may take, in words; each has one entry per joint.
+# The arguments that a function may take, in words; each has one entry per joint but for `WIDTHS`.
 ARGUMENTS: Mapping[str, str] = {
     "q": "joint variables [rad, m]",
     "qd": "joint velocities [rad/s, m/s]",
     "qdd": "joint accelerations [rad/s^2, m/s^2]",
     "tau": "joint torques and forces [N m, N]",
+    "h": "force [N] and moment [N m] of the environment on the end effector, about its origin",
+}
+WIDTHS: Mapping[str, int] = {"h": 6}  # entries of arguments that have not one per joint
+# The functions of a wrench, in the axes of the world and of the end effector, that others take into account: theirs is
+# taken off the result, or added to ``tau``.
+FELT: Mapping[str, tuple[str, str]] = {
+    "inverse_dynamics": ("wrench_torques", "wrench_torques_end"),
+    "forward_dynamics": ("wrench_torques", "wrench_torques_end"),
+    "inverse_dynamics_dq": ("wrench_torques_dq", "wrench_torques_end_dq"),
 }
 POSE, GIVEN, NEAR, DAMPING = "T", "given", "near", "damping"
 """The arguments of inverse kinematics: the pose of the end effector, the variables of joints that are given, and where
@@ -59,7 +68,7 @@ class Function:
     formulation: str  # what the tape was traced through, in words
     # What the entries along the last axis of the result belong to, where that has names.
     columns: tuple[Column, ...] = ()
-    # Lengths of the arguments that have not one entry per joint.
+    # Lengths of further arguments than those of `ARGUMENTS`, which inverse kinematics has.
     widths: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -75,6 +84,10 @@ class Function:
     def arguments(self) -> tuple[str, ...]:
         """Its arguments, in order."""
         return self.interface.arguments
+
+    def width(self, argument: str, joints: int) -> int:
+        """How many entries an argument has."""
+        return self.widths.get(argument, WIDTHS.get(argument, joints))
 
     @property
     def operations(self) -> Operations:

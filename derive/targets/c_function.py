@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
-from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
+from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, WIDTHS, Function
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, temporary_names, write_statements
 from derive.targets.target import shape_text
 
 # In the order in which they are read and declared; ``k`` holds the constants from the parameters.
-_ARRAYS = ("q", "qd", "qdd", "tau", POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
+_ARRAYS = (*ARGUMENTS, POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
 _LANES = ((128, 32), (256, 16))  # lanes of a block by the most entries that its result may have; larger ones have 8
 
 
@@ -24,7 +24,7 @@ class Read:
     """An entry of an array that a part uses."""
 
     name: str  # its name in the part
-    # One of ``q``, ``qd``, ``qdd``, ``tau``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
+    # One of ``q``, ``qd``, ``qdd``, ``tau``, ``h``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
     array: str
     index: int  # its place, from 0
 
@@ -57,6 +57,7 @@ def c_function(function: Function, parameters: Sequence[str], more_constants: in
         "name": function.name,  # without the robot's
         "arguments": function.arguments,  # arguments from the user
         "used": used,  # those that have a say in the result
+        "widths": WIDTHS,  # lengths of those that have not one entry per joint
         "unused": tuple(argument for argument in function.arguments if argument not in used),
         "size": size,  # entries of the result
         "lanes": next((count for most, count in _LANES if size <= most), 8),  # configurations in a block
@@ -119,7 +120,8 @@ def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
         wording.summary,
         "",
         *(
-            f"@param[in]  {name}       {ARGUMENTS[name]}, one entry per joint."
+            f"@param[in]  {name}       {ARGUMENTS[name]}, "
+            + (f"{WIDTHS[name]} entries." if name in WIDTHS else "one entry per joint.")
             for name in function.arguments
             if name in ARGUMENTS
         ),

@@ -115,8 +115,8 @@ def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[s
     import casadi
 
     names = [*(name for name in function.arguments if name != NEAR), *(["params"] if parameters else [])]
-    widths = {"params": parameters, **function.widths}
-    inputs = [casadi.SX.sym(name, widths.get(name, joints)) for name in names]
+    widths = {"params": parameters}
+    inputs = [casadi.SX.sym(name, widths.get(name, function.width(name, joints))) for name in names]
     entries = {
         PARAMETER if name == "params" else name: casadi.vertsplit(column)
         for name, column in zip(names, inputs, strict=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, Function, Program
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, WIDTHS, Function, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -137,11 +137,12 @@ def _checks(function: Function, kernel: Kernel, joints: int) -> tuple[str, ...]:
     """Every argument is checked, and named where the kernel reads it."""
     lines: list[str] = []
     for kind in function.arguments:
-        call = f"vector({javascript_string(camel_case(function.name))}, {javascript_string(kind)}, {kind})"
+        length = f", {WIDTHS[kind]}" if kind in WIDTHS else ""
+        call = f"vector({javascript_string(camel_case(function.name))}, {javascript_string(kind)}, {kind}{length})"
         if kind not in kernel.arguments:
             lines.append(f"{call};")
             continue
-        names = wrapped([f"{kind}{i + 1}" for i in range(joints)])
+        names = wrapped(entry_names(function, kind, joints))
         lines += [f"const [{names[0]}", *(f"  {line}" for line in names[1:])]
         lines[-1] = f"{lines[-1].rstrip(',')}] = {call};"
     return tuple(lines)

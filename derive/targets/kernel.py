@@ -116,7 +116,7 @@ def input_name(source: InputSource, parameters: Sequence[str]) -> str:
 
 def entry_names(function: Function, argument: str, joints: int) -> list[str]:
     """The variables that hold the entries of an argument."""
-    return [input_name(InputSource(argument, i), ()) for i in range(function.widths.get(argument, joints))]
+    return [input_name(InputSource(argument, i), ()) for i in range(function.width(argument, joints))]
 
 
 def temporary_names() -> Iterator[str]:

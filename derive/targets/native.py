@@ -112,14 +112,14 @@ def _loop(function: Function, text: dict[str, Any], joints: int) -> dict[str, ob
     inputs = (*function.arguments, *constants)
     count = len(inputs)
     lengths = [
-        *(joints for _ in function.arguments),
+        *(function.width(argument, joints) for argument in function.arguments),
         *(text["constant_count"] for _ in constants),
         prod(function.shape),
     ]
     return {
         "inputs": inputs,  # names of the inputs, the constants from the parameters included
         "loads": tuple(
-            Input(a, joints, i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text["used"]
+            Input(a, lengths[i], i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text["used"]
         ),
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count,  # place of the bytes between them

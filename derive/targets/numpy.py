@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from derive.programs.program import ARGUMENTS, Function, Inverse, InverseSearch, Program
+from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -21,6 +21,13 @@ if TYPE_CHECKING:
     from derive.inverse.general.elimination import Elimination
 
 FILE = "model_numpy.py"
+
+_WRENCH_OPTIONS = ("*", "wrench=None", 'wrench_frame="world"')
+_WRENCH_WORDS = (
+    f"    wrench: {ARGUMENTS['h']}, (..., {WIDTHS['h']}):",
+    "        tau = B qdd + C qd + g + friction - J^T wrench. Derivatives are at a constant wrench.",
+    '    wrench_frame: Its axes, "world" or "end", those of the end effector.',
+)
 
 _SHORT = 100  # longest constant that stands on one line
 
@@ -55,6 +62,7 @@ def python_context(source: Source) -> dict[str, object]:
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
     }
+    felt = {name: both for name, both in FELT.items() if all(each in program for each in both)}
     return heading(source, python_docstring) | {
         "constants": [  # tuples at the top of the module, on one line where that is enough
             {"name": name, "inside": _tuple(values), "lines": wrapped(values)}
@@ -62,18 +70,22 @@ def python_context(source: Source) -> dict[str, object]:
             for name, values in constants.items()
         ],
         "tables": tuple(tables),
+        "widths": [*WIDTHS.items(), ("wrench", WIDTHS["h"])],  # entries of arguments that have not one per joint
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
         **case_context(program.all_tapes),
         "inverse": _inverse(program, robot),
         "inverse_in_one_call": False,
         "nearest_is_compiled": False,
-        "functions": [_python_function(function, program.parameters, robot.n) for function in program],
+        "functions": [_python_function(each, program.parameters, robot.n, felt.get(each.name, ())) for each in program],
+        "has_felt": bool(felt),
     }
 
 
-def _python_function(function: Function, parameters: Sequence[str], joints: int) -> dict[str, object]:
-    """The texts of one function of a robot with so many joints."""
+def _python_function(
+    function: Function, parameters: Sequence[str], joints: int, felt: Sequence[str] = ()
+) -> dict[str, object]:
+    """The texts of one function of a robot with so many joints, and with an optional wrench where that is ``felt``."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]
@@ -82,7 +94,8 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
     return {
         "name": function.name,
         "arguments": ", ".join(function.arguments),
-        "signature": ", ".join((*function.arguments, "params=None", "out=None")),  # ``q, qd, params=None, out=None``
+        "signature": ", ".join((*function.arguments, "params=None", "out=None", *(_WRENCH_OPTIONS if felt else ()))),
+        "felt": felt,  # the functions of its torques, in the axes of the world and of the end effector
         "kernel_arguments": ", ".join(("functions", "k", *function.arguments)),  # ``functions, k, q, qd``
         "arguments_tuple": _tuple(function.arguments),  # the names of its arguments, as the inside of a tuple
         "argument_names": _tuple([f'"{name}"' for name in function.arguments]),
@@ -100,7 +113,7 @@ def _python_function(function: Function, parameters: Sequence[str], joints: int)
         "results": tuple(row for columns in rows_of(kernel.results, length) for row in wrapped(columns)),
         "calls": kernel.calls,  # whether sines and the like occur in the statements or results
         "summary": function.interface.summary,  # first line of the docstring
-        "documentation": _documentation(function),
+        "documentation": _documentation(function, *(_WRENCH_WORDS if felt else ())),
         "operations": str(function.operations.as_dict()).replace("'", '"'),  # counts as a Python dictionary
     }
 
@@ -162,15 +175,16 @@ def _unpacking(names: Sequence[str], source: str) -> str:
     return "\n".join(["(", *(f"        {line}" for line in lines), f"    ) = {source}"])
 
 
-def _documentation(function: Function) -> tuple[str, ...]:
+def _documentation(function: Function, *options: str) -> tuple[str, ...]:
     """The lines of a docstring after its first."""
     wording = function.interface
     shape = ", ".join(("...", *map(str, function.shape)))
     lines = (
         "Args:",
-        *(f"    {name}: {ARGUMENTS[name]}, (..., n)." for name in function.arguments if name in ARGUMENTS),
+        *(f"    {k}: {ARGUMENTS[k]}, (..., {WIDTHS.get(k, 'n')})." for k in function.arguments if k in ARGUMENTS),
         "    params: Numbers of the free parameters; see the module's docstring.",
         "    out: Where to write the result, if not to a new array.",
+        *options,
         "",
         "Returns:",
         f"    {wording.symbol}, ({shape}):",

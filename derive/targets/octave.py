@@ -98,6 +98,7 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
     rows = zip(kernel.results, is_row, strict=True)
     results = [text if row else "z" if text == "0.0" else f"{text} + z" for text, row in rows]
     places, extent = _column_major(function.shape)
+    widths = [function.width(name, robot.n) for name in function.arguments]
     return {
         "name": function.name,
         "heading": function.name.upper(),  # the name as help texts begin with it, in capitals
@@ -106,6 +107,7 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "summary": function.interface.summary,  # first line of its help
         "documentation": _documentation(function, package, robot.n, parameters) if not function.widths else (),
         "arguments": ", ".join(function.arguments),
+        "rows": f"[{', '.join(map(str, widths))}]" if len(set(widths)) > 1 else robot.n,  # entries of the arguments
         "params_place": len(function.arguments) + 1,  # place of the argument ``params``
         "quoted": ", ".join(f"'{name}'" for name in function.arguments),
         "unpack": _unpacked(function, robot.n),  # statements that name the entries of the arguments
@@ -225,7 +227,10 @@ def _documentation(function: Function, package: str, joints: int, parameters: Se
         f"{symbol} = {package}.{function.name}({call}) is {size}:",
         f"{wording.symbol}: {wording.result}.",
         "",
-        *(f"{name}: {ARGUMENTS[name]}, {joints} x 1, or {joints} {_WIDE}." for name in function.arguments),
+        *(
+            f"{name}: {ARGUMENTS[name]}, {(width := function.width(name, joints))} x 1, or {width} {_WIDE}."
+            for name in function.arguments
+        ),
         *_parameter_lines(parameters),
         "",
         *function.notes,

@@ -73,7 +73,7 @@ def render(source: Source) -> dict[str, str]:
         "is_search": program.search is not None,
         "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
-        "arguments": [(name, meaning) for name, meaning in ARGUMENTS.items() if robot.has_dynamics or name == "q"],
+        "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         "numbers": _numbers(robot),
         # the cell grammar keeps formulas free of markup
         "base": [(name, rounded) for name, (rounded, _) in written.items()],

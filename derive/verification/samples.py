@@ -31,7 +31,7 @@ class SampleSet:
 
     parameters: Mapping[str, float]  # numbers of the free symbols
     oracle: Oracle  # the robot with these numbers
-    arguments: Mapping[str, Array]  # q, qd, qdd and tau, (samples, n) each
+    arguments: Mapping[str, Array]  # q, qd, qdd and tau, (samples, n) each, and h, (samples, 6)
 
 
 def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[SampleSet, ...]:
@@ -49,7 +49,8 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
         q[0] = np.clip(0.0, low, high)
         qd[-1] = 0.0
         tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
-        sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau}))
+        h = rng.spawn(1)[0].uniform(-10.0, 10.0, (count, 6))  # without a change of what is drawn next
+        sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau, "h": h}))
     return tuple(sets)
 
 

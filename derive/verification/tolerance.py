@@ -88,6 +88,10 @@ class Bounds:
                 rows = self.rows.get(function.partition("_")[2], self.rows["all"])
                 lengths = np.linalg.norm(self.jacobian[list(rows)], axis=1)
                 return np.asarray(np.prod(lengths) * (self.steepness if function == "manipulability_dq" else 1.0))
+            case "wrench_torques" | "wrench_torques_end":
+                return np.asarray(rates[0] @ self.jacobian)
+            case "wrench_torques_dq" | "wrench_torques_end_dq":
+                return np.outer(rates[0] @ self.jacobian, self.steepness)
             case "inertia_matrix":
                 return self.inertia_matrix
             case "coriolis_matrix":
@@ -146,6 +150,7 @@ class Bounds:
         by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
         """
         of_eight = ("jacobian_end", "jacobian_dot", "jacobian_hessian", *ANGLES)
+        of_eight += tuple(f"wrench_torques{kind}" for kind in ("", "_dq", "_end", "_end_dq"))
         steps = {"jacobian": 4.0, **dict.fromkeys(of_eight, 8.0)}
         return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 

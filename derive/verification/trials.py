@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 
 from derive.verification.generated import GeneratedModel
-from derive.verification.oracle.frames import Array
+from derive.verification.oracle.frames import Array, together
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS
 from derive.verification.samples import Parameters, SampleSet
 
@@ -25,7 +25,7 @@ class Trial:
 
     how: str  # the way in words, for messages
     run: Callable[[], Array]  # calls the generated function
-    arguments: tuple[Array, ...]  # what its values belong to, broadcast to (..., n) each
+    arguments: tuple[Array, ...]  # what its values belong to, broadcast to (..., n) each, a wrench to (..., 6)
     sample_set: SampleSet  # the parameters that belong to them
     repeated: int = 0  # rows of the value where it repeats the arguments over and over; else 0
 
@@ -80,7 +80,7 @@ def _trial(
         first, second, third = arguments[:1], arguments[1:2], arguments[2:]
         shaped = [*(a[:, None, :] for a in first), *(a[:2] for a in second), *(a[-1] for a in third)]
         run = partial(call, read_only(shaped), numbers)
-        return Trial("broadcast batches", run, tuple(np.broadcast_arrays(*shaped)), sample_set)
+        return Trial("broadcast batches", run, together(shaped), sample_set)
     assert way == "blocks", way  # the same configurations over and over, in more rows than one block holds
     rows = np.arange(BLOCK_ROWS) % len(arguments[0])
     run = partial(call, read_only([argument[rows] for argument in arguments]), numbers)

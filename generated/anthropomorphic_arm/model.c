@@ -1149,6 +1149,160 @@ void anthropomorphic_arm_manipulability_dq_batch(size_t count, const double *res
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void anthropomorphic_arm_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a2;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = t1;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double sa3 = sines[2 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double ca3 = cosines[2 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = c1*h1 + h2*s1;
+    const double t2 = k1*ca3;
+    const double t3 = sa3*(k1*t1) - (s1*h4 - c1*h5);
+    const double t4 = t2 + k2*c2;
+    result[0] = h6 + t4*(c1*h2 - s1*h1);
+    result[lanes] = -(t1*(k2*s2) + (t3 - t4*h3));
+    result[2 * lanes] = t2*h3 - t3;
+}
+
+void anthropomorphic_arm_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[3], sines[3], cosines[3];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 3; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 3; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[3 * wrench_torques_lanes], sines[3 * wrench_torques_lanes], cosines[3 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(3 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void anthropomorphic_arm_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[3 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[3 * wrench_torques_lanes];
+        load(3, q + 3 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(3, result_block, wrench_torques_lanes, result + 3 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void anthropomorphic_arm_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a2 = params[0];
+    const double p_a3 = params[1];
+    k[0] = p_a3;
+    k[1] = p_a2;
+}
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q3;
+    angles[lanes] = t1;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s3 = sines[0];
+    const double sa2 = sines[lanes];
+    const double c3 = cosines[0];
+    const double ca2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = k2*s3;
+    const double t2 = k1 + k2*c3;
+    result[0] = ca2*(h5 - t2*h3) + sa2*(h4 - h3*t1);
+    result[lanes] = t1*h1 + (h6 + t2*h2);
+    result[2 * lanes] = h6 + k1*h2;
+}
+
+void anthropomorphic_arm_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[2 * wrench_torques_end_lanes], sines[2 * wrench_torques_end_lanes], cosines[2 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(2 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void anthropomorphic_arm_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[3 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[3 * wrench_torques_end_lanes];
+        load(3, q + 3 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, k, result_block);
+        store(3, result_block, wrench_torques_end_lanes, result + 3 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

@@ -25,6 +25,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -53,6 +55,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 6, "add": 2, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 14, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques": {"mul": 15, "add": 10, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
+    "wrench_torques_end": {"mul": 9, "add": 8, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 69, "add": 48, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 3, "cases": 27},
 }
 GIVEN = ()
@@ -80,6 +84,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -468,6 +474,58 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a3, p_a2 = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t1 = c1*h1 + h2*s1
+    t2 = q2 + q3
+    t3 = sin(t2)
+    t4 = cos(t2)
+    t5 = p_a3*t4
+    t6 = t3*(p_a3*t1) - (s1*h4 - c1*h5)
+    c2 = cos(q2)
+    t7 = t5 + p_a2*c2
+    s2 = sin(q2)
+    return (
+        h6 + t7*(c1*h2 - s1*h1), -(t1*(p_a2*s2) + (t6 - t7*h3)), t5*h3 - t6,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_a2, p_a3 = p
+    return (
+        p_a3, p_a2,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a3, p_a2 = k
+    s3 = sin(q3)
+    t1 = p_a2*s3
+    c3 = cos(q3)
+    t2 = p_a3 + p_a2*c3
+    t3 = q2 + q3
+    t4 = cos(t3)
+    t5 = sin(t3)
+    return (
+        t4*(h5 - t2*h3) + t5*(h4 - h3*t1), t1*h1 + (h6 + t2*h2), h6 + p_a3*h2,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a2, p_a3 = p
@@ -643,9 +701,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -788,6 +849,28 @@ manipulability_dq = _function(
     shape=(3,),
     kernel=_manipulability_dq,
     hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
     needs=(
         0, 1,
     ),

@@ -55,6 +55,8 @@ enum {
     anthropomorphic_wrist_manipulability_constant_count = 4,
     anthropomorphic_wrist_manipulability_position_constant_count = 3,
     anthropomorphic_wrist_manipulability_dq_constant_count = 2,
+    anthropomorphic_wrist_wrench_torques_constant_count = 3,
+    anthropomorphic_wrist_wrench_torques_end_constant_count = 3,
     anthropomorphic_wrist_inverse_kinematics_constant_count = 14,
     anthropomorphic_wrist_branches = 8, /**< Branches of inverse kinematics. */
     anthropomorphic_wrist_none = 0, /**< The branch does not exist. */
@@ -264,6 +266,42 @@ void anthropomorphic_wrist_manipulability_dq_batch(size_t count, const double *q
 
 /** The constants of anthropomorphic_wrist_manipulability_dq, 2, from the parameters, 3. */
 void anthropomorphic_wrist_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 1: 45 mul, 25 add, 5 sin, 5 cos.
+ */
+void anthropomorphic_wrist_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_wrench_torques, 3, from the parameters, 3. */
+void anthropomorphic_wrist_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 4: 51 mul, 32 add, 5 sin, 5 cos.
+ */
+void anthropomorphic_wrist_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void anthropomorphic_wrist_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of anthropomorphic_wrist_wrench_torques_end, 3, from the parameters, 3. */
+void anthropomorphic_wrist_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -28,6 +28,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -65,6 +67,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 48, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 46, "add": 15, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 45, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 51, "add": 32, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 163, "add": 114, "div": 19, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 115},
 }
 GIVEN = ()
@@ -92,6 +96,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -830,6 +836,104 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d4, p_a2 = k
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = c2*c3 - s3*s2
+    c5 = cos(q5)
+    s5 = sin(q5)
+    c4 = cos(q4)
+    t3 = s5*c4
+    t4 = t1*c5 + t2*t3
+    t5 = c5*t2 - t1*t3
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h4 + s1*h5
+    s4 = sin(q4)
+    t7 = s4*s5
+    t8 = c1*h5 - s1*h4
+    t9 = p_d6*t5
+    t10 = p_d6*t7
+    t11 = p_d6*t4
+    t12 = c1*h2 - s1*h1
+    t13 = c1*h1 + h2*s1
+    t14 = t12*t9 + (t6 - t10*h3)
+    t15 = t12*t11 + (h6 + t10*t13)
+    t16 = t13*t9 - (t8 - t11*h3)
+    t17 = p_a2*c2
+    t18 = t17 + p_d4*t1
+    t19 = t18*h3 + (t16 + t2*(p_d4*t13))
+    return (
+        t15 + t18*t12, t19 - t13*(p_a2*s2), t19 - t17*h3, t1*t14 - t2*t15, c4*t16 - s4*(t2*t14 + t1*t15),
+        t4*t6 - (h6*t5 + t7*t8),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_a2, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a2,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d4, p_a2 = k
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t1 = c6*h5 + s6*h4
+    t2 = h1*c6 - s6*h2
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t3 = s5*t2 - c5*h3
+    t4 = p_d6*s5
+    t5 = t4*t3
+    t6 = c5*t2 + s5*h3
+    t7 = p_d6*c5
+    t8 = c6*h4 - s6*h5
+    t9 = s6*h1 + c6*h2
+    t10 = c5*h6 - s5*t8
+    t11 = c5*t8 + s5*h6
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t12 = c4*t6 - t9*s4
+    t13 = p_d4 + t7
+    t14 = c4*t1 + s4*t11
+    s3 = sin(q3)
+    t15 = t13 + p_a2*s3
+    c3 = cos(q3)
+    t16 = c3*c4
+    t17 = t4 + p_a2*t16
+    t18 = t17*t3
+    t19 = c3*s4
+    t20 = p_a2*t19
+    t21 = t20*t3
+    c2 = cos(q2)
+    t22 = c2*s3
+    s2 = sin(q2)
+    t23 = (c2*c3 - s2*s3)*(t20*t6 + (t10 + t17*t9)) + (c4*t22 + s2*t16)*(t9*t15 - (t21 + t11))
+    return (
+        -((s4*t22 + s2*t19)*(t6*t15 + (t1 + t18)) + t23), s4*t21 + (c4*t18 + (t14 + t15*t12)),
+        t13*t12 + (t14 + c4*t5), t10 + t4*t9, t6*t7 + (t1 + t5), h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a2, p_d4, p_d6 = p
@@ -1367,9 +1471,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -1514,6 +1621,28 @@ manipulability_dq = _function(
     hoisted=_manipulability_dq_constants,
     needs=(
         0, 1,
+    ),
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0, 1, 2,
     ),
 )
 

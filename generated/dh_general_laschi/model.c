@@ -781,6 +781,117 @@ void dh_general_laschi_manipulability_dq_batch(size_t count, const double *restr
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void dh_general_laschi_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    k[0] = p_a1;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles)
+{
+    const double q1 = q[0];
+    angles[0] = q1;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double c1 = cosines[0];
+    const double k1 = k[0];
+    result[0] = h6 + k1*(c1*h2 - s1*h1);
+}
+
+void dh_general_laschi_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[1], sines[1], cosines[1];
+    wrench_torques_angles(q, angles);
+    for (size_t i = 0; i < 1; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 1; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, k, result, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[1 * wrench_torques_lanes], sines[1 * wrench_torques_lanes], cosines[1 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i);
+    sines_cosines(1 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes);
+}
+
+void dh_general_laschi_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[1 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[1 * wrench_torques_lanes];
+        load(1, q + 1 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(1, result_block, wrench_torques_lanes, result + 1 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void dh_general_laschi_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[1];
+    const double p_alpha1 = params[2];
+    const double t1 = cos(p_alpha1);
+    const double t2 = sin(p_alpha1);
+    k[0] = t1;
+    k[1] = p_a1*t1;
+    k[2] = t2;
+    k[3] = p_a1*t2;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    result[0] = k2*h2 - k4*h3 + (k3*h5 + k1*h6);
+}
+
+void dh_general_laschi_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    wrench_torques_end_lane(h, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void dh_general_laschi_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double h_block[6 * wrench_torques_end_lanes], result_block[1 * wrench_torques_end_lanes];
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(h_block, k, result_block);
+        store(1, result_block, wrench_torques_end_lanes, result + 1 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

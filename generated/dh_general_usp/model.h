@@ -49,6 +49,8 @@ enum {
     dh_general_usp_analytic_jacobian_zyz_constant_count = 1,
     dh_general_usp_manipulability_constant_count = 1,
     dh_general_usp_manipulability_position_constant_count = 1,
+    dh_general_usp_wrench_torques_constant_count = 1,
+    dh_general_usp_wrench_torques_end_constant_count = 4,
     dh_general_usp_inverse_kinematics_constant_count = 11,
     dh_general_usp_branches = 1, /**< Branches of inverse kinematics. */
     dh_general_usp_none = 0, /**< The branch does not exist. */
@@ -258,6 +260,43 @@ void dh_general_usp_manipulability_dq(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void dh_general_usp_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       1 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 1: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 3 mul, 2 add, 1 sin, 1 cos.
+ */
+void dh_general_usp_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_usp_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of dh_general_usp_wrench_torques, 1, from the parameters, 3. */
+void dh_general_usp_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       4 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 1: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 4 mul, 3 add.
+ * Once per set of parameters: 2 mul, 1 sin, 1 cos.
+ */
+void dh_general_usp_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_general_usp_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of dh_general_usp_wrench_torques_end, 4, from the parameters, 3. */
+void dh_general_usp_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

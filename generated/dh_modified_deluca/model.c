@@ -680,6 +680,82 @@ void dh_modified_deluca_manipulability_dq_batch(size_t count, const double *rest
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void dh_modified_deluca_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_alpha0 = params[2];
+    k[0] = sin(p_alpha0);
+    k[1] = cos(p_alpha0);
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    result[0] = k2*h6 - k1*h5;
+}
+
+void dh_modified_deluca_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    wrench_torques_lane(h, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void dh_modified_deluca_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double h_block[6 * wrench_torques_lanes], result_block[1 * wrench_torques_lanes];
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(h_block, k, result_block);
+        store(1, result_block, wrench_torques_lanes, result + 1 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, double *restrict result, const size_t lanes)
+{
+    const double h6 = h[5 * lanes];
+    result[0] = h6;
+}
+
+void dh_modified_deluca_wrench_torques_end(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    (void)q;
+    wrench_torques_end_lane(h, result, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict h, double *restrict result)
+{
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, result + i, wrench_torques_end_lanes);
+}
+
+void dh_modified_deluca_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    (void)q;
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double h_block[6 * wrench_torques_end_lanes], result_block[1 * wrench_torques_end_lanes];
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(h_block, result_block);
+        store(1, result_block, wrench_torques_end_lanes, result + 1 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

@@ -43,6 +43,7 @@ enum {
     dh_modified_deluca_link_transforms_constant_count = 5,
     dh_modified_deluca_jacobian_constant_count = 2,
     dh_modified_deluca_analytic_jacobian_rpy_constant_count = 5,
+    dh_modified_deluca_wrench_torques_constant_count = 2,
     dh_modified_deluca_inverse_kinematics_constant_count = 16,
     dh_modified_deluca_branches = 1, /**< Branches of inverse kinematics. */
     dh_modified_deluca_none = 0, /**< The branch does not exist. */
@@ -227,6 +228,39 @@ void dh_modified_deluca_manipulability_dq(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void dh_modified_deluca_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 1: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 2 mul, 1 add.
+ * Once per set of parameters: 1 sin, 1 cos.
+ */
+void dh_modified_deluca_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of dh_modified_deluca_wrench_torques, 2, from the parameters, 3. */
+void dh_modified_deluca_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  tau_h, 1: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: no operations.
+ */
+void dh_modified_deluca_wrench_torques_end(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void dh_modified_deluca_wrench_torques_end_batch(size_t count, const double *q, const double *h, double *result);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -23,6 +23,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -51,6 +53,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "wrench_torques": {"mul": 2, "add": 1, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "wrench_torques_end": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 19, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
 GIVEN = ()
@@ -78,6 +82,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -273,6 +279,31 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    (p_alpha0,) = p
+    t1 = sin(p_alpha0)
+    t2 = cos(p_alpha0)
+    return (
+        t1, t2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    h1, h2, h3, h4, h5, h6 = h
+    k1, k2 = k
+    return (
+        k2*h6 - k1*h5,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    h1, h2, h3, h4, h5, h6 = h
+    return (
+        h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d1, p_a0, p_alpha0 = p
@@ -362,9 +393,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -482,6 +516,24 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(1,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(1,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        2,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(1,),
+    kernel=_wrench_torques_end,
 )
 
 

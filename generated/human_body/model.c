@@ -3293,3 +3293,665 @@ void human_body_analytic_jacobian_zyz_batch(size_t count, const double *restrict
         store(126, result_block, analytic_jacobian_zyz_lanes, result + 126 * start, rows);
     }
 }
+
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void human_body_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_L1 = params[0];
+    const double p_L2 = params[1];
+    const double p_L3 = params[2];
+    const double p_L4 = params[3];
+    const double p_L5 = params[4];
+    const double p_L6 = params[5];
+    const double p_L7 = params[6];
+    const double p_L8 = params[7];
+    k[0] = p_L8;
+    k[1] = p_L7;
+    k[2] = p_L6;
+    k[3] = p_L5;
+    k[4] = p_L4;
+    k[5] = p_L3;
+    k[6] = p_L2;
+    k[7] = p_L1;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double q8 = q[7 * lanes];
+    const double q9 = q[8 * lanes];
+    const double q10 = q[9 * lanes];
+    const double q11 = q[10 * lanes];
+    const double q12 = q[11 * lanes];
+    const double q13 = q[12 * lanes];
+    const double q14 = q[13 * lanes];
+    const double q15 = q[14 * lanes];
+    const double q16 = q[15 * lanes];
+    const double q17 = q[16 * lanes];
+    const double q18 = q[17 * lanes];
+    const double q19 = q[18 * lanes];
+    const double q20 = q[19 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+    angles[5 * lanes] = q6;
+    angles[6 * lanes] = q7;
+    angles[7 * lanes] = q8;
+    angles[8 * lanes] = q9;
+    angles[9 * lanes] = q10;
+    angles[10 * lanes] = q11;
+    angles[11 * lanes] = q12;
+    angles[12 * lanes] = q13;
+    angles[13 * lanes] = q14;
+    angles[14 * lanes] = q15;
+    angles[15 * lanes] = q16;
+    angles[16 * lanes] = q17;
+    angles[17 * lanes] = q18;
+    angles[18 * lanes] = q19;
+    angles[19 * lanes] = q20;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double s6 = sines[5 * lanes];
+    const double s7 = sines[6 * lanes];
+    const double s8 = sines[7 * lanes];
+    const double s9 = sines[8 * lanes];
+    const double s10 = sines[9 * lanes];
+    const double s11 = sines[10 * lanes];
+    const double s12 = sines[11 * lanes];
+    const double s13 = sines[12 * lanes];
+    const double s14 = sines[13 * lanes];
+    const double s15 = sines[14 * lanes];
+    const double s16 = sines[15 * lanes];
+    const double s17 = sines[16 * lanes];
+    const double s18 = sines[17 * lanes];
+    const double s19 = sines[18 * lanes];
+    const double s20 = sines[19 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double c6 = cosines[5 * lanes];
+    const double c7 = cosines[6 * lanes];
+    const double c8 = cosines[7 * lanes];
+    const double c9 = cosines[8 * lanes];
+    const double c10 = cosines[9 * lanes];
+    const double c11 = cosines[10 * lanes];
+    const double c12 = cosines[11 * lanes];
+    const double c13 = cosines[12 * lanes];
+    const double c14 = cosines[13 * lanes];
+    const double c15 = cosines[14 * lanes];
+    const double c16 = cosines[15 * lanes];
+    const double c17 = cosines[16 * lanes];
+    const double c18 = cosines[17 * lanes];
+    const double c19 = cosines[18 * lanes];
+    const double c20 = cosines[19 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = c2*s3;
+    const double t2 = s4*t1 + s2*c4;
+    const double t3 = c2*c3;
+    const double t4 = s5*t2 - c5*t3;
+    const double t5 = s2*s4 - c4*t1;
+    const double t6 = s6*t4 + c6*t5;
+    const double t7 = s5*t3 + c5*t2;
+    const double t8 = s7*t6 - c7*t7;
+    const double t9 = s6*t5 - c6*t4;
+    const double t10 = s8*t8 + c8*t9;
+    const double t11 = s7*t7 + c7*t6;
+    const double t12 = s9*t10 - c9*t11;
+    const double t13 = s8*t9 - c8*t8;
+    const double t14 = s10*t12 + c10*t13;
+    const double t15 = s9*t11 + c9*t10;
+    const double t16 = s11*t14 - c11*t15;
+    const double t17 = s10*t13 - c10*t12;
+    const double t18 = s12*t16 + c12*t17;
+    const double t19 = s11*t15 + c11*t14;
+    const double t20 = c13*t18 + s13*t19;
+    const double t21 = s12*t17 - c12*t16;
+    const double t22 = c14*t20 - s14*t21;
+    const double t23 = c13*t19 - s13*t18;
+    const double t24 = c15*t22 + s15*t23;
+    const double t25 = c14*t21 + s14*t20;
+    const double t26 = s16*t24 + c16*t25;
+    const double t27 = c15*t23 - s15*t22;
+    const double t28 = s17*t26 - c17*t27;
+    const double t29 = s16*t25 - c16*t24;
+    const double t30 = c18*t28 - s18*t29;
+    const double t31 = s1*s2;
+    const double t32 = s3*t31 - c1*c3;
+    const double t33 = c2*s1;
+    const double t34 = c1*c2;
+    const double t35 = s4*t32 - c4*t33;
+    const double t36 = c1*s3 + c3*t31;
+    const double t37 = s5*t35 - c5*t36;
+    const double t38 = s4*t33 + c4*t32;
+    const double t39 = s6*t37 - c6*t38;
+    const double t40 = s5*t36 + c5*t35;
+    const double t41 = s7*t39 - c7*t40;
+    const double t42 = s6*t38 + c6*t37;
+    const double t43 = s8*t41 - c8*t42;
+    const double t44 = s7*t40 + c7*t39;
+    const double t45 = s9*t43 - c9*t44;
+    const double t46 = s8*t42 + c8*t41;
+    const double t47 = s10*t45 - c10*t46;
+    const double t48 = s9*t44 + c9*t43;
+    const double t49 = s11*t47 - c11*t48;
+    const double t50 = s10*t46 + c10*t45;
+    const double t51 = s12*t49 - c12*t50;
+    const double t52 = s11*t48 + c11*t47;
+    const double t53 = c13*t51 + s13*t52;
+    const double t54 = s12*t50 + c12*t49;
+    const double t55 = c14*t53 + s14*t54;
+    const double t56 = c13*t52 - s13*t51;
+    const double t57 = c15*t55 + s15*t56;
+    const double t58 = c14*t54 - s14*t53;
+    const double t59 = s16*t57 - c16*t58;
+    const double t60 = c15*t56 - s15*t55;
+    const double t61 = s17*t59 - c17*t60;
+    const double t62 = s16*t58 + c16*t57;
+    const double t63 = c18*t61 + s18*t62;
+    const double t64 = c1*s2;
+    const double t65 = s3*t64 + s1*c3;
+    const double t66 = s1*s3 - c3*t64;
+    const double t67 = s4*t65 - t34*c4;
+    const double t68 = t34*s4 + t65*c4;
+    const double t69 = s5*t67 + t66*c5;
+    const double t70 = s5*t66 - c5*t67;
+    const double t71 = s6*t69 - t68*c6;
+    const double t72 = s6*t68 + c6*t69;
+    const double t73 = s7*t71 + t70*c7;
+    const double t74 = t70*s7 - t71*c7;
+    const double t75 = s8*t73 - t72*c8;
+    const double t76 = s8*t72 + c8*t73;
+    const double t77 = s9*t75 + t74*c9;
+    const double t78 = s9*t74 - c9*t75;
+    const double t79 = s10*t77 - t76*c10;
+    const double t80 = t76*s10 + t77*c10;
+    const double t81 = s11*t79 + t78*c11;
+    const double t82 = s11*t78 - c11*t79;
+    const double t83 = s12*t81 - c12*t80;
+    const double t84 = s12*t80 + t81*c12;
+    const double t85 = t83*c13 - t82*s13;
+    const double t86 = t82*c13 + t83*s13;
+    const double t87 = c14*t85 + s14*t84;
+    const double t88 = c14*t84 - t85*s14;
+    const double t89 = t87*c15 - s15*t86;
+    const double t90 = c15*t86 + t87*s15;
+    const double t91 = s16*t89 - t88*c16;
+    const double t92 = s16*t88 + c16*t89;
+    const double t93 = s17*t91 + c17*t90;
+    const double t94 = c18*t93 + t92*s18;
+    const double t95 = h5*t94 - (h6*t30 + h4*t63);
+    const double t96 = s17*t90 - t91*c17;
+    const double t97 = s17*t60 + c17*t59;
+    const double t98 = s17*t27 + c17*t26;
+    const double t99 = h5*t96 + (h6*t98 + h4*t97);
+    const double t100 = c18*t29 + s18*t28;
+    const double t101 = c18*t62 - s18*t61;
+    const double t102 = t92*c18 - s18*t93;
+    const double t103 = t102*h5 + (h6*t100 - t101*h4);
+    const double t104 = (h2*t96 + (h3*t98 + h1*t97))*(k1*s18) + (h6*t29 - (t62*h4 - t92*h5));
+    const double t105 = k2*t62 + k1*t101;
+    const double t106 = k2*t92 + k1*t102;
+    const double t107 = k2*t29 + k1*t100;
+    const double t108 = t105*h2 - (h6 - t106*h1);
+    const double t109 = h2*t107 - (h4 + t106*h3);
+    const double t110 = h1*t107 + (h5 + t105*h3);
+    const double t111 = t107 - k3*t22;
+    const double t112 = t105 + k3*t55;
+    const double t113 = t106 + k3*t87;
+    const double t114 = h1*t111 + (h5 + t112*h3);
+    const double t115 = t113*h3 + (h4 - h2*t111);
+    const double t116 = t113*h1 - (h6 - t112*h2);
+    const double t117 = t113 + k4*t83;
+    const double t118 = t112 + k4*t51;
+    const double t119 = t111 - k4*t18;
+    const double t120 = t19*(t117*h1 - (h6 - t118*h2)) + t52*(h2*t119 - (h4 + t117*h3));
+    const double t121 = t118 - k5*t52;
+    const double t122 = t117 + k5*t82;
+    const double t123 = t119 + k5*t19;
+    const double t124 = t121*h2 - (h6 - t122*h1);
+    const double t125 = h2*t123 - (h4 + t122*h3);
+    const double t126 = h1*t123 + (h5 + t121*h3);
+    const double t127 = t123 + k6*t13;
+    const double t128 = t122 + k6*t76;
+    const double t129 = t121 + k6*t46;
+    const double t130 = h2*t127 - (h4 + t128*h3);
+    const double t131 = h1*t127 + (h5 + t129*h3);
+    const double t132 = t129*h2 - (h6 - t128*h1);
+    const double t133 = t128 + k7*t70;
+    const double t134 = t129 - k7*t40;
+    const double t135 = t127 + k7*t7;
+    const double t136 = t133*h1 - (h6 - t134*h2);
+    const double t137 = t133*h3 + (h4 - h2*t135);
+    const double t138 = h1*t135 + (h5 + t134*h3);
+    const double t139 = t135 + k8*s2;
+    const double t140 = t133 + k8*t34;
+    const double t141 = t134 + k8*t33;
+    const double t142 = s1*(h1*t139 + (h5 + t141*h3)) - c1*(h2*t139 - (h4 + t140*h3));
+    result[0] = h6 - t140*h1 - t141*h2;
+    result[lanes] = t142;
+    result[2 * lanes] = t34*t138 - s2*t136 - t33*t137;
+    result[3 * lanes] = t66*t138 + t36*t137 - t3*t136;
+    result[4 * lanes] = t68*t138 - (t5*t136 + t38*t137);
+    result[5 * lanes] = -(t7*t132 + (t40*t130 - t70*t131));
+    result[6 * lanes] = t72*t131 - (t9*t132 - t42*t130);
+    result[7 * lanes] = -(t11*t132 + (t44*t130 - t74*t131));
+    result[8 * lanes] = t76*t126 + (t46*t125 - t13*t124);
+    result[9 * lanes] = t78*t126 - (t15*t124 + t48*t125);
+    result[10 * lanes] = t80*t126 - (t17*t124 - t50*t125);
+    result[11 * lanes] = t82*(h1*t119 + (h5 + t118*h3)) - t120;
+    result[12 * lanes] = -(t21*t116 + (t54*t115 - t84*t114));
+    result[13 * lanes] = t86*t114 + t56*t115 - t23*t116;
+    result[14 * lanes] = t58*t109 + (t88*t110 - t25*t108);
+    result[15 * lanes] = t90*t110 - (t27*t108 + t60*t109);
+    result[16 * lanes] = t104;
+    result[17 * lanes] = t99 - k1*(h2*t94 - (h3*t30 + h1*t63));
+    result[18 * lanes] = t103;
+    result[19 * lanes] = t99*c19 + s19*t95;
+    result[20 * lanes] = t103*s20 + c20*(c19*t95 - t99*s19);
+}
+
+void human_body_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[20], sines[20], cosines[20];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 20; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 20; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[20 * wrench_torques_lanes], sines[20 * wrench_torques_lanes], cosines[20 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(20 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void human_body_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[21 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[21 * wrench_torques_lanes];
+        load(21, q + 21 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(21, result_block, wrench_torques_lanes, result + 21 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void human_body_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_L1 = params[0];
+    const double p_L2 = params[1];
+    const double p_L3 = params[2];
+    const double p_L4 = params[3];
+    const double p_L5 = params[4];
+    const double p_L6 = params[5];
+    const double p_L7 = params[6];
+    const double p_L8 = params[7];
+    k[0] = p_L8;
+    k[1] = p_L7;
+    k[2] = p_L6;
+    k[3] = p_L5;
+    k[4] = p_L4;
+    k[5] = p_L3;
+    k[6] = p_L2;
+    k[7] = p_L1;
+}
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    const double q8 = q[7 * lanes];
+    const double q9 = q[8 * lanes];
+    const double q10 = q[9 * lanes];
+    const double q11 = q[10 * lanes];
+    const double q12 = q[11 * lanes];
+    const double q13 = q[12 * lanes];
+    const double q14 = q[13 * lanes];
+    const double q15 = q[14 * lanes];
+    const double q16 = q[15 * lanes];
+    const double q17 = q[16 * lanes];
+    const double q18 = q[17 * lanes];
+    const double q19 = q[18 * lanes];
+    const double q20 = q[19 * lanes];
+    const double q21 = q[20 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+    angles[6 * lanes] = q8;
+    angles[7 * lanes] = q9;
+    angles[8 * lanes] = q10;
+    angles[9 * lanes] = q11;
+    angles[10 * lanes] = q12;
+    angles[11 * lanes] = q13;
+    angles[12 * lanes] = q14;
+    angles[13 * lanes] = q15;
+    angles[14 * lanes] = q16;
+    angles[15 * lanes] = q17;
+    angles[16 * lanes] = q18;
+    angles[17 * lanes] = q19;
+    angles[18 * lanes] = q20;
+    angles[19 * lanes] = q21;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double s8 = sines[6 * lanes];
+    const double s9 = sines[7 * lanes];
+    const double s10 = sines[8 * lanes];
+    const double s11 = sines[9 * lanes];
+    const double s12 = sines[10 * lanes];
+    const double s13 = sines[11 * lanes];
+    const double s14 = sines[12 * lanes];
+    const double s15 = sines[13 * lanes];
+    const double s16 = sines[14 * lanes];
+    const double s17 = sines[15 * lanes];
+    const double s18 = sines[16 * lanes];
+    const double s19 = sines[17 * lanes];
+    const double s20 = sines[18 * lanes];
+    const double s21 = sines[19 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double c8 = cosines[6 * lanes];
+    const double c9 = cosines[7 * lanes];
+    const double c10 = cosines[8 * lanes];
+    const double c11 = cosines[9 * lanes];
+    const double c12 = cosines[10 * lanes];
+    const double c13 = cosines[11 * lanes];
+    const double c14 = cosines[12 * lanes];
+    const double c15 = cosines[13 * lanes];
+    const double c16 = cosines[14 * lanes];
+    const double c17 = cosines[15 * lanes];
+    const double c18 = cosines[16 * lanes];
+    const double c19 = cosines[17 * lanes];
+    const double c20 = cosines[18 * lanes];
+    const double c21 = cosines[19 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double t1 = s21*h4 + c21*h5;
+    const double t2 = c21*h4 - s21*h5;
+    const double t3 = s20*h6 + c20*t2;
+    const double t4 = c21*h1 - s21*h2;
+    const double t5 = h1*s21 + c21*h2;
+    const double t6 = t4*c20 + s20*h3;
+    const double t7 = s20*t4 - c20*h3;
+    const double t8 = s20*t2 - c20*h6;
+    const double t9 = c19*t7 - s19*t5;
+    const double t10 = t7*s19 + c19*t5;
+    const double t11 = c18*t9 + s18*t6;
+    const double t12 = s18*t9 - c18*t6;
+    const double t13 = s17*t11 + c17*t10;
+    const double t14 = c17*t11 - s17*t10;
+    const double t15 = s16*t13 + c16*t12;
+    const double t16 = c16*t13 - s16*t12;
+    const double t17 = c15*t15 + s15*t14;
+    const double t18 = s15*t15 - c15*t14;
+    const double t19 = c14*t17 + s14*t16;
+    const double t20 = s14*t17 - c14*t16;
+    const double t21 = c13*t19 - s13*t18;
+    const double t22 = s13*t19 + c13*t18;
+    const double t23 = s12*t21 + c12*t20;
+    const double t24 = c12*t21 - s12*t20;
+    const double t25 = c11*t23 - s11*t22;
+    const double t26 = t23*s11 + c11*t22;
+    const double t27 = s12*s11;
+    const double t28 = c13*c11 - s13*t27;
+    const double t29 = c13*t27 + s13*c11;
+    const double t30 = c12*s11;
+    const double t31 = c14*t29 + s14*t30;
+    const double t32 = c15*t28 - s15*t31;
+    const double t33 = c15*t31 + s15*t28;
+    const double t34 = c14*t30 - s14*t29;
+    const double t35 = s16*t33 - c16*t34;
+    const double t36 = s16*t34 + c16*t33;
+    const double t37 = k5*c11;
+    const double t38 = t37 - k4*t27;
+    const double t39 = t38 - k3*t31;
+    const double t40 = t39 - k2*t36;
+    const double t41 = t40 - k1*(c18*t36 + s18*(c17*t32 - s17*t35));
+    const double t42 = t40 - t41;
+    const double t43 = t39 - t41;
+    const double t44 = t38 - t41;
+    const double t45 = s12*c11;
+    const double t46 = c13*s11 + s13*t45;
+    const double t47 = c13*t45 - s13*s11;
+    const double t48 = c12*c11;
+    const double t49 = c14*t47 + s14*t48;
+    const double t50 = c15*t46 + s15*t49;
+    const double t51 = c15*t49 - s15*t46;
+    const double t52 = c14*t48 - s14*t47;
+    const double t53 = s16*t51 - c16*t52;
+    const double t54 = s16*t52 + c16*t51;
+    const double t55 = k5*s11;
+    const double t56 = t55 + k4*t45;
+    const double t57 = t56 + k3*t49;
+    const double t58 = t57 + k2*t54;
+    const double t59 = t58 + k1*(c18*t54 - s18*(c17*t50 + s17*t53));
+    const double t60 = t58 - t59;
+    const double t61 = t57 - t59;
+    const double t62 = t56 - t59;
+    const double t63 = c19*t8 - s19*t1;
+    const double t64 = s19*t8 + c19*t1;
+    const double t65 = c18*t63 + s18*t3;
+    const double t66 = s18*t63 - c18*t3;
+    const double t67 = s17*t65 + c17*t64;
+    const double t68 = c17*t65 - s17*t64;
+    const double t69 = s16*t67 + c16*t66;
+    const double t70 = c16*t67 - s16*t66;
+    const double t71 = c15*t69 + s15*t68;
+    const double t72 = s15*t69 - c15*t68;
+    const double t73 = c14*t71 + s14*t70;
+    const double t74 = s14*t71 - c14*t70;
+    const double t75 = c13*t73 - s13*t72;
+    const double t76 = c12*s13;
+    const double t77 = c12*c13;
+    const double t78 = s13*t73 + c13*t72;
+    const double t79 = c12*t75 - s12*t74;
+    const double t80 = t25*t42 + (t79 + t26*t60);
+    const double t81 = k4*c12;
+    const double t82 = s12*t75 + c12*t74;
+    const double t83 = s12*s14 - c14*t77;
+    const double t84 = s12*c14 + s14*t77;
+    const double t85 = t83*c15 + s15*t76;
+    const double t86 = c15*t76 - t83*s15;
+    const double t87 = t81 - k3*t83;
+    const double t88 = s16*t85 - t84*c16;
+    const double t89 = s16*t84 + c16*t85;
+    const double t90 = t87 - k2*t89;
+    const double t91 = t90 - k1*(t89*c18 + s18*(c17*t86 - s17*t88));
+    const double t92 = t90 - t91;
+    const double t93 = t87 - t91;
+    const double t94 = t81 - t91;
+    const double t95 = s11*t82 + c11*t78;
+    const double t96 = t25*t92 + (t95 - t24*t60);
+    const double t97 = c11*t82 - s11*t78;
+    const double t98 = t24*t42 - (t97 - t26*t92);
+    const double t99 = t98*(s17*t50 - c17*t53) - (t80*(t86*s17 + c17*t88) - t96*(s17*t32 + c17*t35));
+    const double t100 = t24*t43 - (t97 - t26*t93);
+    const double t101 = t24*t61 - (t95 + t25*t93);
+    const double t102 = t26*t61 + (t79 + t25*t43);
+    const double t103 = t26*t62 + (t79 + t25*t44);
+    const double t104 = t25*t94 + (t95 - t24*t62);
+    const double t105 = t26*t94 - (t97 - t24*t44);
+    const double t106 = t95 + t59*t24;
+    const double t107 = t91*t26 + (t97 + t24*t41);
+    const double t108 = c11*(t91*t25 - (t106 - t55*t24)) + s11*(t107 - t24*t37);
+    const double t109 = t79 - t59*t26;
+    const double t110 = t91 - k6*s10;
+    const double t111 = t106 - t110*t25;
+    const double t112 = t41 + k6*c10;
+    const double t113 = t109 - t25*t112;
+    const double t114 = s10*c9;
+    const double t115 = t24*t112 + (t97 + t110*t26);
+    const double t116 = c10*c9;
+    const double t117 = s9*s10;
+    const double t118 = s8*c10 + c8*t117;
+    const double t119 = c8*c9;
+    const double t120 = s8*c9;
+    const double t121 = c10*s9;
+    const double t122 = s8*s10 - c8*t121;
+    const double t123 = s8*t121 + c8*s10;
+    const double t124 = s8*t117 - c10*c8;
+    const double t125 = s7*t116 + c7*t123;
+    const double t126 = s7*t123 - c7*t116;
+    const double t127 = t110 - k7*t125;
+    const double t128 = s7*t114 + t124*c7;
+    const double t129 = s7*t124 - c7*t114;
+    const double t130 = t112 - k7*t128;
+    const double t131 = t24*t130 + (t97 + t127*t26);
+    const double t132 = s9*s7 - c7*t120;
+    const double t133 = s7*t120 + s9*c7;
+    const double t134 = t59 + k7*t132;
+    const double t135 = t127*t25 - (t95 + t134*t24);
+    const double t136 = t25*t130 - (t79 - t134*t26);
+    const double t137 = s6*t118 + c6*t129;
+    const double t138 = s6*t129 - t118*c6;
+    const double t139 = s6*t122 - c6*t126;
+    const double t140 = s6*t126 + c6*t122;
+    const double t141 = s6*t119 + c6*t133;
+    const double t142 = s6*t133 - c6*t119;
+    const double t143 = s5*t128 + t138*c5;
+    const double t144 = s5*t138 - c5*t128;
+    const double t145 = s5*t125 + c5*t140;
+    const double t146 = s5*t140 - c5*t125;
+    const double t147 = s5*t132 - c5*t142;
+    const double t148 = s5*t142 + c5*t132;
+    const double t149 = s4*t139 - c4*t146;
+    const double t150 = s4*t146 + c4*t139;
+    const double t151 = t127 - k8*t149;
+    const double t152 = s4*t137 + c4*t144;
+    const double t153 = s4*t144 - t137*c4;
+    const double t154 = t130 + k8*t152;
+    const double t155 = t24*t154 + (t97 + t151*t26);
+    const double t156 = s4*t141 + c4*t148;
+    const double t157 = s4*t148 - c4*t141;
+    const double t158 = t134 + k8*t156;
+    const double t159 = t158*t24 + (t95 - t151*t25);
+    const double t160 = t158*t26 - (t79 - t25*t154);
+    const double t161 = t155*(s3*t147 - c3*t157) + (t160*(s3*t145 + c3*t150) + t159*(t143*s3 + c3*t153));
+    const double t162 = (s2*t152 - c2*(c3*t143 - s3*t153))*t159 - (s2*t149 + c2*(c3*t145 - s3*t150))*t160;
+    result[0] = t162 - (s2*t156 + c2*(c3*t147 + s3*t157))*t155;
+    result[lanes] = -t161;
+    result[2 * lanes] = -(t149*t160 + (t156*t155 - t152*t159));
+    result[3 * lanes] = t143*t135 - t145*t136 - t147*t131;
+    result[4 * lanes] = -(t141*t131 + (t137*t135 + t139*t136));
+    result[5 * lanes] = -(t125*t136 + (t132*t131 - t128*t135));
+    result[6 * lanes] = t122*t113 + (t118*t111 - t119*t115);
+    result[7 * lanes] = t116*t113 - (t114*t111 + s9*t115);
+    result[8 * lanes] = c10*t111 + s10*t113;
+    result[9 * lanes] = -t107;
+    result[10 * lanes] = t109 - t25*t41;
+    result[11 * lanes] = -t108;
+    result[12 * lanes] = t48*t105 + (s12*t103 - t30*t104);
+    result[13 * lanes] = t46*t105 - (t76*t103 - t28*t104);
+    result[14 * lanes] = t84*t102 + (t52*t100 + t34*t101);
+    result[15 * lanes] = t50*t100 - t32*t101 - t86*t102;
+    result[16 * lanes] = t54*t98 - (t36*t96 - t89*t80);
+    result[17 * lanes] = t99;
+    result[18 * lanes] = t3;
+    result[19 * lanes] = t1;
+    result[20 * lanes] = h6;
+}
+
+void human_body_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[20], sines[20], cosines[20];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 20; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 20; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[20 * wrench_torques_end_lanes], sines[20 * wrench_torques_end_lanes], cosines[20 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(20 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void human_body_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[21 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[21 * wrench_torques_end_lanes];
+        load(21, q + 21 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, k, result_block);
+        store(21, result_block, wrench_torques_end_lanes, result + 21 * start, rows);
+    }
+}

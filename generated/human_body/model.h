@@ -71,6 +71,8 @@ enum {
     human_body_jacobian_dot_constant_count = 8,
     human_body_analytic_jacobian_rpy_constant_count = 8,
     human_body_analytic_jacobian_zyz_constant_count = 8,
+    human_body_wrench_torques_constant_count = 8,
+    human_body_wrench_torques_end_constant_count = 8,
 };
 
 /**
@@ -192,6 +194,42 @@ void human_body_analytic_jacobian_zyz_batch(size_t count, const double *q, const
 
 /** The constants of human_body_analytic_jacobian_zyz, 8, from the parameters, 8. */
 void human_body_analytic_jacobian_zyz_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       8 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 21: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 331 mul, 203 add, 20 sin, 20 cos.
+ */
+void human_body_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void human_body_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of human_body_wrench_torques, 8, from the parameters, 8. */
+void human_body_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       8 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 21: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 10: 346 mul, 212 add, 20 sin, 20 cos.
+ */
+void human_body_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void human_body_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of human_body_wrench_torques_end, 8, from the parameters, 8. */
+void human_body_wrench_torques_end_constants(const double *params, double *k);
 
 #ifdef __cplusplus
 }

@@ -67,6 +67,8 @@ OPERATIONS = {
     "jacobian_dot": {"mul": 753, "add": 496, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 453, "add": 234, "div": 2, "sin": 21, "cos": 21, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 432, "add": 224, "div": 2, "sin": 20, "cos": 20, "sqrt": 1},
+    "wrench_torques": {"mul": 331, "add": 203, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
+    "wrench_torques_end": {"mul": 346, "add": 212, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
 }
 
 __all__ = [
@@ -83,6 +85,8 @@ __all__ = [
     "jacobian_dot",
     "analytic_jacobian_rpy",
     "analytic_jacobian_zyz",
+    "wrench_torques",
+    "wrench_torques_end",
     "precompute",
 ]
 
@@ -205,6 +209,42 @@ def analytic_jacobian_zyz(q, params=None, out=None):
     Geometric Jacobian by the shortest ways to the world frame, and the angles' rates: 432 mul, 224 add, 2 div, 20 sin, 20 cos, 1 sqrt.
     """
     return _FUNCTIONS["analytic_jacobian_zyz"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 21):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of the world: 331 mul, 203 add, 20 sin, 20 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 21):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 10: 346 mul, 212 add, 20 sin, 20 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
 
 
 def precompute(params):
@@ -1955,9 +1995,440 @@ def _analytic_jacobian_zyz(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
+    c2 = cos(q2)
+    s3 = sin(q3)
+    t1 = c2*s3
+    s4 = sin(q4)
+    s2 = sin(q2)
+    c4 = cos(q4)
+    t2 = s4*t1 + s2*c4
+    s5 = sin(q5)
+    c3 = cos(q3)
+    t3 = c2*c3
+    c5 = cos(q5)
+    t4 = s5*t2 - c5*t3
+    s6 = sin(q6)
+    t5 = s2*s4 - c4*t1
+    c6 = cos(q6)
+    t6 = s6*t4 + c6*t5
+    s7 = sin(q7)
+    t7 = s5*t3 + c5*t2
+    c7 = cos(q7)
+    t8 = s7*t6 - c7*t7
+    s8 = sin(q8)
+    t9 = s6*t5 - c6*t4
+    c8 = cos(q8)
+    t10 = s8*t8 + c8*t9
+    s9 = sin(q9)
+    t11 = s7*t7 + c7*t6
+    c9 = cos(q9)
+    t12 = s9*t10 - c9*t11
+    s10 = sin(q10)
+    t13 = s8*t9 - c8*t8
+    c10 = cos(q10)
+    t14 = s10*t12 + c10*t13
+    s11 = sin(q11)
+    t15 = s9*t11 + c9*t10
+    c11 = cos(q11)
+    t16 = s11*t14 - c11*t15
+    s12 = sin(q12)
+    t17 = s10*t13 - c10*t12
+    c12 = cos(q12)
+    t18 = s12*t16 + c12*t17
+    c13 = cos(q13)
+    t19 = s11*t15 + c11*t14
+    s13 = sin(q13)
+    t20 = c13*t18 + s13*t19
+    c14 = cos(q14)
+    t21 = s12*t17 - c12*t16
+    s14 = sin(q14)
+    t22 = c14*t20 - s14*t21
+    c15 = cos(q15)
+    t23 = c13*t19 - s13*t18
+    s15 = sin(q15)
+    t24 = c15*t22 + s15*t23
+    s16 = sin(q16)
+    t25 = c14*t21 + s14*t20
+    c16 = cos(q16)
+    t26 = s16*t24 + c16*t25
+    s17 = sin(q17)
+    t27 = c15*t23 - s15*t22
+    c17 = cos(q17)
+    t28 = s17*t26 - c17*t27
+    c18 = cos(q18)
+    t29 = s16*t25 - c16*t24
+    s18 = sin(q18)
+    t30 = c18*t28 - s18*t29
+    s1 = sin(q1)
+    t31 = s1*s2
+    c1 = cos(q1)
+    t32 = s3*t31 - c1*c3
+    t33 = c2*s1
+    t34 = c1*c2
+    t35 = s4*t32 - c4*t33
+    t36 = c1*s3 + c3*t31
+    t37 = s5*t35 - c5*t36
+    t38 = s4*t33 + c4*t32
+    t39 = s6*t37 - c6*t38
+    t40 = s5*t36 + c5*t35
+    t41 = s7*t39 - c7*t40
+    t42 = s6*t38 + c6*t37
+    t43 = s8*t41 - c8*t42
+    t44 = s7*t40 + c7*t39
+    t45 = s9*t43 - c9*t44
+    t46 = s8*t42 + c8*t41
+    t47 = s10*t45 - c10*t46
+    t48 = s9*t44 + c9*t43
+    t49 = s11*t47 - c11*t48
+    t50 = s10*t46 + c10*t45
+    t51 = s12*t49 - c12*t50
+    t52 = s11*t48 + c11*t47
+    t53 = c13*t51 + s13*t52
+    t54 = s12*t50 + c12*t49
+    t55 = c14*t53 + s14*t54
+    t56 = c13*t52 - s13*t51
+    t57 = c15*t55 + s15*t56
+    t58 = c14*t54 - s14*t53
+    t59 = s16*t57 - c16*t58
+    t60 = c15*t56 - s15*t55
+    t61 = s17*t59 - c17*t60
+    t62 = s16*t58 + c16*t57
+    t63 = c18*t61 + s18*t62
+    t64 = c1*s2
+    t65 = s3*t64 + s1*c3
+    t66 = s1*s3 - c3*t64
+    t67 = s4*t65 - t34*c4
+    t68 = t34*s4 + t65*c4
+    t69 = s5*t67 + t66*c5
+    t70 = s5*t66 - c5*t67
+    t71 = s6*t69 - t68*c6
+    t72 = s6*t68 + c6*t69
+    t73 = s7*t71 + t70*c7
+    t74 = t70*s7 - t71*c7
+    t75 = s8*t73 - t72*c8
+    t76 = s8*t72 + c8*t73
+    t77 = s9*t75 + t74*c9
+    t78 = s9*t74 - c9*t75
+    t79 = s10*t77 - t76*c10
+    t80 = t76*s10 + t77*c10
+    t81 = s11*t79 + t78*c11
+    t82 = s11*t78 - c11*t79
+    t83 = s12*t81 - c12*t80
+    t84 = s12*t80 + t81*c12
+    t85 = t83*c13 - t82*s13
+    t86 = t82*c13 + t83*s13
+    t87 = c14*t85 + s14*t84
+    t88 = c14*t84 - t85*s14
+    t89 = t87*c15 - s15*t86
+    t90 = c15*t86 + t87*s15
+    t91 = s16*t89 - t88*c16
+    t92 = s16*t88 + c16*t89
+    t93 = s17*t91 + c17*t90
+    t94 = c18*t93 + t92*s18
+    t95 = h5*t94 - (h6*t30 + h4*t63)
+    c19 = cos(q19)
+    t96 = s17*t90 - t91*c17
+    t97 = s17*t60 + c17*t59
+    t98 = s17*t27 + c17*t26
+    t99 = h5*t96 + (h6*t98 + h4*t97)
+    s19 = sin(q19)
+    c20 = cos(q20)
+    t100 = c18*t29 + s18*t28
+    t101 = c18*t62 - s18*t61
+    t102 = t92*c18 - s18*t93
+    t103 = t102*h5 + (h6*t100 - t101*h4)
+    s20 = sin(q20)
+    t104 = (h2*t96 + (h3*t98 + h1*t97))*(p_L8*s18) + (h6*t29 - (t62*h4 - t92*h5))
+    t105 = p_L7*t62 + p_L8*t101
+    t106 = p_L7*t92 + p_L8*t102
+    t107 = p_L7*t29 + p_L8*t100
+    t108 = t105*h2 - (h6 - t106*h1)
+    t109 = h2*t107 - (h4 + t106*h3)
+    t110 = h1*t107 + (h5 + t105*h3)
+    t111 = t107 - p_L6*t22
+    t112 = t105 + p_L6*t55
+    t113 = t106 + p_L6*t87
+    t114 = h1*t111 + (h5 + t112*h3)
+    t115 = t113*h3 + (h4 - h2*t111)
+    t116 = t113*h1 - (h6 - t112*h2)
+    t117 = t113 + p_L5*t83
+    t118 = t112 + p_L5*t51
+    t119 = t111 - p_L5*t18
+    t120 = t19*(t117*h1 - (h6 - t118*h2)) + t52*(h2*t119 - (h4 + t117*h3))
+    t121 = t118 - p_L4*t52
+    t122 = t117 + p_L4*t82
+    t123 = t119 + p_L4*t19
+    t124 = t121*h2 - (h6 - t122*h1)
+    t125 = h2*t123 - (h4 + t122*h3)
+    t126 = h1*t123 + (h5 + t121*h3)
+    t127 = t123 + p_L3*t13
+    t128 = t122 + p_L3*t76
+    t129 = t121 + p_L3*t46
+    t130 = h2*t127 - (h4 + t128*h3)
+    t131 = h1*t127 + (h5 + t129*h3)
+    t132 = t129*h2 - (h6 - t128*h1)
+    t133 = t128 + p_L2*t70
+    t134 = t129 - p_L2*t40
+    t135 = t127 + p_L2*t7
+    t136 = t133*h1 - (h6 - t134*h2)
+    t137 = t133*h3 + (h4 - h2*t135)
+    t138 = h1*t135 + (h5 + t134*h3)
+    t139 = t135 + p_L1*s2
+    t140 = t133 + p_L1*t34
+    t141 = t134 + p_L1*t33
+    t142 = s1*(h1*t139 + (h5 + t141*h3)) - c1*(h2*t139 - (h4 + t140*h3))
+    return (
+        h6 - t140*h1 - t141*h2, t142, t34*t138 - s2*t136 - t33*t137, t66*t138 + t36*t137 - t3*t136,
+        t68*t138 - (t5*t136 + t38*t137), -(t7*t132 + (t40*t130 - t70*t131)), t72*t131 - (t9*t132 - t42*t130),
+        -(t11*t132 + (t44*t130 - t74*t131)), t76*t126 + (t46*t125 - t13*t124),
+        t78*t126 - (t15*t124 + t48*t125), t80*t126 - (t17*t124 - t50*t125),
+        t82*(h1*t119 + (h5 + t118*h3)) - t120, -(t21*t116 + (t54*t115 - t84*t114)),
+        t86*t114 + t56*t115 - t23*t116, t58*t109 + (t88*t110 - t25*t108), t90*t110 - (t27*t108 + t60*t109),
+        t104, t99 - p_L8*(h2*t94 - (h3*t30 + h1*t63)), t103, t99*c19 + s19*t95,
+        t103*s20 + c20*(c19*t95 - t99*s19),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_L1, p_L2, p_L3, p_L4, p_L5, p_L6, p_L7, p_L8 = p
+    return (
+        p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign = functions
+    q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, q14, q15, q16, q17, q18, q19, q20, q21 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_L8, p_L7, p_L6, p_L5, p_L4, p_L3, p_L2, p_L1 = k
+    s21 = sin(q21)
+    c21 = cos(q21)
+    t1 = s21*h4 + c21*h5
+    t2 = c21*h4 - s21*h5
+    c20 = cos(q20)
+    s20 = sin(q20)
+    t3 = s20*h6 + c20*t2
+    t4 = c21*h1 - s21*h2
+    t5 = h1*s21 + c21*h2
+    t6 = t4*c20 + s20*h3
+    t7 = s20*t4 - c20*h3
+    t8 = s20*t2 - c20*h6
+    c19 = cos(q19)
+    s19 = sin(q19)
+    t9 = c19*t7 - s19*t5
+    t10 = t7*s19 + c19*t5
+    c18 = cos(q18)
+    s18 = sin(q18)
+    t11 = c18*t9 + s18*t6
+    t12 = s18*t9 - c18*t6
+    s17 = sin(q17)
+    c17 = cos(q17)
+    t13 = s17*t11 + c17*t10
+    t14 = c17*t11 - s17*t10
+    s16 = sin(q16)
+    c16 = cos(q16)
+    t15 = s16*t13 + c16*t12
+    t16 = c16*t13 - s16*t12
+    c15 = cos(q15)
+    s15 = sin(q15)
+    t17 = c15*t15 + s15*t14
+    t18 = s15*t15 - c15*t14
+    c14 = cos(q14)
+    s14 = sin(q14)
+    t19 = c14*t17 + s14*t16
+    t20 = s14*t17 - c14*t16
+    c13 = cos(q13)
+    s13 = sin(q13)
+    t21 = c13*t19 - s13*t18
+    t22 = s13*t19 + c13*t18
+    s12 = sin(q12)
+    c12 = cos(q12)
+    t23 = s12*t21 + c12*t20
+    t24 = c12*t21 - s12*t20
+    c11 = cos(q11)
+    s11 = sin(q11)
+    t25 = c11*t23 - s11*t22
+    t26 = t23*s11 + c11*t22
+    t27 = s12*s11
+    t28 = c13*c11 - s13*t27
+    t29 = c13*t27 + s13*c11
+    t30 = c12*s11
+    t31 = c14*t29 + s14*t30
+    t32 = c15*t28 - s15*t31
+    t33 = c15*t31 + s15*t28
+    t34 = c14*t30 - s14*t29
+    t35 = s16*t33 - c16*t34
+    t36 = s16*t34 + c16*t33
+    t37 = p_L4*c11
+    t38 = t37 - p_L5*t27
+    t39 = t38 - p_L6*t31
+    t40 = t39 - p_L7*t36
+    t41 = t40 - p_L8*(c18*t36 + s18*(c17*t32 - s17*t35))
+    t42 = t40 - t41
+    t43 = t39 - t41
+    t44 = t38 - t41
+    t45 = s12*c11
+    t46 = c13*s11 + s13*t45
+    t47 = c13*t45 - s13*s11
+    t48 = c12*c11
+    t49 = c14*t47 + s14*t48
+    t50 = c15*t46 + s15*t49
+    t51 = c15*t49 - s15*t46
+    t52 = c14*t48 - s14*t47
+    t53 = s16*t51 - c16*t52
+    t54 = s16*t52 + c16*t51
+    t55 = p_L4*s11
+    t56 = t55 + p_L5*t45
+    t57 = t56 + p_L6*t49
+    t58 = t57 + p_L7*t54
+    t59 = t58 + p_L8*(c18*t54 - s18*(c17*t50 + s17*t53))
+    t60 = t58 - t59
+    t61 = t57 - t59
+    t62 = t56 - t59
+    t63 = c19*t8 - s19*t1
+    t64 = s19*t8 + c19*t1
+    t65 = c18*t63 + s18*t3
+    t66 = s18*t63 - c18*t3
+    t67 = s17*t65 + c17*t64
+    t68 = c17*t65 - s17*t64
+    t69 = s16*t67 + c16*t66
+    t70 = c16*t67 - s16*t66
+    t71 = c15*t69 + s15*t68
+    t72 = s15*t69 - c15*t68
+    t73 = c14*t71 + s14*t70
+    t74 = s14*t71 - c14*t70
+    t75 = c13*t73 - s13*t72
+    t76 = c12*s13
+    t77 = c12*c13
+    t78 = s13*t73 + c13*t72
+    t79 = c12*t75 - s12*t74
+    t80 = t25*t42 + (t79 + t26*t60)
+    t81 = p_L5*c12
+    t82 = s12*t75 + c12*t74
+    t83 = s12*s14 - c14*t77
+    t84 = s12*c14 + s14*t77
+    t85 = t83*c15 + s15*t76
+    t86 = c15*t76 - t83*s15
+    t87 = t81 - p_L6*t83
+    t88 = s16*t85 - t84*c16
+    t89 = s16*t84 + c16*t85
+    t90 = t87 - p_L7*t89
+    t91 = t90 - p_L8*(t89*c18 + s18*(c17*t86 - s17*t88))
+    t92 = t90 - t91
+    t93 = t87 - t91
+    t94 = t81 - t91
+    t95 = s11*t82 + c11*t78
+    t96 = t25*t92 + (t95 - t24*t60)
+    t97 = c11*t82 - s11*t78
+    t98 = t24*t42 - (t97 - t26*t92)
+    t99 = t98*(s17*t50 - c17*t53) - (t80*(t86*s17 + c17*t88) - t96*(s17*t32 + c17*t35))
+    t100 = t24*t43 - (t97 - t26*t93)
+    t101 = t24*t61 - (t95 + t25*t93)
+    t102 = t26*t61 + (t79 + t25*t43)
+    t103 = t26*t62 + (t79 + t25*t44)
+    t104 = t25*t94 + (t95 - t24*t62)
+    t105 = t26*t94 - (t97 - t24*t44)
+    t106 = t95 + t59*t24
+    t107 = t91*t26 + (t97 + t24*t41)
+    t108 = c11*(t91*t25 - (t106 - t55*t24)) + s11*(t107 - t24*t37)
+    t109 = t79 - t59*t26
+    s10 = sin(q10)
+    t110 = t91 - p_L3*s10
+    t111 = t106 - t110*t25
+    c10 = cos(q10)
+    t112 = t41 + p_L3*c10
+    t113 = t109 - t25*t112
+    c9 = cos(q9)
+    t114 = s10*c9
+    t115 = t24*t112 + (t97 + t110*t26)
+    s9 = sin(q9)
+    t116 = c10*c9
+    s8 = sin(q8)
+    t117 = s9*s10
+    c8 = cos(q8)
+    t118 = s8*c10 + c8*t117
+    t119 = c8*c9
+    t120 = s8*c9
+    t121 = c10*s9
+    t122 = s8*s10 - c8*t121
+    t123 = s8*t121 + c8*s10
+    t124 = s8*t117 - c10*c8
+    c7 = cos(q7)
+    s7 = sin(q7)
+    t125 = s7*t116 + c7*t123
+    t126 = s7*t123 - c7*t116
+    t127 = t110 - p_L2*t125
+    t128 = s7*t114 + t124*c7
+    t129 = s7*t124 - c7*t114
+    t130 = t112 - p_L2*t128
+    t131 = t24*t130 + (t97 + t127*t26)
+    t132 = s9*s7 - c7*t120
+    t133 = s7*t120 + s9*c7
+    t134 = t59 + p_L2*t132
+    t135 = t127*t25 - (t95 + t134*t24)
+    t136 = t25*t130 - (t79 - t134*t26)
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t137 = s6*t118 + c6*t129
+    t138 = s6*t129 - t118*c6
+    t139 = s6*t122 - c6*t126
+    t140 = s6*t126 + c6*t122
+    t141 = s6*t119 + c6*t133
+    t142 = s6*t133 - c6*t119
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t143 = s5*t128 + t138*c5
+    t144 = s5*t138 - c5*t128
+    t145 = s5*t125 + c5*t140
+    t146 = s5*t140 - c5*t125
+    t147 = s5*t132 - c5*t142
+    t148 = s5*t142 + c5*t132
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t149 = s4*t139 - c4*t146
+    t150 = s4*t146 + c4*t139
+    t151 = t127 - p_L1*t149
+    t152 = s4*t137 + c4*t144
+    t153 = s4*t144 - t137*c4
+    t154 = t130 + p_L1*t152
+    t155 = t24*t154 + (t97 + t151*t26)
+    t156 = s4*t141 + c4*t148
+    t157 = s4*t148 - c4*t141
+    t158 = t134 + p_L1*t156
+    t159 = t158*t24 + (t95 - t151*t25)
+    t160 = t158*t26 - (t79 - t25*t154)
+    c3 = cos(q3)
+    s3 = sin(q3)
+    t161 = t155*(s3*t147 - c3*t157) + (t160*(s3*t145 + c3*t150) + t159*(t143*s3 + c3*t153))
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t162 = (s2*t152 - c2*(c3*t143 - s3*t153))*t159 - (s2*t149 + c2*(c3*t145 - s3*t150))*t160
+    return (
+        t162 - (s2*t156 + c2*(c3*t147 + s3*t157))*t155, -t161, -(t149*t160 + (t156*t155 - t152*t159)),
+        t143*t135 - t145*t136 - t147*t131, -(t141*t131 + (t137*t135 + t139*t136)),
+        -(t125*t136 + (t132*t131 - t128*t135)), t122*t113 + (t118*t111 - t119*t115),
+        t116*t113 - (t114*t111 + s9*t115), c10*t111 + s10*t113, -t107, t109 - t25*t41, -t108,
+        t48*t105 + (s12*t103 - t30*t104), t46*t105 - (t76*t103 - t28*t104), t84*t102 + (t52*t100 + t34*t101),
+        t50*t100 - t32*t101 - t86*t102, t54*t98 - (t36*t96 - t89*t80), t99, t3, t1, h6,
+    )
+
+
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -1971,20 +2442,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -2014,6 +2485,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -2097,6 +2573,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -2125,6 +2609,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -2322,8 +2814,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -2335,12 +2825,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -2444,30 +2936,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -2489,6 +2978,26 @@ def _sign(x):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 _NO_PARAMETERS = _Parameters("params", {})
@@ -2560,6 +3069,26 @@ _FUNCTIONS = {
         shape=(6, 21),
         kernel=_analytic_jacobian_zyz,
         hoisted=_analytic_jacobian_zyz_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(21,),
+        kernel=_wrench_torques,
+        hoisted=_wrench_torques_constants,
+        needs=(
+            0, 1, 2, 3, 4, 5, 6, 7,
+        ),
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(21,),
+        kernel=_wrench_torques_end,
+        hoisted=_wrench_torques_end_constants,
         needs=(
             0, 1, 2, 3, 4, 5, 6, 7,
         ),

@@ -1746,6 +1746,201 @@ void kuka_kr5_manipulability_dq_batch(size_t count, const double *restrict q, do
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double t1 = c2*s3 + s2*c3;
+    const double t2 = c2*c3 - s2*s3;
+    const double t3 = s5*c4;
+    const double t4 = t1*c5 + t3*t2;
+    const double t5 = t1*t3 - c5*t2;
+    const double t6 = c1*h4 + s1*h5;
+    const double t7 = s4*s5;
+    const double t8 = c1*h5 - s1*h4;
+    const double t9 = 0.08*t4;
+    const double t10 = 0.08*t7;
+    const double t11 = 0.08*t5;
+    const double t12 = c1*h2 - h1*s1;
+    const double t13 = c1*h1 + s1*h2;
+    const double t14 = t8 - t13*t9;
+    const double t15 = t10*h3 - (t6 + t12*t9);
+    const double t16 = h6 + t10*t13;
+    const double t17 = t16 - t11*t12;
+    const double t18 = t14 - t13*(0.295*t1 - 0.09*t2);
+    const double t19 = 0.09*t1 - (t11 - 0.295*t2);
+    const double t20 = t19 + 0.27*s2;
+    result[0] = t16 + (0.075 + t20)*t12;
+    result[lanes] = t18 + c2*(0.27*t13) - t20*h3;
+    result[2 * lanes] = t18 - t19*h3;
+    result[3 * lanes] = t1*t17 + t2*t15;
+    result[4 * lanes] = s4*(t1*t15 - t2*t17) + c4*(t14 + t11*h3);
+    result[5 * lanes] = t7*t8 + (h6*t4 + t5*t6);
+}
+
+void kuka_kr5_wrench_torques(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_lanes], sines[5 * wrench_torques_lanes], cosines[5 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(5 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_lanes);
+}
+
+void kuka_kr5_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[6 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[6 * wrench_torques_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, result_block);
+        store(6, result_block, wrench_torques_lanes, result + 6 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = s6*h4 - c6*h5;
+    const double t2 = c6*h4 + s6*h5;
+    const double t3 = c5*t2 - s5*h6;
+    const double t4 = c4*t1 + s4*t3;
+    const double t5 = c6*h1 + s6*h2;
+    const double t6 = h1*s6 - c6*h2;
+    const double t7 = c5*t5 - s5*h3;
+    const double t8 = t7*c4 - s4*t6;
+    const double t9 = s4*t7 + c4*t6;
+    const double t10 = 0.08*s5;
+    const double t11 = 0.08*c5;
+    const double t12 = t4 - t11*t8;
+    const double t13 = t5*s5 + c5*h3;
+    const double t14 = c4*t10;
+    const double t15 = s4*t10;
+    const double t16 = t15*t13 + (c4*t3 - s4*t1);
+    const double t17 = t15*t8 - (c5*h6 + s5*t2);
+    const double t18 = 0.09 - t14;
+    const double t19 = 0.27*s3 - (0.295 + t11);
+    const double t20 = t18 + 0.27*c3;
+    const double t21 = c2*c3 - s2*s3;
+    const double t22 = c2*s3 + c3*s2;
+    const double t23 = t21*(t16 - t9*(t19 - 0.075*t21)) + t22*(t17 + t9*(t20 + 0.075*t22));
+    result[0] = t23;
+    result[lanes] = t13*t20 + (t4 + t19*t8);
+    result[2 * lanes] = t13*t18 + (t12 - 0.295*t8);
+    result[3 * lanes] = t17 - t9*t14;
+    result[4 * lanes] = c4*(t12 - t13*t14) - s4*(t16 + t9*t11);
+    result[5 * lanes] = -h6;
+}
+
+void kuka_kr5_wrench_torques_end(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_end_lanes], sines[5 * wrench_torques_end_lanes], cosines[5 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(5 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_end_lanes);
+}
+
+void kuka_kr5_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[6 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[6 * wrench_torques_end_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, result_block);
+        store(6, result_block, wrench_torques_end_lanes, result + 6 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

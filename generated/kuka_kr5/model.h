@@ -203,6 +203,34 @@ void kuka_kr5_manipulability_dq(const double *q, double *result);
 void kuka_kr5_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 1: 47 mul, 29 add, 5 sin, 5 cos.
+ */
+void kuka_kr5_wrench_torques(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_wrench_torques_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 3: 52 mul, 34 add, 5 sin, 5 cos.
+ */
+void kuka_kr5_wrench_torques_end(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void kuka_kr5_wrench_torques_end_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
  * Joint variables of a pose of the end effector, every branch.
  *
  * A reachable pose has up to 8 solutions, all of them listed, except where joints are free.

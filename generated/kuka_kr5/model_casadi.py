@@ -28,6 +28,8 @@ Every parameter has its number in this file.
     manipulability_position(q) -> w
     manipulability_orientation(q) -> w
     manipulability_dq(q) -> dw/dq
+    wrench_torques(q, h) -> tau_h
+    wrench_torques_end(q, h) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -69,6 +71,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 52, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 66, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 47, "add": 29, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 52, "add": 34, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 206, "add": 141, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 117},
 }
 GIVEN = ()
@@ -96,6 +100,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -760,6 +766,89 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = c2*c3 - s2*s3
+    c5 = cos(q5)
+    s5 = sin(q5)
+    c4 = cos(q4)
+    t3 = s5*c4
+    t4 = t1*c5 + t3*t2
+    t5 = t1*t3 - c5*t2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h4 + s1*h5
+    s4 = sin(q4)
+    t7 = s4*s5
+    t8 = c1*h5 - s1*h4
+    t9 = 0.08*t4
+    t10 = 0.08*t7
+    t11 = 0.08*t5
+    t12 = c1*h2 - h1*s1
+    t13 = c1*h1 + s1*h2
+    t14 = t8 - t13*t9
+    t15 = t10*h3 - (t6 + t12*t9)
+    t16 = h6 + t10*t13
+    t17 = t16 - t11*t12
+    t18 = t14 - t13*(0.295*t1 - 0.09*t2)
+    t19 = 0.09*t1 - (t11 - 0.295*t2)
+    t20 = t19 + 0.27*s2
+    return (
+        t16 + (0.075 + t20)*t12, t18 + c2*(0.27*t13) - t20*h3, t18 - t19*h3, t1*t17 + t2*t15,
+        s4*(t1*t15 - t2*t17) + c4*(t14 + t11*h3), t7*t8 + (h6*t4 + t5*t6),
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t1 = s6*h4 - c6*h5
+    c4 = cos(q4)
+    t2 = c6*h4 + s6*h5
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t3 = c5*t2 - s5*h6
+    s4 = sin(q4)
+    t4 = c4*t1 + s4*t3
+    t5 = c6*h1 + s6*h2
+    t6 = h1*s6 - c6*h2
+    t7 = c5*t5 - s5*h3
+    t8 = t7*c4 - s4*t6
+    t9 = s4*t7 + c4*t6
+    t10 = 0.08*s5
+    t11 = 0.08*c5
+    t12 = t4 - t11*t8
+    t13 = t5*s5 + c5*h3
+    t14 = c4*t10
+    t15 = s4*t10
+    t16 = t15*t13 + (c4*t3 - s4*t1)
+    t17 = t15*t8 - (c5*h6 + s5*t2)
+    t18 = 0.09 - t14
+    s3 = sin(q3)
+    t19 = 0.27*s3 - (0.295 + t11)
+    c3 = cos(q3)
+    t20 = t18 + 0.27*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t21 = c2*c3 - s2*s3
+    t22 = c2*s3 + c3*s2
+    t23 = t21*(t16 - t9*(t19 - 0.075*t21)) + t22*(t17 + t9*(t20 + 0.075*t22))
+    return (
+        t23, t13*t20 + (t4 + t19*t8), t13*t18 + (t12 - 0.295*t8), t17 - t9*t14,
+        c4*(t12 - t13*t14) - s4*(t16 + t9*t11), -h6,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -1303,9 +1392,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     constants = ()
     results = casadi.vertcat(*kernel(_OPERATORS, constants, *entries))
@@ -1405,6 +1497,20 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(6,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques,
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques_end,
 )
 
 

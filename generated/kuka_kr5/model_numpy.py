@@ -49,6 +49,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 52, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 66, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 47, "add": 29, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 52, "add": 34, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 206, "add": 141, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 117},
 }
 GIVEN = ()
@@ -76,6 +78,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -289,6 +293,42 @@ def manipulability_dq(q, params=None, out=None):
     Volume of rows in joint frame 3, differentiated backwards: 66 mul, 29 add, 4 sin, 4 cos.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 1: 47 mul, 29 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 3: 52 mul, 34 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -1001,6 +1041,89 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c3 = cos(q3)
+    t1 = c2*s3 + s2*c3
+    t2 = c2*c3 - s2*s3
+    c5 = cos(q5)
+    s5 = sin(q5)
+    c4 = cos(q4)
+    t3 = s5*c4
+    t4 = t1*c5 + t3*t2
+    t5 = t1*t3 - c5*t2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h4 + s1*h5
+    s4 = sin(q4)
+    t7 = s4*s5
+    t8 = c1*h5 - s1*h4
+    t9 = 0.08*t4
+    t10 = 0.08*t7
+    t11 = 0.08*t5
+    t12 = c1*h2 - h1*s1
+    t13 = c1*h1 + s1*h2
+    t14 = t8 - t13*t9
+    t15 = t10*h3 - (t6 + t12*t9)
+    t16 = h6 + t10*t13
+    t17 = t16 - t11*t12
+    t18 = t14 - t13*(0.295*t1 - 0.09*t2)
+    t19 = 0.09*t1 - (t11 - 0.295*t2)
+    t20 = t19 + 0.27*s2
+    return (
+        t16 + (0.075 + t20)*t12, t18 + c2*(0.27*t13) - t20*h3, t18 - t19*h3, t1*t17 + t2*t15,
+        s4*(t1*t15 - t2*t17) + c4*(t14 + t11*h3), t7*t8 + (h6*t4 + t5*t6),
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t1 = s6*h4 - c6*h5
+    c4 = cos(q4)
+    t2 = c6*h4 + s6*h5
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t3 = c5*t2 - s5*h6
+    s4 = sin(q4)
+    t4 = c4*t1 + s4*t3
+    t5 = c6*h1 + s6*h2
+    t6 = h1*s6 - c6*h2
+    t7 = c5*t5 - s5*h3
+    t8 = t7*c4 - s4*t6
+    t9 = s4*t7 + c4*t6
+    t10 = 0.08*s5
+    t11 = 0.08*c5
+    t12 = t4 - t11*t8
+    t13 = t5*s5 + c5*h3
+    t14 = c4*t10
+    t15 = s4*t10
+    t16 = t15*t13 + (c4*t3 - s4*t1)
+    t17 = t15*t8 - (c5*h6 + s5*t2)
+    t18 = 0.09 - t14
+    s3 = sin(q3)
+    t19 = 0.27*s3 - (0.295 + t11)
+    c3 = cos(q3)
+    t20 = t18 + 0.27*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t21 = c2*c3 - s2*s3
+    t22 = c2*s3 + c3*s2
+    t23 = t21*(t16 - t9*(t19 - 0.075*t21)) + t22*(t17 + t9*(t20 + 0.075*t22))
+    return (
+        t23, t13*t20 + (t4 + t19*t8), t13*t18 + (t12 - 0.295*t8), t17 - t9*t14,
+        c4*(t12 - t13*t14) - s4*(t16 + t9*t11), -h6,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -1546,7 +1669,8 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
 
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -1560,20 +1684,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -1603,6 +1727,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -1686,6 +1815,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -1715,6 +1852,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -1967,8 +2112,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -1980,12 +2123,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -2089,30 +2234,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -2150,6 +2292,26 @@ def _smaller(a, b):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 # Inverse kinematics.
@@ -2782,6 +2944,18 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6,),
         kernel=_manipulability_dq,
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques,
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques_end,
     ),
 }
 

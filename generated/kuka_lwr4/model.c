@@ -2123,6 +2123,232 @@ void kuka_lwr4_manipulability_dq_batch(size_t count, const double *restrict q, d
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+    angles[5 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double s6 = sines[5 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double c6 = cosines[5 * lanes];
+    const double t1 = c5*s6;
+    const double t2 = s4*c6 - c4*t1;
+    const double t3 = c6*c4 + s4*t1;
+    const double t4 = c1*h4 + s1*h5;
+    const double t5 = c2*t4 + s2*h6;
+    const double t6 = s1*h4 - c1*h5;
+    const double t7 = c3*t5 - s3*t6;
+    const double t8 = c3*t6 + s3*t5;
+    const double t9 = c2*h6 - s2*t4;
+    const double t10 = s6*s5;
+    const double t11 = c1*h1 + h2*s1;
+    const double t12 = c1*h2 - s1*h1;
+    const double t13 = c2*t11 + s2*h3;
+    const double t14 = c3*t13 + t12*s3;
+    const double t15 = c3*t12 - s3*t13;
+    const double t16 = 0.078*t3;
+    const double t17 = 0.078*t2;
+    const double t18 = 0.078*t10;
+    const double t19 = c2*h3 - s2*t11;
+    const double t20 = t7 - t18*t19;
+    const double t21 = t20 - t15*t16;
+    const double t22 = t9 + t18*t14;
+    const double t23 = t22 + t17*t15;
+    const double t24 = t17 + 0.39*s4;
+    const double t25 = t16 + 0.39*c4;
+    const double t26 = t8 + t24*t19;
+    const double t27 = 0.4 + t25;
+    const double t28 = s2*s3;
+    const double t29 = s2*c3;
+    const double t30 = t18 + 0.3105*t28;
+    const double t31 = t24 + 0.3105*t29;
+    const double t32 = t27 + 0.3105*c2;
+    const double t33 = c2*(t30*t14 + (t9 + t31*t15)) - t28*(t14*t32 - (t8 + t31*t19));
+    result[0] = t33 - t29*(t15*t32 - (t7 - t30*t19));
+    result[lanes] = c3*(t26 - t14*t27) - s3*(t20 - t15*t27);
+    result[2 * lanes] = t22 + t24*t15;
+    result[3 * lanes] = t14*t25 - t26;
+    result[4 * lanes] = c4*t23 + s4*t21;
+    result[5 * lanes] = s5*(c4*t21 - s4*t23) - c5*(t14*t16 - (t8 + t17*t19));
+    result[6 * lanes] = t2*t7 + (t9*t3 + t10*t8);
+}
+
+void kuka_lwr4_wrench_torques(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[6 * wrench_torques_lanes], sines[6 * wrench_torques_lanes], cosines[6 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(6 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_lanes);
+}
+
+void kuka_lwr4_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[7 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[7 * wrench_torques_lanes];
+        load(7, q + 7 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, result_block);
+        store(7, result_block, wrench_torques_lanes, result + 7 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    const double q7 = q[6 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+    angles[5 * lanes] = q7;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double s7 = sines[5 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double c7 = cosines[5 * lanes];
+    const double t1 = c7*h4 - s7*h5;
+    const double t2 = c6*t1 - s6*h6;
+    const double t3 = s7*h4 + c7*h5;
+    const double t4 = c5*t2 - s5*t3;
+    const double t5 = c5*t3 + s5*t2;
+    const double t6 = s6*(0.078*s5);
+    const double t7 = c7*h1 - s7*h2;
+    const double t8 = h1*s7 + c7*h2;
+    const double t9 = s6*t7 + c6*h3;
+    const double t10 = t4 - t6*t9;
+    const double t11 = c6*t7 - s6*h3;
+    const double t12 = c5*(0.078*s6);
+    const double t13 = s5*t11 + c5*t8;
+    const double t14 = c5*t11 - s5*t8;
+    const double t15 = 0.078*c6;
+    const double t16 = c6*h6 + s6*t1;
+    const double t17 = t5 + t12*t9;
+    const double t18 = t16 + t6*t14;
+    const double t19 = 0.39 + t15;
+    const double t20 = t12 + 0.4*s4;
+    const double t21 = t18 - t20*t13;
+    const double t22 = t19 + 0.4*c4;
+    const double t23 = t10 - t13*t22;
+    const double t24 = s2*c3;
+    const double t25 = c2*s4 - c4*t24;
+    const double t26 = s2*s3;
+    const double t27 = c2*c4 + s4*t24;
+    const double t28 = t20 + 0.3105*t25;
+    const double t29 = t6 + 0.3105*t26;
+    const double t30 = t22 + 0.3105*t27;
+    const double t31 = t27*(t28*t13 - (t16 + t29*t14)) + t26*(t14*t30 + (t5 + t28*t9));
+    result[0] = t25*(t13*t30 - (t4 - t29*t9)) - t31;
+    result[lanes] = -(c3*(t14*t22 + (t5 + t20*t9)) + s3*(c4*t23 + s4*t21));
+    result[2 * lanes] = c4*t21 - s4*t23;
+    result[3 * lanes] = t17 + t14*t19;
+    result[4 * lanes] = t18 - t12*t13;
+    result[5 * lanes] = s5*(t10 - t13*t15) - c5*(t17 + t14*t15);
+    result[6 * lanes] = h6;
+}
+
+void kuka_lwr4_wrench_torques_end(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[6], sines[6], cosines[6];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 6; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 6; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[6 * wrench_torques_end_lanes], sines[6 * wrench_torques_end_lanes], cosines[6 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(6 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_end_lanes);
+}
+
+void kuka_lwr4_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[7 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[7 * wrench_torques_end_lanes];
+        load(7, q + 7 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, result_block);
+        store(7, result_block, wrench_torques_end_lanes, result + 7 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

@@ -29,6 +29,8 @@ Every parameter has its number in this file.
     manipulability_position(q) -> w
     manipulability_orientation(q) -> w
     manipulability_dq(q) -> dw/dq
+    wrench_torques(q, h) -> tau_h
+    wrench_torques_end(q, h) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -71,6 +73,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 76, "add": 45, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
     "manipulability_orientation": {"mul": 39, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
     "manipulability_dq": {"mul": 177, "add": 89, "div": 1, "sin": 5, "cos": 5, "sqrt": 1},
+    "wrench_torques": {"mul": 71, "add": 45, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "wrench_torques_end": {"mul": 68, "add": 43, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "inverse_kinematics": {"mul": 269, "add": 184, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
 }
 GIVEN = ("q3",)
@@ -98,6 +102,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -1010,6 +1016,115 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s4 = sin(q4)
+    c6 = cos(q6)
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t1 = c5*s6
+    c4 = cos(q4)
+    t2 = s4*c6 - c4*t1
+    t3 = c6*c4 + s4*t1
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t4 = c1*h4 + s1*h5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t5 = c2*t4 + s2*h6
+    c3 = cos(q3)
+    t6 = s1*h4 - c1*h5
+    s3 = sin(q3)
+    t7 = c3*t5 - s3*t6
+    t8 = c3*t6 + s3*t5
+    t9 = c2*h6 - s2*t4
+    s5 = sin(q5)
+    t10 = s6*s5
+    t11 = c1*h1 + h2*s1
+    t12 = c1*h2 - s1*h1
+    t13 = c2*t11 + s2*h3
+    t14 = c3*t13 + t12*s3
+    t15 = c3*t12 - s3*t13
+    t16 = 0.078*t3
+    t17 = 0.078*t2
+    t18 = 0.078*t10
+    t19 = c2*h3 - s2*t11
+    t20 = t7 - t18*t19
+    t21 = t20 - t15*t16
+    t22 = t9 + t18*t14
+    t23 = t22 + t17*t15
+    t24 = t17 + 0.39*s4
+    t25 = t16 + 0.39*c4
+    t26 = t8 + t24*t19
+    t27 = 0.4 + t25
+    t28 = s2*s3
+    t29 = s2*c3
+    t30 = t18 + 0.3105*t28
+    t31 = t24 + 0.3105*t29
+    t32 = t27 + 0.3105*c2
+    t33 = c2*(t30*t14 + (t9 + t31*t15)) - t28*(t14*t32 - (t8 + t31*t19))
+    return (
+        t33 - t29*(t15*t32 - (t7 - t30*t19)), c3*(t26 - t14*t27) - s3*(t20 - t15*t27), t22 + t24*t15,
+        t14*t25 - t26, c4*t23 + s4*t21, s5*(c4*t21 - s4*t23) - c5*(t14*t16 - (t8 + t17*t19)),
+        t2*t7 + (t9*t3 + t10*t8),
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c7 = cos(q7)
+    s7 = sin(q7)
+    t1 = c7*h4 - s7*h5
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t2 = c6*t1 - s6*h6
+    c5 = cos(q5)
+    t3 = s7*h4 + c7*h5
+    s5 = sin(q5)
+    t4 = c5*t2 - s5*t3
+    t5 = c5*t3 + s5*t2
+    t6 = s6*(0.078*s5)
+    t7 = c7*h1 - s7*h2
+    t8 = h1*s7 + c7*h2
+    t9 = s6*t7 + c6*h3
+    t10 = t4 - t6*t9
+    t11 = c6*t7 - s6*h3
+    t12 = c5*(0.078*s6)
+    t13 = s5*t11 + c5*t8
+    t14 = c5*t11 - s5*t8
+    t15 = 0.078*c6
+    t16 = c6*h6 + s6*t1
+    t17 = t5 + t12*t9
+    t18 = t16 + t6*t14
+    t19 = 0.39 + t15
+    s4 = sin(q4)
+    t20 = t12 + 0.4*s4
+    t21 = t18 - t20*t13
+    c4 = cos(q4)
+    t22 = t19 + 0.4*c4
+    t23 = t10 - t13*t22
+    s3 = sin(q3)
+    c3 = cos(q3)
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t24 = s2*c3
+    t25 = c2*s4 - c4*t24
+    t26 = s2*s3
+    t27 = c2*c4 + s4*t24
+    t28 = t20 + 0.3105*t25
+    t29 = t6 + 0.3105*t26
+    t30 = t22 + 0.3105*t27
+    t31 = t27*(t28*t13 - (t16 + t29*t14)) + t26*(t14*t30 + (t5 + t28*t9))
+    return (
+        t25*(t13*t30 - (t4 - t29*t9)) - t31, -(c3*(t14*t22 + (t5 + t20*t9)) + s3*(c4*t23 + s4*t21)),
+        c4*t21 - s4*t23, t17 + t14*t19, t18 - t12*t13, s5*(t10 - t13*t15) - c5*(t17 + t14*t15), h6,
+    )
+
+
 def _inverse_kinematics(functions, k, T, given, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -1635,9 +1750,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     constants = ()
     results = casadi.vertcat(*kernel(_OPERATORS, constants, *entries))
@@ -1737,6 +1855,20 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(7,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(7,),
+    kernel=_wrench_torques,
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(7,),
+    kernel=_wrench_torques_end,
 )
 
 

@@ -51,6 +51,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 76, "add": 45, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
     "manipulability_orientation": {"mul": 39, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 1},
     "manipulability_dq": {"mul": 177, "add": 89, "div": 1, "sin": 5, "cos": 5, "sqrt": 1},
+    "wrench_torques": {"mul": 71, "add": 45, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
+    "wrench_torques_end": {"mul": 68, "add": 43, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "inverse_kinematics": {"mul": 269, "add": 184, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
 }
 GIVEN = ("q3",)
@@ -78,6 +80,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -291,6 +295,42 @@ def manipulability_dq(q, params=None, out=None):
     Volume of rows in joint frame 3, differentiated backwards: 177 mul, 89 add, 1 div, 5 sin, 5 cos, 1 sqrt.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 7):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 3: 71 mul, 45 add, 6 sin, 6 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 7):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 4: 68 mul, 43 add, 6 sin, 6 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -1251,6 +1291,115 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s4 = sin(q4)
+    c6 = cos(q6)
+    c5 = cos(q5)
+    s6 = sin(q6)
+    t1 = c5*s6
+    c4 = cos(q4)
+    t2 = s4*c6 - c4*t1
+    t3 = c6*c4 + s4*t1
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t4 = c1*h4 + s1*h5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t5 = c2*t4 + s2*h6
+    c3 = cos(q3)
+    t6 = s1*h4 - c1*h5
+    s3 = sin(q3)
+    t7 = c3*t5 - s3*t6
+    t8 = c3*t6 + s3*t5
+    t9 = c2*h6 - s2*t4
+    s5 = sin(q5)
+    t10 = s6*s5
+    t11 = c1*h1 + h2*s1
+    t12 = c1*h2 - s1*h1
+    t13 = c2*t11 + s2*h3
+    t14 = c3*t13 + t12*s3
+    t15 = c3*t12 - s3*t13
+    t16 = 0.078*t3
+    t17 = 0.078*t2
+    t18 = 0.078*t10
+    t19 = c2*h3 - s2*t11
+    t20 = t7 - t18*t19
+    t21 = t20 - t15*t16
+    t22 = t9 + t18*t14
+    t23 = t22 + t17*t15
+    t24 = t17 + 0.39*s4
+    t25 = t16 + 0.39*c4
+    t26 = t8 + t24*t19
+    t27 = 0.4 + t25
+    t28 = s2*s3
+    t29 = s2*c3
+    t30 = t18 + 0.3105*t28
+    t31 = t24 + 0.3105*t29
+    t32 = t27 + 0.3105*c2
+    t33 = c2*(t30*t14 + (t9 + t31*t15)) - t28*(t14*t32 - (t8 + t31*t19))
+    return (
+        t33 - t29*(t15*t32 - (t7 - t30*t19)), c3*(t26 - t14*t27) - s3*(t20 - t15*t27), t22 + t24*t15,
+        t14*t25 - t26, c4*t23 + s4*t21, s5*(c4*t21 - s4*t23) - c5*(t14*t16 - (t8 + t17*t19)),
+        t2*t7 + (t9*t3 + t10*t8),
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6, q7 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c7 = cos(q7)
+    s7 = sin(q7)
+    t1 = c7*h4 - s7*h5
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t2 = c6*t1 - s6*h6
+    c5 = cos(q5)
+    t3 = s7*h4 + c7*h5
+    s5 = sin(q5)
+    t4 = c5*t2 - s5*t3
+    t5 = c5*t3 + s5*t2
+    t6 = s6*(0.078*s5)
+    t7 = c7*h1 - s7*h2
+    t8 = h1*s7 + c7*h2
+    t9 = s6*t7 + c6*h3
+    t10 = t4 - t6*t9
+    t11 = c6*t7 - s6*h3
+    t12 = c5*(0.078*s6)
+    t13 = s5*t11 + c5*t8
+    t14 = c5*t11 - s5*t8
+    t15 = 0.078*c6
+    t16 = c6*h6 + s6*t1
+    t17 = t5 + t12*t9
+    t18 = t16 + t6*t14
+    t19 = 0.39 + t15
+    s4 = sin(q4)
+    t20 = t12 + 0.4*s4
+    t21 = t18 - t20*t13
+    c4 = cos(q4)
+    t22 = t19 + 0.4*c4
+    t23 = t10 - t13*t22
+    s3 = sin(q3)
+    c3 = cos(q3)
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t24 = s2*c3
+    t25 = c2*s4 - c4*t24
+    t26 = s2*s3
+    t27 = c2*c4 + s4*t24
+    t28 = t20 + 0.3105*t25
+    t29 = t6 + 0.3105*t26
+    t30 = t22 + 0.3105*t27
+    t31 = t27*(t28*t13 - (t16 + t29*t14)) + t26*(t14*t30 + (t5 + t28*t9))
+    return (
+        t25*(t13*t30 - (t4 - t29*t9)) - t31, -(c3*(t14*t22 + (t5 + t20*t9)) + s3*(c4*t23 + s4*t21)),
+        c4*t21 - s4*t23, t17 + t14*t19, t18 - t12*t13, s5*(t10 - t13*t15) - c5*(t17 + t14*t15), h6,
+    )
+
+
 def _inverse_kinematics(functions, k, T, given, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -1878,7 +2027,8 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
 
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -1892,20 +2042,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -1935,6 +2085,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -2018,6 +2173,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -2047,6 +2210,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -2299,8 +2470,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -2312,12 +2481,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -2421,30 +2592,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -2482,6 +2650,26 @@ def _smaller(a, b):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 # Inverse kinematics.
@@ -3114,6 +3302,18 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(7,),
         kernel=_manipulability_dq,
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(7,),
+        kernel=_wrench_torques,
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(7,),
+        kernel=_wrench_torques_end,
     ),
 }
 

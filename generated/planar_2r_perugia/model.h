@@ -75,6 +75,10 @@ enum {
     planar_2r_perugia_manipulability_constant_count = 1,
     planar_2r_perugia_manipulability_position_constant_count = 1,
     planar_2r_perugia_manipulability_dq_constant_count = 1,
+    planar_2r_perugia_wrench_torques_constant_count = 2,
+    planar_2r_perugia_wrench_torques_dq_constant_count = 2,
+    planar_2r_perugia_wrench_torques_end_constant_count = 2,
+    planar_2r_perugia_wrench_torques_end_dq_constant_count = 1,
     planar_2r_perugia_inverse_kinematics_constant_count = 7,
     planar_2r_perugia_branches = 1, /**< Branches of inverse kinematics. */
     planar_2r_perugia_none = 0, /**< The branch does not exist. */
@@ -512,6 +516,78 @@ void planar_2r_perugia_manipulability_dq_batch(size_t count, const double *q, co
 
 /** The constants of planar_2r_perugia_manipulability_dq, 1, from the parameters, 15. */
 void planar_2r_perugia_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 2: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void planar_2r_perugia_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_wrench_torques, 2, from the parameters, 15. */
+void planar_2r_perugia_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Derivatives of wrench_torques with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_dq_constants().
+ * @param[out] result  dtau_h/dq, 2 x 2, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the world.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 4 add, 2 sin, 2 cos.
+ */
+void planar_2r_perugia_wrench_torques_dq(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_wrench_torques_dq_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_wrench_torques_dq, 2, from the parameters, 15. */
+void planar_2r_perugia_wrench_torques_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 2: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 4 mul, 3 add, 1 sin, 1 cos.
+ */
+void planar_2r_perugia_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_wrench_torques_end, 2, from the parameters, 15. */
+void planar_2r_perugia_wrench_torques_end_constants(const double *params, double *k);
+
+/**
+ * Derivatives of wrench_torques_end with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       1 constants from wrench_torques_end_dq_constants().
+ * @param[out] result  dtau_h/dq, 2 x 2, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the end effector.
+ *
+ * Jacobian and wrench in the axes of the end effector: 3 mul, 1 add, 1 sin, 1 cos.
+ */
+void planar_2r_perugia_wrench_torques_end_dq(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_wrench_torques_end_dq_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_wrench_torques_end_dq, 1, from the parameters, 15. */
+void planar_2r_perugia_wrench_torques_end_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

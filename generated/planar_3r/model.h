@@ -51,6 +51,8 @@ enum {
     planar_3r_manipulability_constant_count = 1,
     planar_3r_manipulability_position_constant_count = 3,
     planar_3r_manipulability_dq_constant_count = 1,
+    planar_3r_wrench_torques_constant_count = 3,
+    planar_3r_wrench_torques_end_constant_count = 3,
     planar_3r_inverse_kinematics_constant_count = 14,
     planar_3r_branches = 2, /**< Branches of inverse kinematics. */
     planar_3r_none = 0, /**< The branch does not exist. */
@@ -244,6 +246,42 @@ void planar_3r_manipulability_dq_batch(size_t count, const double *q, const doub
 
 /** The constants of planar_3r_manipulability_dq, 1, from the parameters, 3. */
 void planar_3r_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 3: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 9 mul, 8 add, 3 sin, 3 cos.
+ */
+void planar_3r_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_3r_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_3r_wrench_torques, 3, from the parameters, 3. */
+void planar_3r_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 3: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 7 mul, 6 add, 2 sin, 2 cos.
+ */
+void planar_3r_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_3r_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of planar_3r_wrench_torques_end, 3, from the parameters, 3. */
+void planar_3r_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -4674,6 +4674,459 @@ void puma560_corke_manipulability_dq_batch(size_t count, const double *restrict 
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = 0.0203*ca5 - 0.4318*sa5;
+    const double t2 = t1 + 0.4318*c2;
+    const double t3 = c1*h1 + h2*s1;
+    const double t4 = c1*h5 - s1*h4;
+    const double t5 = c1*h4 + s1*h5;
+    const double t6 = 0.4318*t3;
+    const double t7 = ca5*t6 + (t4 + t3*(0.0203*sa5));
+    const double t8 = sa5*t5 - h6*ca5;
+    const double t9 = ca5*t5 + h6*sa5;
+    result[0] = 0.15005*t3 + (h6 + t2*(c1*h2 - s1*h1));
+    result[lanes] = -(t6*s2 + (t7 - t2*h3));
+    result[2 * lanes] = t1*h3 - t7;
+    result[3 * lanes] = -t8;
+    result[4 * lanes] = s4*t9 - t4*c4;
+    result[5 * lanes] = -(t8*c5 + s5*(t9*c4 + t4*s4));
+}
+
+void puma560_corke_wrench_torques(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_lanes], sines[5 * wrench_torques_lanes], cosines[5 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(5 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_lanes);
+}
+
+void puma560_corke_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[6 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[6 * wrench_torques_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, result_block);
+        store(6, result_block, wrench_torques_lanes, result + 6 * start, rows);
+    }
+}
+
+/* wrench_torques_dq */
+enum { wrench_torques_dq_lanes = 32 };
+
+KERNEL void wrench_torques_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_dq_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double t1 = c2*c3 - s2*s3;
+    const double t2 = c2*s3 + c3*s2;
+    const double t3 = c1*h1 + h2*s1;
+    const double t4 = 0.4318*t3;
+    const double t5 = t1*(0.0203*t3) - t4*t2;
+    const double t6 = t5 + c2*t4;
+    const double t7 = c1*h2 - s1*h1;
+    const double t8 = 0.4318*t1 + 0.0203*t2;
+    const double t9 = t8 + 0.4318*s2;
+    const double t10 = t7*t9;
+    const double t11 = t7*t8;
+    const double t12 = c1*h4 + s1*h5;
+    const double t13 = s1*h4 - c1*h5;
+    const double t14 = t5 + t8*h3;
+    const double t15 = t2*t13;
+    const double t16 = t2*h6;
+    const double t17 = t16 + t1*t12;
+    const double t18 = t1*s4;
+    const double t19 = t13*t18 - t12*c4;
+    const double t20 = t2*s4;
+    const double t21 = h6*t18 - t12*t20;
+    const double t22 = s4*s5;
+    const double t23 = c4*s5;
+    const double t24 = t1*t23 + t2*c5;
+    const double t25 = t1*c5 - t2*t23;
+    const double t26 = t13*t24 + t12*t22;
+    const double t27 = h6*t24 + t12*t25;
+    const double t28 = t13*t25 - h6*t22;
+    result[0] = 0.15005*t7 - t6;
+    result[lanes] = -t10;
+    result[2 * lanes] = -t11;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = 0.0;
+    result[5 * lanes] = 0.0;
+    result[6 * lanes] = t12 - t10;
+    result[7 * lanes] = -(t6 + t9*h3);
+    result[8 * lanes] = -t14;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 0.0;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t12 - t11;
+    result[13 * lanes] = -t14;
+    result[14 * lanes] = -t14;
+    result[15 * lanes] = 0.0;
+    result[16 * lanes] = 0.0;
+    result[17 * lanes] = 0.0;
+    result[18 * lanes] = t15;
+    result[19 * lanes] = -t17;
+    result[20 * lanes] = -t17;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = 0.0;
+    result[23 * lanes] = 0.0;
+    result[24 * lanes] = -t19;
+    result[25 * lanes] = t21;
+    result[26 * lanes] = t21;
+    result[27 * lanes] = t16*c4 - t15*t20 - t1*t19;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = 0.0;
+    result[30 * lanes] = t26;
+    result[31 * lanes] = -t27;
+    result[32 * lanes] = -t27;
+    result[33 * lanes] = t1*t26 - t2*t28;
+    result[34 * lanes] = t20*t26 + (t18*t28 - c4*t27);
+    result[35 * lanes] = 0.0;
+}
+
+void puma560_corke_wrench_torques_dq(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_dq_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_dq_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_dq_lanes], sines[5 * wrench_torques_dq_lanes], cosines[5 * wrench_torques_dq_lanes];
+    for (size_t i = 0; i < wrench_torques_dq_lanes; ++i)
+        wrench_torques_dq_angles(q + i, angles + i, wrench_torques_dq_lanes);
+    sines_cosines(5 * wrench_torques_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_dq_lanes; ++i)
+        wrench_torques_dq_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_dq_lanes);
+}
+
+void puma560_corke_wrench_torques_dq_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_dq_lanes) {
+        const size_t rows = count - start < wrench_torques_dq_lanes ? count - start : wrench_torques_dq_lanes;
+        double q_block[6 * wrench_torques_dq_lanes], h_block[6 * wrench_torques_dq_lanes], result_block[36 * wrench_torques_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_dq_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_dq_lanes);
+        wrench_torques_dq_block(q_block, h_block, result_block);
+        store(36, result_block, wrench_torques_dq_lanes, result + 36 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = s6*h4 + c6*h5;
+    const double t2 = c6*h4 - s6*h5;
+    const double t3 = c5*h6 + s5*t2;
+    const double t4 = h1*c6 - s6*h2;
+    const double t5 = s6*h1 + c6*h2;
+    const double t6 = c5*h3 + t4*s5;
+    const double t7 = c5*t4 - s5*h3;
+    const double t8 = c5*t2 - s5*h6;
+    const double t9 = c4*t7 - t5*s4;
+    const double t10 = c4*t5 + s4*t7;
+    const double t11 = c4*t1 + s4*t8;
+    const double t12 = 0.4318 - 0.4318*s3;
+    const double t13 = 0.0203 + 0.4318*c3;
+    const double t14 = (c2*s3 + c3*s2)*(0.15005*t6 + (t10*t12 - (c4*t8 - s4*t1)));
+    result[0] = (c2*c3 - s2*s3)*(0.15005*t9 + (t3 + t13*t10)) - t14;
+    result[lanes] = -(t9*t12 + (t11 - t13*t6));
+    result[2 * lanes] = -(0.4318*t9 + (t11 - 0.0203*t6));
+    result[3 * lanes] = t3;
+    result[4 * lanes] = -t1;
+    result[5 * lanes] = h6;
+}
+
+void puma560_corke_wrench_torques_end(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_end_lanes], sines[5 * wrench_torques_end_lanes], cosines[5 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(5 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_end_lanes);
+}
+
+void puma560_corke_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[6 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[6 * wrench_torques_end_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, result_block);
+        store(6, result_block, wrench_torques_end_lanes, result + 6 * start, rows);
+    }
+}
+
+/* wrench_torques_end_dq */
+enum { wrench_torques_end_dq_lanes = 32 };
+
+KERNEL void wrench_torques_end_dq_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_end_dq_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double t1 = c2*s3 + c3*s2;
+    const double t2 = c2*c3 - s2*s3;
+    const double t3 = 0.15005*t1;
+    const double t4 = h1*s6 + c6*h2;
+    const double t5 = c6*h1 - s6*h2;
+    const double t6 = t5*c5 - s5*h3;
+    const double t7 = s4*t4 - c4*t6;
+    const double t8 = c6*h4 - s6*h5;
+    const double t9 = s6*h4 + c6*h5;
+    const double t10 = c5*h6 + s5*t8;
+    const double t11 = t1*t10;
+    const double t12 = 0.15005*t2;
+    const double t13 = s5*t5 + c5*h3;
+    const double t14 = t3*t7 - (t11 + t12*t13);
+    const double t15 = c5*t8 - s5*h6;
+    const double t16 = c4*t15 - s4*t9;
+    const double t17 = t4*c4 + s4*t6;
+    const double t18 = 0.4318*s3;
+    const double t19 = 0.4318*c3;
+    const double t20 = 0.4318 - t18;
+    const double t21 = t16 - t20*t17;
+    const double t22 = t1*t17;
+    const double t23 = 0.0203 + t19;
+    const double t24 = t16 - 0.4318*t17;
+    const double t25 = c4*t9 + s4*t15;
+    const double t26 = t1*t20 - t2*t23;
+    const double t27 = t1*t25 - t7*t26;
+    const double t28 = t13*t26;
+    const double t29 = t13*c4;
+    const double t30 = s5*c4;
+    const double t31 = s5*s4;
+    const double t32 = t17*t30 + t7*t31;
+    const double t33 = t25*t30 - t16*t31;
+    const double t34 = c5*t17 + t13*t31;
+    const double t35 = t3*t32 - (t12*t34 + (t2*t33 + (t28*t30 + (t11*t31 + c5*t27))));
+    const double t36 = s4*t10 + 0.4318*t29;
+    const double t37 = 0.4318*t34 - (c5*t16 + t10*t30);
+    result[0] = 0.0;
+    result[lanes] = t14 + t2*t21 - t23*t22;
+    result[2 * lanes] = t14 + t2*t24 - 0.0203*t22;
+    result[3 * lanes] = -(t27 + t12*t17);
+    result[4 * lanes] = t2*t15 + (s4*t28 - (t3*t6 + (t12*t29 + c4*t11)));
+    result[5 * lanes] = t35;
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = -(t13*t18 + t7*t19);
+    result[9 * lanes] = -t21;
+    result[10 * lanes] = t6*t23 + (t36 - t18*t29);
+    result[11 * lanes] = t37 - t23*t32 - t18*t34;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = -t24;
+    result[16 * lanes] = t36 + 0.0203*t6;
+    result[17 * lanes] = t37 - 0.0203*t32;
+    result[18 * lanes] = 0.0;
+    result[19 * lanes] = 0.0;
+    result[20 * lanes] = 0.0;
+    result[21 * lanes] = 0.0;
+    result[22 * lanes] = t15;
+    result[23 * lanes] = -t33;
+    result[24 * lanes] = 0.0;
+    result[25 * lanes] = 0.0;
+    result[26 * lanes] = 0.0;
+    result[27 * lanes] = 0.0;
+    result[28 * lanes] = 0.0;
+    result[29 * lanes] = -t8;
+    result[30 * lanes] = 0.0;
+    result[31 * lanes] = 0.0;
+    result[32 * lanes] = 0.0;
+    result[33 * lanes] = 0.0;
+    result[34 * lanes] = 0.0;
+    result[35 * lanes] = 0.0;
+}
+
+void puma560_corke_wrench_torques_end_dq(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_end_dq_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_dq_lane(h, sines, cosines, result, 1);
+}
+
+static void wrench_torques_end_dq_block(const double *restrict q, const double *restrict h, double *restrict result)
+{
+    double angles[5 * wrench_torques_end_dq_lanes], sines[5 * wrench_torques_end_dq_lanes], cosines[5 * wrench_torques_end_dq_lanes];
+    for (size_t i = 0; i < wrench_torques_end_dq_lanes; ++i)
+        wrench_torques_end_dq_angles(q + i, angles + i, wrench_torques_end_dq_lanes);
+    sines_cosines(5 * wrench_torques_end_dq_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_dq_lanes; ++i)
+        wrench_torques_end_dq_lane(h + i, sines + i, cosines + i, result + i, wrench_torques_end_dq_lanes);
+}
+
+void puma560_corke_wrench_torques_end_dq_batch(size_t count, const double *restrict q, const double *restrict h, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_dq_lanes) {
+        const size_t rows = count - start < wrench_torques_end_dq_lanes ? count - start : wrench_torques_end_dq_lanes;
+        double q_block[6 * wrench_torques_end_dq_lanes], h_block[6 * wrench_torques_end_dq_lanes], result_block[36 * wrench_torques_end_dq_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_end_dq_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_dq_lanes);
+        wrench_torques_end_dq_block(q_block, h_block, result_block);
+        store(36, result_block, wrench_torques_end_dq_lanes, result + 36 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

@@ -41,6 +41,10 @@ Every parameter has its number in this file.
     manipulability_position(q) -> w
     manipulability_orientation(q) -> w
     manipulability_dq(q) -> dw/dq
+    wrench_torques(q, h) -> tau_h
+    wrench_torques_dq(q, h) -> dtau_h/dq
+    wrench_torques_end(q, h) -> tau_h
+    wrench_torques_end_dq(q, h) -> dtau_h/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -124,6 +128,10 @@ OPERATIONS = {
     "manipulability_position": {"mul": 22, "add": 12, "div": 0, "sin": 2, "cos": 2, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 58, "add": 25, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 30, "add": 19, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_dq": {"mul": 54, "add": 28, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 40, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end_dq": {"mul": 81, "add": 49, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -167,6 +175,10 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_dq",
+    "wrench_torques_end",
+    "wrench_torques_end_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -2337,6 +2349,184 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 0.0203*t2 - 0.4318*t3
+    c2 = cos(q2)
+    t5 = t4 + 0.4318*c2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h1 + h2*s1
+    t7 = c1*h5 - s1*h4
+    t8 = c1*h4 + s1*h5
+    t9 = 0.4318*t6
+    t10 = t2*t9 + (t7 + t6*(0.0203*t3))
+    s2 = sin(q2)
+    t11 = t3*t8 - h6*t2
+    t12 = t2*t8 + h6*t3
+    s4 = sin(q4)
+    c4 = cos(q4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    return (
+        0.15005*t6 + (h6 + t5*(c1*h2 - s1*h1)), -(t9*s2 + (t10 - t5*h3)), t4*h3 - t10, -t11, s4*t12 - t7*c4,
+        -(t11*c5 + s5*(t12*c4 + t7*s4)),
+    )
+
+
+def _wrench_torques_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c2*s3 + c3*s2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t3 = c1*h1 + h2*s1
+    t4 = 0.4318*t3
+    t5 = t1*(0.0203*t3) - t4*t2
+    t6 = t5 + c2*t4
+    t7 = c1*h2 - s1*h1
+    t8 = 0.4318*t1 + 0.0203*t2
+    t9 = t8 + 0.4318*s2
+    t10 = t7*t9
+    t11 = t7*t8
+    t12 = c1*h4 + s1*h5
+    t13 = s1*h4 - c1*h5
+    t14 = t5 + t8*h3
+    t15 = t2*t13
+    t16 = t2*h6
+    t17 = t16 + t1*t12
+    s4 = sin(q4)
+    t18 = t1*s4
+    c4 = cos(q4)
+    t19 = t13*t18 - t12*c4
+    t20 = t2*s4
+    t21 = h6*t18 - t12*t20
+    s5 = sin(q5)
+    t22 = s4*s5
+    t23 = c4*s5
+    c5 = cos(q5)
+    t24 = t1*t23 + t2*c5
+    t25 = t1*c5 - t2*t23
+    t26 = t13*t24 + t12*t22
+    t27 = h6*t24 + t12*t25
+    t28 = t13*t25 - h6*t22
+    return (
+        0.15005*t7 - t6, -t10, -t11, 0.0, 0.0, 0.0,
+        t12 - t10, -(t6 + t9*h3), -t14, 0.0, 0.0, 0.0,
+        t12 - t11, -t14, -t14, 0.0, 0.0, 0.0,
+        t15, -t17, -t17, 0.0, 0.0, 0.0,
+        -t19, t21, t21, t16*c4 - t15*t20 - t1*t19, 0.0, 0.0,
+        t26, -t27, -t27, t1*t26 - t2*t28, t20*t26 + (t18*t28 - c4*t27), 0.0,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t1 = s6*h4 + c6*h5
+    t2 = c6*h4 - s6*h5
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t3 = c5*h6 + s5*t2
+    t4 = h1*c6 - s6*h2
+    t5 = s6*h1 + c6*h2
+    t6 = c5*h3 + t4*s5
+    t7 = c5*t4 - s5*h3
+    t8 = c5*t2 - s5*h6
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t9 = c4*t7 - t5*s4
+    t10 = c4*t5 + s4*t7
+    t11 = c4*t1 + s4*t8
+    s3 = sin(q3)
+    t12 = 0.4318 - 0.4318*s3
+    c3 = cos(q3)
+    t13 = 0.0203 + 0.4318*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t14 = (c2*s3 + c3*s2)*(0.15005*t6 + (t10*t12 - (c4*t8 - s4*t1)))
+    return (
+        (c2*c3 - s2*s3)*(0.15005*t9 + (t3 + t13*t10)) - t14, -(t9*t12 + (t11 - t13*t6)),
+        -(0.4318*t9 + (t11 - 0.0203*t6)), t3, -t1, h6,
+    )
+
+
+def _wrench_torques_end_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    s3 = sin(q3)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    t1 = c2*s3 + c3*s2
+    t2 = c2*c3 - s2*s3
+    t3 = 0.15005*t1
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t4 = h1*s6 + c6*h2
+    s4 = sin(q4)
+    t5 = c6*h1 - s6*h2
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t6 = t5*c5 - s5*h3
+    c4 = cos(q4)
+    t7 = s4*t4 - c4*t6
+    t8 = c6*h4 - s6*h5
+    t9 = s6*h4 + c6*h5
+    t10 = c5*h6 + s5*t8
+    t11 = t1*t10
+    t12 = 0.15005*t2
+    t13 = s5*t5 + c5*h3
+    t14 = t3*t7 - (t11 + t12*t13)
+    t15 = c5*t8 - s5*h6
+    t16 = c4*t15 - s4*t9
+    t17 = t4*c4 + s4*t6
+    t18 = 0.4318*s3
+    t19 = 0.4318*c3
+    t20 = 0.4318 - t18
+    t21 = t16 - t20*t17
+    t22 = t1*t17
+    t23 = 0.0203 + t19
+    t24 = t16 - 0.4318*t17
+    t25 = c4*t9 + s4*t15
+    t26 = t1*t20 - t2*t23
+    t27 = t1*t25 - t7*t26
+    t28 = t13*t26
+    t29 = t13*c4
+    t30 = s5*c4
+    t31 = s5*s4
+    t32 = t17*t30 + t7*t31
+    t33 = t25*t30 - t16*t31
+    t34 = c5*t17 + t13*t31
+    t35 = t3*t32 - (t12*t34 + (t2*t33 + (t28*t30 + (t11*t31 + c5*t27))))
+    t36 = s4*t10 + 0.4318*t29
+    t37 = 0.4318*t34 - (c5*t16 + t10*t30)
+    return (
+        0.0, t14 + t2*t21 - t23*t22, t14 + t2*t24 - 0.0203*t22, -(t27 + t12*t17),
+        t2*t15 + (s4*t28 - (t3*t6 + (t12*t29 + c4*t11))), t35,
+        0.0, 0.0, -(t13*t18 + t7*t19), -t21, t6*t23 + (t36 - t18*t29), t37 - t23*t32 - t18*t34,
+        0.0, 0.0, 0.0, -t24, t36 + 0.0203*t6, t37 - 0.0203*t32,
+        0.0, 0.0, 0.0, 0.0, t15, -t33,
+        0.0, 0.0, 0.0, 0.0, 0.0, -t8,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -2858,9 +3048,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     constants = ()
     results = casadi.vertcat(*kernel(_OPERATORS, constants, *entries))
@@ -3051,6 +3244,34 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(6,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques,
+)
+wrench_torques_dq = _function(
+    "wrench_torques_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(6, 6),
+    kernel=_wrench_torques_dq,
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques_end,
+)
+wrench_torques_end_dq = _function(
+    "wrench_torques_end_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(6, 6),
+    kernel=_wrench_torques_end_dq,
 )
 
 

@@ -93,6 +93,10 @@ OPERATIONS = {
     "manipulability_position": {"mul": 22, "add": 12, "div": 0, "sin": 2, "cos": 2, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 58, "add": 25, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 30, "add": 19, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_dq": {"mul": 54, "add": 28, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 40, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end_dq": {"mul": 81, "add": 49, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -136,6 +140,10 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_dq",
+    "wrench_torques_end",
+    "wrench_torques_end_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -370,7 +378,7 @@ def potential_energy(q, params=None, out=None):
     return _FUNCTIONS["potential_energy"]((q,), params, out)
 
 
-def inverse_dynamics(q, qd, qdd, params=None, out=None):
+def inverse_dynamics(q, qd, qdd, params=None, out=None, *, wrench=None, wrench_frame="world"):
     """Joint torques and forces of a motion, friction included.
 
     Args:
@@ -379,6 +387,9 @@ def inverse_dynamics(q, qd, qdd, params=None, out=None):
         qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
         out: Where to write the result, if not to a new array.
+        wrench: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6):
+            tau = B qdd + C qd + g + friction - J^T wrench. Derivatives are at a constant wrench.
+        wrench_frame: Its axes, "world" or "end", those of the end effector.
 
     Returns:
         tau, (..., 6):
@@ -386,10 +397,14 @@ def inverse_dynamics(q, qd, qdd, params=None, out=None):
 
     Newton-Euler in base parameters: 160 mul, 128 add, 4 sin, 4 cos.
     """
+    if wrench is not None:
+        felt = {"world": _FUNCTIONS["wrench_torques"], "end": _FUNCTIONS["wrench_torques_end"]}
+        values = (q, qd, qdd)
+        return _under_wrench(_FUNCTIONS["inverse_dynamics"], felt, values, wrench, wrench_frame, params, out)
     return _FUNCTIONS["inverse_dynamics"]((q, qd, qdd), params, out)
 
 
-def forward_dynamics(q, qd, tau, params=None, out=None):
+def forward_dynamics(q, qd, tau, params=None, out=None, *, wrench=None, wrench_frame="world"):
     """Joint accelerations under given torques and forces.
 
     Args:
@@ -398,6 +413,9 @@ def forward_dynamics(q, qd, tau, params=None, out=None):
         tau: joint torques and forces [N m, N], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
         out: Where to write the result, if not to a new array.
+        wrench: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6):
+            tau = B qdd + C qd + g + friction - J^T wrench. Derivatives are at a constant wrench.
+        wrench_frame: Its axes, "world" or "end", those of the end effector.
 
     Returns:
         qdd, (..., 6):
@@ -405,6 +423,10 @@ def forward_dynamics(q, qd, tau, params=None, out=None):
 
     Inertia matrix and Newton-Euler, factorised without roots: 258 mul, 207 add, 10 div, 4 sin, 4 cos.
     """
+    if wrench is not None:
+        felt = {"world": _FUNCTIONS["wrench_torques"], "end": _FUNCTIONS["wrench_torques_end"]}
+        values = (q, qd, tau)
+        return _under_wrench(_FUNCTIONS["forward_dynamics"], felt, values, wrench, wrench_frame, params, out)
     return _FUNCTIONS["forward_dynamics"]((q, qd, tau), params, out)
 
 
@@ -426,7 +448,7 @@ def coriolis_vector(q, qd, params=None, out=None):
     return _FUNCTIONS["coriolis_vector"]((q, qd), params, out)
 
 
-def inverse_dynamics_dq(q, qd, qdd, params=None, out=None):
+def inverse_dynamics_dq(q, qd, qdd, params=None, out=None, *, wrench=None, wrench_frame="world"):
     """Derivatives of the joint torques with respect to q.
 
     Args:
@@ -435,6 +457,9 @@ def inverse_dynamics_dq(q, qd, qdd, params=None, out=None):
         qdd: joint accelerations [rad/s^2, m/s^2], (..., n).
         params: Numbers of the free parameters; see the module's docstring.
         out: Where to write the result, if not to a new array.
+        wrench: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6):
+            tau = B qdd + C qd + g + friction - J^T wrench. Derivatives are at a constant wrench.
+        wrench_frame: Its axes, "world" or "end", those of the end effector.
 
     Returns:
         dtau/dq, (..., 6, 6):
@@ -442,6 +467,10 @@ def inverse_dynamics_dq(q, qd, qdd, params=None, out=None):
 
     Newton-Euler in base parameters, its operations differentiated: 375 mul, 294 add, 4 sin, 4 cos.
     """
+    if wrench is not None:
+        felt = {"world": _FUNCTIONS["wrench_torques_dq"], "end": _FUNCTIONS["wrench_torques_end_dq"]}
+        values = (q, qd, qdd)
+        return _under_wrench(_FUNCTIONS["inverse_dynamics_dq"], felt, values, wrench, wrench_frame, params, out)
     return _FUNCTIONS["inverse_dynamics_dq"]((q, qd, qdd), params, out)
 
 
@@ -583,6 +612,78 @@ def manipulability_dq(q, params=None, out=None):
     Volume of rows in joint frame 4, differentiated backwards: 58 mul, 25 add, 4 sin, 4 cos.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of the world: 30 mul, 19 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_dq(q, h, params=None, out=None):
+    """Derivatives of wrench_torques with respect to q.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dtau_h/dq, (..., 6, 6):
+        row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the world.
+
+    Jacobian and wrench in the axes of joint frame 1: 54 mul, 28 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques_dq"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 3: 40 mul, 25 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
+
+
+def wrench_torques_end_dq(q, h, params=None, out=None):
+    """Derivatives of wrench_torques_end with respect to q.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        dtau_h/dq, (..., 6, 6):
+        row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the end effector.
+
+    Jacobian and wrench in the axes of joint frame 3: 81 mul, 49 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end_dq"]((q, h), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -2801,6 +2902,184 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = q2 + q3
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = 0.0203*t2 - 0.4318*t3
+    c2 = cos(q2)
+    t5 = t4 + 0.4318*c2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h1 + h2*s1
+    t7 = c1*h5 - s1*h4
+    t8 = c1*h4 + s1*h5
+    t9 = 0.4318*t6
+    t10 = t2*t9 + (t7 + t6*(0.0203*t3))
+    s2 = sin(q2)
+    t11 = t3*t8 - h6*t2
+    t12 = t2*t8 + h6*t3
+    s4 = sin(q4)
+    c4 = cos(q4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    return (
+        0.15005*t6 + (h6 + t5*(c1*h2 - s1*h1)), -(t9*s2 + (t10 - t5*h3)), t4*h3 - t10, -t11, s4*t12 - t7*c4,
+        -(t11*c5 + s5*(t12*c4 + t7*s4)),
+    )
+
+
+def _wrench_torques_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    s3 = sin(q3)
+    t1 = c2*c3 - s2*s3
+    t2 = c2*s3 + c3*s2
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t3 = c1*h1 + h2*s1
+    t4 = 0.4318*t3
+    t5 = t1*(0.0203*t3) - t4*t2
+    t6 = t5 + c2*t4
+    t7 = c1*h2 - s1*h1
+    t8 = 0.4318*t1 + 0.0203*t2
+    t9 = t8 + 0.4318*s2
+    t10 = t7*t9
+    t11 = t7*t8
+    t12 = c1*h4 + s1*h5
+    t13 = s1*h4 - c1*h5
+    t14 = t5 + t8*h3
+    t15 = t2*t13
+    t16 = t2*h6
+    t17 = t16 + t1*t12
+    s4 = sin(q4)
+    t18 = t1*s4
+    c4 = cos(q4)
+    t19 = t13*t18 - t12*c4
+    t20 = t2*s4
+    t21 = h6*t18 - t12*t20
+    s5 = sin(q5)
+    t22 = s4*s5
+    t23 = c4*s5
+    c5 = cos(q5)
+    t24 = t1*t23 + t2*c5
+    t25 = t1*c5 - t2*t23
+    t26 = t13*t24 + t12*t22
+    t27 = h6*t24 + t12*t25
+    t28 = t13*t25 - h6*t22
+    return (
+        0.15005*t7 - t6, -t10, -t11, 0.0, 0.0, 0.0,
+        t12 - t10, -(t6 + t9*h3), -t14, 0.0, 0.0, 0.0,
+        t12 - t11, -t14, -t14, 0.0, 0.0, 0.0,
+        t15, -t17, -t17, 0.0, 0.0, 0.0,
+        -t19, t21, t21, t16*c4 - t15*t20 - t1*t19, 0.0, 0.0,
+        t26, -t27, -t27, t1*t26 - t2*t28, t20*t26 + (t18*t28 - c4*t27), 0.0,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t1 = s6*h4 + c6*h5
+    t2 = c6*h4 - s6*h5
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t3 = c5*h6 + s5*t2
+    t4 = h1*c6 - s6*h2
+    t5 = s6*h1 + c6*h2
+    t6 = c5*h3 + t4*s5
+    t7 = c5*t4 - s5*h3
+    t8 = c5*t2 - s5*h6
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t9 = c4*t7 - t5*s4
+    t10 = c4*t5 + s4*t7
+    t11 = c4*t1 + s4*t8
+    s3 = sin(q3)
+    t12 = 0.4318 - 0.4318*s3
+    c3 = cos(q3)
+    t13 = 0.0203 + 0.4318*c3
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t14 = (c2*s3 + c3*s2)*(0.15005*t6 + (t10*t12 - (c4*t8 - s4*t1)))
+    return (
+        (c2*c3 - s2*s3)*(0.15005*t9 + (t3 + t13*t10)) - t14, -(t9*t12 + (t11 - t13*t6)),
+        -(0.4318*t9 + (t11 - 0.0203*t6)), t3, -t1, h6,
+    )
+
+
+def _wrench_torques_end_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    c2 = cos(q2)
+    s3 = sin(q3)
+    c3 = cos(q3)
+    s2 = sin(q2)
+    t1 = c2*s3 + c3*s2
+    t2 = c2*c3 - s2*s3
+    t3 = 0.15005*t1
+    s6 = sin(q6)
+    c6 = cos(q6)
+    t4 = h1*s6 + c6*h2
+    s4 = sin(q4)
+    t5 = c6*h1 - s6*h2
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t6 = t5*c5 - s5*h3
+    c4 = cos(q4)
+    t7 = s4*t4 - c4*t6
+    t8 = c6*h4 - s6*h5
+    t9 = s6*h4 + c6*h5
+    t10 = c5*h6 + s5*t8
+    t11 = t1*t10
+    t12 = 0.15005*t2
+    t13 = s5*t5 + c5*h3
+    t14 = t3*t7 - (t11 + t12*t13)
+    t15 = c5*t8 - s5*h6
+    t16 = c4*t15 - s4*t9
+    t17 = t4*c4 + s4*t6
+    t18 = 0.4318*s3
+    t19 = 0.4318*c3
+    t20 = 0.4318 - t18
+    t21 = t16 - t20*t17
+    t22 = t1*t17
+    t23 = 0.0203 + t19
+    t24 = t16 - 0.4318*t17
+    t25 = c4*t9 + s4*t15
+    t26 = t1*t20 - t2*t23
+    t27 = t1*t25 - t7*t26
+    t28 = t13*t26
+    t29 = t13*c4
+    t30 = s5*c4
+    t31 = s5*s4
+    t32 = t17*t30 + t7*t31
+    t33 = t25*t30 - t16*t31
+    t34 = c5*t17 + t13*t31
+    t35 = t3*t32 - (t12*t34 + (t2*t33 + (t28*t30 + (t11*t31 + c5*t27))))
+    t36 = s4*t10 + 0.4318*t29
+    t37 = 0.4318*t34 - (c5*t16 + t10*t30)
+    return (
+        0.0, t14 + t2*t21 - t23*t22, t14 + t2*t24 - 0.0203*t22, -(t27 + t12*t17),
+        t2*t15 + (s4*t28 - (t3*t6 + (t12*t29 + c4*t11))), t35,
+        0.0, 0.0, -(t13*t18 + t7*t19), -t21, t6*t23 + (t36 - t18*t29), t37 - t23*t32 - t18*t34,
+        0.0, 0.0, 0.0, -t24, t36 + 0.0203*t6, t37 - 0.0203*t32,
+        0.0, 0.0, 0.0, 0.0, t15, -t33,
+        0.0, 0.0, 0.0, 0.0, 0.0, -t8,
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -3324,7 +3603,8 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
 
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -3338,20 +3618,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -3381,6 +3661,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -3464,6 +3749,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -3493,6 +3786,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -3745,8 +4046,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -3758,12 +4057,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -3867,30 +4168,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -3928,6 +4226,26 @@ def _smaller(a, b):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 # Inverse kinematics.
@@ -4638,6 +4956,30 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6,),
         kernel=_manipulability_dq,
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques,
+    ),
+    "wrench_torques_dq": _Function(
+        name="wrench_torques_dq",
+        arguments=("q", "h"),
+        shape=(6, 6),
+        kernel=_wrench_torques_dq,
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques_end,
+    ),
+    "wrench_torques_end_dq": _Function(
+        name="wrench_torques_end_dq",
+        arguments=("q", "h"),
+        shape=(6, 6),
+        kernel=_wrench_torques_end_dq,
     ),
 }
 

@@ -1977,6 +1977,239 @@ void puma560_usp_manipulability_dq_batch(size_t count, const double *restrict q,
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void puma560_usp_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    const double p_d6 = params[4];
+    k[0] = p_d6;
+    k[1] = p_a2;
+    k[2] = p_d4;
+    k[3] = p_a3;
+    k[4] = p_d2;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double t1 = c2*c3 - s3*s2;
+    const double t2 = c2*s3 + s2*c3;
+    const double t3 = c4*s5;
+    const double t4 = c5*t1 - t2*t3;
+    const double t5 = c5*t2 + t1*t3;
+    const double t6 = c1*h4 + s1*h5;
+    const double t7 = s5*s4;
+    const double t8 = c1*h5 - s1*h4;
+    const double t9 = k1*t4;
+    const double t10 = k1*t5;
+    const double t11 = k1*t7;
+    const double t12 = c1*h1 + h2*s1;
+    const double t13 = c1*h2 - s1*h1;
+    const double t14 = t8 + t12*t9;
+    const double t15 = h6 - t12*t11;
+    const double t16 = t15 + t10*t13;
+    const double t17 = t13*t9 - (t6 + t11*h3);
+    const double t18 = k2*c2;
+    const double t19 = k2*s2;
+    const double t20 = k4*t1 + (k3*t2 + (t10 + t18));
+    const double t21 = t12*(k3*t1 - (t19 + k4*t2)) + (t14 - t20*h3);
+    result[0] = t15 + t20*t13 - k5*t12;
+    result[lanes] = t21;
+    result[2 * lanes] = t18*h3 + (t21 + t12*t19);
+    result[3 * lanes] = t1*t16 - t2*t17;
+    result[4 * lanes] = c4*(t14 - t10*h3) + s4*(t2*t16 + t1*t17);
+    result[5 * lanes] = t7*t8 + (h6*t4 + t5*t6);
+}
+
+void puma560_usp_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5 * wrench_torques_lanes], sines[5 * wrench_torques_lanes], cosines[5 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(5 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void puma560_usp_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[6 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[6 * wrench_torques_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(6, result_block, wrench_torques_lanes, result + 6 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void puma560_usp_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[0];
+    const double p_a2 = params[1];
+    const double p_a3 = params[2];
+    const double p_d4 = params[3];
+    const double p_d6 = params[4];
+    k[0] = p_d6;
+    k[1] = p_d4;
+    k[2] = p_a3;
+    k[3] = p_a2;
+    k[4] = p_d2;
+}
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double s6 = sines[4 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double c6 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double t1 = c6*h4 - s6*h5;
+    const double t2 = c5*t1 + s5*h6;
+    const double t3 = s6*h4 + c6*h5;
+    const double t4 = c4*t2 - s4*t3;
+    const double t5 = c4*t3 + s4*t2;
+    const double t6 = k1*s5;
+    const double t7 = s4*t6;
+    const double t8 = c4*t6;
+    const double t9 = c6*h1 - s6*h2;
+    const double t10 = h1*s6 + c6*h2;
+    const double t11 = c5*t9 + s5*h3;
+    const double t12 = t9*s5 - c5*h3;
+    const double t13 = s4*t11 + c4*t10;
+    const double t14 = t11*c4 - s4*t10;
+    const double t15 = k1*c5;
+    const double t16 = c5*h6 - s5*t1;
+    const double t17 = t5 + t15*t14;
+    const double t18 = k3 + t8;
+    const double t19 = k4*s3 + (k2 + t15);
+    const double t20 = t18 + k4*c3;
+    const double t21 = k5 + t7;
+    const double t22 = (c2*s3 + s2*c3)*(t21*t12 - (t4 - t19*t13)) + (c2*c3 - s3*s2)*(t13*t20 + (t16 - t21*t14));
+    result[0] = t22;
+    result[lanes] = t12*t20 + (t5 + t19*t14);
+    result[2 * lanes] = t12*t18 + (t17 + k2*t14);
+    result[3 * lanes] = t13*t8 + (t16 - t7*t14);
+    result[4 * lanes] = s4*(t15*t13 - (t4 - t7*t12)) + c4*(t17 + t12*t8);
+    result[5 * lanes] = h6;
+}
+
+void puma560_usp_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5 * wrench_torques_end_lanes], sines[5 * wrench_torques_end_lanes], cosines[5 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(5 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void puma560_usp_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[6 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[6 * wrench_torques_end_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, k, result_block);
+        store(6, result_block, wrench_torques_end_lanes, result + 6 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

@@ -57,6 +57,8 @@ enum {
     puma560_usp_manipulability_constant_count = 4,
     puma560_usp_manipulability_position_constant_count = 5,
     puma560_usp_manipulability_dq_constant_count = 4,
+    puma560_usp_wrench_torques_constant_count = 5,
+    puma560_usp_wrench_torques_end_constant_count = 5,
     puma560_usp_inverse_kinematics_constant_count = 23,
     puma560_usp_branches = 8, /**< Branches of inverse kinematics. */
     puma560_usp_none = 0, /**< The branch does not exist. */
@@ -265,6 +267,42 @@ void puma560_usp_manipulability_dq_batch(size_t count, const double *q, const do
 
 /** The constants of puma560_usp_manipulability_dq, 4, from the parameters, 5. */
 void puma560_usp_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       5 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 1: 48 mul, 30 add, 5 sin, 5 cos.
+ */
+void puma560_usp_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of puma560_usp_wrench_torques, 5, from the parameters, 5. */
+void puma560_usp_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       5 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 3: 52 mul, 35 add, 5 sin, 5 cos.
+ */
+void puma560_usp_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void puma560_usp_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of puma560_usp_wrench_torques_end, 5, from the parameters, 5. */
+void puma560_usp_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

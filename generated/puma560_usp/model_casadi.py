@@ -28,6 +28,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -69,6 +71,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 50, "add": 28, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 26, "add": 14, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_dq": {"mul": 79, "add": 35, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques": {"mul": 48, "add": 30, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 52, "add": 35, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 221, "add": 145, "div": 20, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 130},
 }
 GIVEN = ()
@@ -96,6 +100,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -876,6 +882,105 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_a2, p_d4, p_a3, p_d2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_a2, p_d4, p_a3, p_d2 = k
+    c2 = cos(q2)
+    c3 = cos(q3)
+    s3 = sin(q3)
+    s2 = sin(q2)
+    t1 = c2*c3 - s3*s2
+    t2 = c2*s3 + s2*c3
+    c5 = cos(q5)
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t3 = c4*s5
+    t4 = c5*t1 - t2*t3
+    t5 = c5*t2 + t1*t3
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t6 = c1*h4 + s1*h5
+    s4 = sin(q4)
+    t7 = s5*s4
+    t8 = c1*h5 - s1*h4
+    t9 = p_d6*t4
+    t10 = p_d6*t5
+    t11 = p_d6*t7
+    t12 = c1*h1 + h2*s1
+    t13 = c1*h2 - s1*h1
+    t14 = t8 + t12*t9
+    t15 = h6 - t12*t11
+    t16 = t15 + t10*t13
+    t17 = t13*t9 - (t6 + t11*h3)
+    t18 = p_a2*c2
+    t19 = p_a2*s2
+    t20 = p_a3*t1 + (p_d4*t2 + (t10 + t18))
+    t21 = t12*(p_d4*t1 - (t19 + p_a3*t2)) + (t14 - t20*h3)
+    return (
+        t15 + t20*t13 - p_d2*t12, t21, t18*h3 + (t21 + t12*t19), t1*t16 - t2*t17,
+        c4*(t14 - t10*h3) + s4*(t2*t16 + t1*t17), t7*t8 + (h6*t4 + t5*t6),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_d2, p_a2, p_a3, p_d4, p_d6 = p
+    return (
+        p_d6, p_d4, p_a3, p_a2, p_d2,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d4, p_a3, p_a2, p_d2 = k
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t1 = c6*h4 - s6*h5
+    c5 = cos(q5)
+    s5 = sin(q5)
+    t2 = c5*t1 + s5*h6
+    c4 = cos(q4)
+    t3 = s6*h4 + c6*h5
+    s4 = sin(q4)
+    t4 = c4*t2 - s4*t3
+    t5 = c4*t3 + s4*t2
+    t6 = p_d6*s5
+    t7 = s4*t6
+    t8 = c4*t6
+    t9 = c6*h1 - s6*h2
+    t10 = h1*s6 + c6*h2
+    t11 = c5*t9 + s5*h3
+    t12 = t9*s5 - c5*h3
+    t13 = s4*t11 + c4*t10
+    t14 = t11*c4 - s4*t10
+    t15 = p_d6*c5
+    t16 = c5*h6 - s5*t1
+    t17 = t5 + t15*t14
+    t18 = p_a3 + t8
+    s3 = sin(q3)
+    t19 = p_a2*s3 + (p_d4 + t15)
+    c3 = cos(q3)
+    t20 = t18 + p_a2*c3
+    t21 = p_d2 + t7
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t22 = (c2*s3 + s2*c3)*(t21*t12 - (t4 - t19*t13)) + (c2*c3 - s3*s2)*(t13*t20 + (t16 - t21*t14))
+    return (
+        t22, t12*t20 + (t5 + t19*t14), t12*t18 + (t17 + p_d4*t14), t13*t8 + (t16 - t7*t14),
+        s4*(t15*t13 - (t4 - t7*t12)) + c4*(t17 + t12*t8), h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_d2, p_a2, p_a3, p_d4, p_d6 = p
@@ -1461,9 +1566,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -1608,6 +1716,28 @@ manipulability_dq = _function(
     hoisted=_manipulability_dq_constants,
     needs=(
         0, 1, 2, 3,
+    ),
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1, 2, 3, 4,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0, 1, 2, 3, 4,
     ),
 )
 

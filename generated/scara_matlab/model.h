@@ -367,6 +367,62 @@ void scara_matlab_manipulability_dq(const double *q, double *result);
 void scara_matlab_manipulability_dq_batch(size_t count, const double *q, double *result);
 
 /**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void scara_matlab_wrench_torques(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_wrench_torques_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
+ * Derivatives of wrench_torques with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  dtau_h/dq, 4 x 4, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the world.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 4 add, 2 sin, 2 cos.
+ */
+void scara_matlab_wrench_torques_dq(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_wrench_torques_dq_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void scara_matlab_wrench_torques_end(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_wrench_torques_end_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
+ * Derivatives of wrench_torques_end with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[out] result  dtau_h/dq, 4 x 4, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the end effector.
+ *
+ * Jacobian and wrench in the axes of the end effector: 6 mul, 4 add, 2 sin, 2 cos.
+ */
+void scara_matlab_wrench_torques_end_dq(const double *q, const double *h, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_wrench_torques_end_dq_batch(size_t count, const double *q, const double *h, double *result);
+
+/**
  * Joint variables of a pose of the end effector, every branch.
  *
  * A reachable pose has up to 2 solutions, all of them listed, except where joints are free.

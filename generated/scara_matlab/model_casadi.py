@@ -38,6 +38,10 @@ Every parameter has its number in this file.
     manipulability_position(q) -> w
     manipulability_orientation(q) -> w
     manipulability_dq(q) -> dw/dq
+    wrench_torques(q, h) -> tau_h
+    wrench_torques_dq(q, h) -> dtau_h/dq
+    wrench_torques_end(q, h) -> tau_h
+    wrench_torques_end_dq(q, h) -> dtau_h/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -94,6 +98,10 @@ OPERATIONS = {
     "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "wrench_torques": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
@@ -136,6 +144,10 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_dq",
+    "wrench_torques_end",
+    "wrench_torques_end_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -620,6 +632,81 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = 2.0*h1
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = cos(t2)
+    t5 = 2.0*h2
+    t6 = t1*t3 - (h6 + t5*t4)
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        c1*t5 - (t6 + s1*t1), -t6, -h3, -h6,
+    )
+
+
+def _wrench_torques_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = 2.0*h2
+    t2 = q1 + q2
+    t3 = sin(t2)
+    t4 = cos(t2)
+    t5 = 2.0*h1
+    t6 = t1*t3 + t5*t4
+    s1 = sin(q1)
+    c1 = cos(q1)
+    return (
+        -(c1*t5 + (t6 + s1*t1)), -t6, 0.0, 0.0,
+        -t6, -t6, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = 2.0*h1
+    s4 = sin(q4)
+    t2 = 2.0*h2
+    c4 = cos(q4)
+    t3 = t1*s4 + (h6 + t2*c4)
+    t4 = q2 - q4
+    t5 = sin(t4)
+    t6 = cos(t4)
+    return (
+        -(t6*t2 + (t3 - t5*t1)), -t3, h3, h6,
+    )
+
+
+def _wrench_torques_end_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    t1 = q2 - q4
+    t2 = sin(t1)
+    t3 = cos(t1)
+    t4 = 2.0*h2
+    t5 = 2.0*h1
+    t6 = t2*t4 + t3*t5
+    s4 = sin(q4)
+    c4 = cos(q4)
+    t7 = t4*s4 - t5*c4
+    return (
+        0.0, t6, 0.0, t7 - t6,
+        0.0, 0.0, 0.0, t7,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -795,9 +882,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     constants = ()
     results = casadi.vertcat(*kernel(_OPERATORS, constants, *entries))
@@ -981,6 +1071,34 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(4,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques,
+)
+wrench_torques_dq = _function(
+    "wrench_torques_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(4, 4),
+    kernel=_wrench_torques_dq,
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques_end,
+)
+wrench_torques_end_dq = _function(
+    "wrench_torques_end_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(4, 4),
+    kernel=_wrench_torques_end_dq,
 )
 
 

@@ -80,6 +80,10 @@ enum {
     scara_perugia_manipulability_constant_count = 1,
     scara_perugia_manipulability_position_constant_count = 1,
     scara_perugia_manipulability_dq_constant_count = 1,
+    scara_perugia_wrench_torques_constant_count = 2,
+    scara_perugia_wrench_torques_dq_constant_count = 2,
+    scara_perugia_wrench_torques_end_constant_count = 2,
+    scara_perugia_wrench_torques_end_dq_constant_count = 2,
     scara_perugia_inverse_kinematics_constant_count = 14,
     scara_perugia_branches = 2, /**< Branches of inverse kinematics. */
     scara_perugia_none = 0, /**< The branch does not exist. */
@@ -517,6 +521,78 @@ void scara_perugia_manipulability_dq_batch(size_t count, const double *q, const 
 
 /** The constants of scara_perugia_manipulability_dq, 1, from the parameters, 18. */
 void scara_perugia_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void scara_perugia_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of scara_perugia_wrench_torques, 2, from the parameters, 18. */
+void scara_perugia_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Derivatives of wrench_torques with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_dq_constants().
+ * @param[out] result  dtau_h/dq, 4 x 4, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the world.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 4 add, 2 sin, 2 cos.
+ */
+void scara_perugia_wrench_torques_dq(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_wrench_torques_dq_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of scara_perugia_wrench_torques_dq, 2, from the parameters, 18. */
+void scara_perugia_wrench_torques_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void scara_perugia_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of scara_perugia_wrench_torques_end, 2, from the parameters, 18. */
+void scara_perugia_wrench_torques_end_constants(const double *params, double *k);
+
+/**
+ * Derivatives of wrench_torques_end with respect to q.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_end_dq_constants().
+ * @param[out] result  dtau_h/dq, 4 x 4, row by row: row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the end effector.
+ *
+ * Jacobian and wrench in the axes of the end effector: 6 mul, 4 add, 2 sin, 2 cos.
+ */
+void scara_perugia_wrench_torques_end_dq(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_wrench_torques_end_dq_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of scara_perugia_wrench_torques_end_dq, 2, from the parameters, 18. */
+void scara_perugia_wrench_torques_end_dq_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -38,6 +38,10 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_dq(q, h, params) -> dtau_h/dq
+    wrench_torques_end(q, h, params) -> tau_h
+    wrench_torques_end_dq(q, h, params) -> dtau_h/dq
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -95,6 +99,10 @@ OPERATIONS = {
     "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 1},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 3, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "wrench_torques": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
@@ -137,6 +145,10 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_dq",
+    "wrench_torques_end",
+    "wrench_torques_end_dq",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -855,6 +867,105 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a2, p_a1 = k
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = h6 + p_a2*(h2*t2 - h1*t3)
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        t4 + p_a1*(c1*h2 - s1*h1), t4, h3, h6,
+    )
+
+
+def _wrench_torques_dq_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _wrench_torques_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a2, p_a1 = k
+    t1 = q1 + q2
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a2*(h1*t2 + h2*t3)
+    c1 = cos(q1)
+    s1 = sin(q1)
+    return (
+        -(t4 + p_a1*(c1*h1 + s1*h2)), -t4, 0.0, 0.0,
+        -t4, -t4, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a2, p_a1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a2, p_a1 = k
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t1 = h6 + p_a2*(h2*c4 + h1*s4)
+    t2 = q2 + q4
+    t3 = cos(t2)
+    t4 = sin(t2)
+    return (
+        t1 + p_a1*(t3*h2 + t4*h1), t1, h3, h6,
+    )
+
+
+def _wrench_torques_end_dq_constants(functions, p):
+    p_a1, p_a2 = p
+    return (
+        p_a1, p_a2,
+    )
+
+
+def _wrench_torques_end_dq(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_a1, p_a2 = k
+    t1 = q2 + q4
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = p_a1*(t2*h1 - t3*h2)
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t5 = p_a2*(h1*c4 - h2*s4)
+    return (
+        0.0, t4, 0.0, t4 + t5,
+        0.0, 0.0, 0.0, t5,
+        0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a1, p_a2, p_d4 = p
@@ -1066,9 +1177,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -1343,6 +1457,50 @@ manipulability_dq = _function(
     shape=(4,),
     kernel=_manipulability_dq,
     hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_dq = _function(
+    "wrench_torques_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(4, 4),
+    kernel=_wrench_torques_dq,
+    hoisted=_wrench_torques_dq_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_end_dq = _function(
+    "wrench_torques_end_dq",
+    arguments=("q", "h"),
+    output="dtau_h/dq",
+    shape=(4, 4),
+    kernel=_wrench_torques_end_dq,
+    hoisted=_wrench_torques_end_dq_constants,
     needs=(
         0, 1,
     ),

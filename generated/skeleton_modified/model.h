@@ -51,6 +51,8 @@ enum {
     skeleton_modified_manipulability_constant_count = 1,
     skeleton_modified_manipulability_position_constant_count = 1,
     skeleton_modified_manipulability_dq_constant_count = 1,
+    skeleton_modified_wrench_torques_constant_count = 2,
+    skeleton_modified_wrench_torques_end_constant_count = 2,
     skeleton_modified_inverse_kinematics_constant_count = 13,
     skeleton_modified_branches = 1, /**< Branches of inverse kinematics. */
     skeleton_modified_none = 0, /**< The branch does not exist. */
@@ -245,6 +247,42 @@ void skeleton_modified_manipulability_dq_batch(size_t count, const double *q, co
 
 /** The constants of skeleton_modified_manipulability_dq, 1, from the parameters, 4. */
 void skeleton_modified_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 2: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void skeleton_modified_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of skeleton_modified_wrench_torques, 2, from the parameters, 4. */
+void skeleton_modified_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 2: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 4 mul, 3 add, 1 sin, 1 cos.
+ */
+void skeleton_modified_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_modified_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of skeleton_modified_wrench_torques_end, 2, from the parameters, 4. */
+void skeleton_modified_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

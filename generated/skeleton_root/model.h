@@ -48,6 +48,8 @@ enum {
     skeleton_root_jacobian_dot_constant_count = 2,
     skeleton_root_jacobian_hessian_constant_count = 2,
     skeleton_root_analytic_jacobian_rpy_constant_count = 2,
+    skeleton_root_wrench_torques_constant_count = 2,
+    skeleton_root_wrench_torques_end_constant_count = 2,
     skeleton_root_inverse_kinematics_constant_count = 7,
     skeleton_root_branches = 1, /**< Branches of inverse kinematics. */
     skeleton_root_given_joint_1 = 3, /**< Place of a given joint in q. */
@@ -228,6 +230,42 @@ void skeleton_root_manipulability_dq(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void skeleton_root_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the world: 6 mul, 5 add, 2 sin, 2 cos.
+ */
+void skeleton_root_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of skeleton_root_wrench_torques, 2, from the parameters, 2. */
+void skeleton_root_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 4: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 8 mul, 6 add, 2 sin, 2 cos.
+ */
+void skeleton_root_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void skeleton_root_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of skeleton_root_wrench_torques_end, 2, from the parameters, 2. */
+void skeleton_root_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

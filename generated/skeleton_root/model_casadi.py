@@ -25,6 +25,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, given, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -52,6 +54,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
+    "wrench_torques": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
 GIVEN = ("q4",)
@@ -78,6 +82,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -345,6 +351,52 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l1, p_l0,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_l1, p_l0 = k
+    t1 = q3 + q4
+    t2 = cos(t1)
+    t3 = sin(t1)
+    t4 = h6 + p_l1*(h2*t2 + h1*t3)
+    c3 = cos(q3)
+    s3 = sin(q3)
+    return (
+        h1, h2, -(t4 + p_l0*(h2*c3 + h1*s3)), -t4,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_l0, p_l1 = p
+    return (
+        p_l0, p_l1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_l0, p_l1 = k
+    t1 = q3 + q4
+    t2 = cos(t1)
+    t3 = sin(t1)
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t4 = h6 + p_l1*h2
+    return (
+        t2*h1 + t3*h2, t2*h2 - h1*t3, -(t4 + p_l0*(h2*c4 - h1*s4)), -t4,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_l0, p_l1 = p
     t1 = p_l0*p_l0 + p_l1*p_l1
@@ -455,9 +507,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -580,6 +635,28 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(4,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(4,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0, 1,
+    ),
 )
 
 

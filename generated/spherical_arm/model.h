@@ -47,6 +47,8 @@ enum {
     spherical_arm_jacobian_hessian_constant_count = 1,
     spherical_arm_analytic_jacobian_rpy_constant_count = 1,
     spherical_arm_analytic_jacobian_zyz_constant_count = 1,
+    spherical_arm_wrench_torques_constant_count = 1,
+    spherical_arm_wrench_torques_end_constant_count = 1,
     spherical_arm_inverse_kinematics_constant_count = 4,
     spherical_arm_branches = 1, /**< Branches of inverse kinematics. */
     spherical_arm_none = 0, /**< The branch does not exist. */
@@ -243,6 +245,42 @@ void spherical_arm_manipulability_dq(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void spherical_arm_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       1 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 3: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 1: 14 mul, 8 add, 2 sin, 2 cos.
+ */
+void spherical_arm_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void spherical_arm_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of spherical_arm_wrench_torques, 1, from the parameters, 1. */
+void spherical_arm_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       1 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 3: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of the end effector: 6 mul, 5 add, 1 sin, 1 cos.
+ */
+void spherical_arm_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void spherical_arm_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of spherical_arm_wrench_torques_end, 1, from the parameters, 1. */
+void spherical_arm_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

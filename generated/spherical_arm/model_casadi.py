@@ -25,6 +25,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -53,6 +55,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 2, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 7, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "wrench_torques": {"mul": 14, "add": 8, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end": {"mul": 6, "add": 5, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 36, "add": 31, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 22},
 }
 GIVEN = ()
@@ -80,6 +84,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -388,6 +394,48 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    (p_d2,) = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t1 = c1*h1 + s1*h2
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t2 = s2*q3
+    return (
+        h6 - (p_d2*t1 - t2*(c1*h2 - s1*h1)), -(s1*h4 - c1*h5 + (t2*h3 - c2*q3*t1)), c2*h3 + s2*t1,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    (p_d2,) = p
+    return (
+        p_d2,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    (p_d2,) = k
+    c2 = cos(q2)
+    s2 = sin(q2)
+    return (
+        c2*(h6 - p_d2*h1) - s2*(p_d2*h3 + (h4 - q3*h2)), h5 + h1*q3, h3,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     (p_d2,) = p
     t1 = p_d2*p_d2
@@ -530,9 +578,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -666,6 +717,28 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(3,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0,
+    ),
 )
 
 

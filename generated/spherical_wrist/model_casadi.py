@@ -25,6 +25,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -56,6 +58,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "manipulability_orientation": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
     "manipulability_dq": {"mul": 1, "add": 0, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "wrench_torques": {"mul": 14, "add": 8, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques_end": {"mul": 8, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 56, "add": 42, "div": 2, "sin": 1, "cos": 1, "sqrt": 2, "atan2": 3, "cases": 37},
 }
 GIVEN = ()
@@ -83,6 +87,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -401,6 +407,52 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    (p_d6,) = k
+    c1 = cos(q1)
+    s1 = sin(q1)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t1 = p_d6*c2
+    t2 = p_d6*s2
+    return (
+        h6 + t2*(c1*h2 - s1*h1), c1*(h5 + h1*t1) - s1*(h4 - h2*t1) - t2*h3, h6*c2 + s2*(c1*h4 + s1*h5),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    (p_d6,) = p
+    return (
+        p_d6,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3 = q
+    h1, h2, h3, h4, h5, h6 = h
+    (p_d6,) = k
+    c3 = cos(q3)
+    t1 = h5 + p_d6*h1
+    t2 = h4 - p_d6*h2
+    s3 = sin(q3)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        c2*h6 - s2*(c3*t2 - s3*t1), c3*t1 + t2*s3, h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     (p_d6,) = p
     t1 = p_d6*p_d6
@@ -573,9 +625,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -709,6 +764,28 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(3,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(3,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0,
+    ),
 )
 
 

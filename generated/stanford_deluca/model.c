@@ -1715,6 +1715,212 @@ void stanford_deluca_manipulability_dq_batch(size_t count, const double *restric
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void stanford_deluca_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d2 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d2;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict q, const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double t1 = s5*s4;
+    const double t2 = c1*h4 + s1*h5;
+    const double t3 = c2*t2 - s2*h6;
+    const double t4 = c4*s5;
+    const double t5 = c1*h5 - s1*h4;
+    const double t6 = c2*h6 + s2*t2;
+    const double t7 = k1*t4;
+    const double t8 = k1*c5;
+    const double t9 = k1*t1;
+    const double t10 = c1*h1 + s1*h2;
+    const double t11 = c1*h2 - h1*s1;
+    const double t12 = c2*h3 + t10*s2;
+    const double t13 = t5 - t9*t12;
+    const double t14 = t6 + t9*t11;
+    const double t15 = c2*t10 - s2*h3;
+    const double t16 = q3 + t8;
+    const double t17 = k2 - t7;
+    result[0] = c2*(t14 - t17*t15) - s2*(t17*t12 + (t3 - t11*t16));
+    result[lanes] = t13 + t15*t16;
+    result[2 * lanes] = t12;
+    result[3 * lanes] = t14 + t7*t15;
+    result[4 * lanes] = s4*(t13 + t15*t8) - c4*(t11*t8 - (t3 - t7*t12));
+    result[5 * lanes] = t1*t3 + (t6*c5 - t4*t5);
+}
+
+void stanford_deluca_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(q, h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4 * wrench_torques_lanes], sines[4 * wrench_torques_lanes], cosines[4 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(4 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(q + i, h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void stanford_deluca_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[6 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[6 * wrench_torques_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(6, result_block, wrench_torques_lanes, result + 6 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void stanford_deluca_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_d1 = params[0];
+    const double p_d2 = params[1];
+    const double p_d6 = params[2];
+    k[0] = p_d6;
+    k[1] = p_d2;
+    k[2] = p_d1;
+}
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double q6 = q[5 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q4;
+    angles[2 * lanes] = q5;
+    angles[3 * lanes] = q6;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict q, const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double q3 = q[2 * lanes];
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s4 = sines[lanes];
+    const double s5 = sines[2 * lanes];
+    const double s6 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c4 = cosines[lanes];
+    const double c5 = cosines[2 * lanes];
+    const double c6 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = c6*h5 + s6*h4;
+    const double t2 = c6*h1 - s6*h2;
+    const double t3 = c5*h3 - t2*s5;
+    const double t4 = k1*s5;
+    const double t5 = c5*t2 + s5*h3;
+    const double t6 = k1*c5;
+    const double t7 = c6*h4 - s6*h5;
+    const double t8 = h1*s6 + c6*h2;
+    const double t9 = c5*h6 - s5*t7;
+    const double t10 = c5*t7 + s5*h6;
+    const double t11 = t4 - k2*c4;
+    const double t12 = q3 + t6;
+    const double t13 = k2*s4;
+    const double t14 = s4*(t5*t12 + (t1 - t11*t3)) + c4*(t8*t12 - (t10 + t13*t3));
+    const double t15 = s2*s4;
+    const double t16 = s2*c4;
+    const double t17 = t11 - k3*t15;
+    const double t18 = t13 - k3*t16;
+    const double t19 = t12 + k3*c2;
+    const double t20 = c2*(t17*t8 + (t9 - t18*t5)) + t15*(t8*t19 - (t10 + t18*t3));
+    result[0] = t16*(t17*t3 - (t1 + t5*t19)) + t20;
+    result[lanes] = t14;
+    result[2 * lanes] = t3;
+    result[3 * lanes] = t9 + t4*t8;
+    result[4 * lanes] = t5*t6 + (t1 - t4*t3);
+    result[5 * lanes] = h6;
+}
+
+void stanford_deluca_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(q, h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4 * wrench_torques_end_lanes], sines[4 * wrench_torques_end_lanes], cosines[4 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(4 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(q + i, h + i, sines + i, cosines + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void stanford_deluca_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[6 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[6 * wrench_torques_end_lanes];
+        load(6, q + 6 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, k, result_block);
+        store(6, result_block, wrench_torques_end_lanes, result + 6 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

@@ -53,6 +53,8 @@ enum {
     stanford_deluca_analytic_jacobian_rpy_constant_count = 2,
     stanford_deluca_analytic_jacobian_zyz_constant_count = 2,
     stanford_deluca_manipulability_position_constant_count = 2,
+    stanford_deluca_wrench_torques_constant_count = 2,
+    stanford_deluca_wrench_torques_end_constant_count = 3,
     stanford_deluca_inverse_kinematics_constant_count = 11,
     stanford_deluca_branches = 8, /**< Branches of inverse kinematics. */
     stanford_deluca_none = 0, /**< The branch does not exist. */
@@ -253,6 +255,42 @@ void stanford_deluca_manipulability_dq(const double *q, double *result);
 
 /** The same for `count` configurations. */
 void stanford_deluca_manipulability_dq_batch(size_t count, const double *q, double *result);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       2 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 2: 38 mul, 24 add, 4 sin, 4 cos.
+ */
+void stanford_deluca_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of stanford_deluca_wrench_torques, 2, from the parameters, 3. */
+void stanford_deluca_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 6: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 4: 43 mul, 29 add, 4 sin, 4 cos.
+ */
+void stanford_deluca_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void stanford_deluca_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of stanford_deluca_wrench_torques_end, 3, from the parameters, 3. */
+void stanford_deluca_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

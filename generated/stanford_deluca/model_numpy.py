@@ -47,6 +47,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 39, "add": 21, "div": 0, "sin": 3, "cos": 3, "sqrt": 1},
     "manipulability_orientation": {"mul": 17, "add": 12, "div": 0, "sin": 3, "cos": 2, "sqrt": 1},
     "manipulability_dq": {"mul": 20, "add": 4, "div": 0, "sin": 3, "cos": 2, "sqrt": 0},
+    "wrench_torques": {"mul": 38, "add": 24, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques_end": {"mul": 43, "add": 29, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 120, "add": 94, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
@@ -74,6 +76,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -288,6 +292,42 @@ def manipulability_dq(q, params=None, out=None):
     Volume of rows in joint frame 3, differentiated backwards: 20 mul, 4 add, 3 sin, 2 cos.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 2: 38 mul, 24 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 6):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 4: 43 mul, 29 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -974,6 +1014,94 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d2 = k
+    s5 = sin(q5)
+    s4 = sin(q4)
+    t1 = s5*s4
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t2 = c1*h4 + s1*h5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t3 = c2*t2 - s2*h6
+    c4 = cos(q4)
+    t4 = c4*s5
+    t5 = c1*h5 - s1*h4
+    t6 = c2*h6 + s2*t2
+    c5 = cos(q5)
+    t7 = p_d6*t4
+    t8 = p_d6*c5
+    t9 = p_d6*t1
+    t10 = c1*h1 + s1*h2
+    t11 = c1*h2 - h1*s1
+    t12 = c2*h3 + t10*s2
+    t13 = t5 - t9*t12
+    t14 = t6 + t9*t11
+    t15 = c2*t10 - s2*h3
+    t16 = q3 + t8
+    t17 = p_d2 - t7
+    return (
+        c2*(t14 - t17*t15) - s2*(t17*t12 + (t3 - t11*t16)), t13 + t15*t16, t12, t14 + t7*t15,
+        s4*(t13 + t15*t8) - c4*(t11*t8 - (t3 - t7*t12)), t1*t3 + (t6*c5 - t4*t5),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_d1, p_d2, p_d6 = p
+    return (
+        p_d6, p_d2, p_d1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d2, p_d1 = k
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t1 = c6*h5 + s6*h4
+    t2 = c6*h1 - s6*h2
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t3 = c5*h3 - t2*s5
+    t4 = p_d6*s5
+    t5 = c5*t2 + s5*h3
+    t6 = p_d6*c5
+    t7 = c6*h4 - s6*h5
+    t8 = h1*s6 + c6*h2
+    t9 = c5*h6 - s5*t7
+    t10 = c5*t7 + s5*h6
+    c4 = cos(q4)
+    t11 = t4 - p_d2*c4
+    t12 = q3 + t6
+    s4 = sin(q4)
+    t13 = p_d2*s4
+    t14 = s4*(t5*t12 + (t1 - t11*t3)) + c4*(t8*t12 - (t10 + t13*t3))
+    s2 = sin(q2)
+    t15 = s2*s4
+    t16 = s2*c4
+    t17 = t11 - p_d1*t15
+    t18 = t13 - p_d1*t16
+    c2 = cos(q2)
+    t19 = t12 + p_d1*c2
+    t20 = c2*(t17*t8 + (t9 - t18*t5)) + t15*(t8*t19 - (t10 + t18*t3))
+    return (
+        t16*(t17*t3 - (t1 + t5*t19)) + t20, t14, t3, t9 + t4*t8, t5*t6 + (t1 - t4*t3), h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_d1, p_d2, p_d6 = p
     t1 = p_d2*p_d2
@@ -1466,7 +1594,8 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
 
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -1480,20 +1609,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -1523,6 +1652,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -1606,6 +1740,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -1635,6 +1777,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -1887,8 +2037,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -1900,12 +2048,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -2009,30 +2159,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -2070,6 +2217,26 @@ def _smaller(a, b):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 # Inverse kinematics.
@@ -2738,6 +2905,26 @@ _FUNCTIONS = {
         arguments=("q",),
         shape=(6,),
         kernel=_manipulability_dq,
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques,
+        hoisted=_wrench_torques_constants,
+        needs=(
+            1, 2,
+        ),
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(6,),
+        kernel=_wrench_torques_end,
+        hoisted=_wrench_torques_end_constants,
+        needs=(
+            0, 1, 2,
+        ),
     ),
 }
 

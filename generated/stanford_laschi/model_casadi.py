@@ -28,6 +28,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -65,6 +67,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 39, "add": 21, "div": 0, "sin": 3, "cos": 3, "sqrt": 1},
     "manipulability_orientation": {"mul": 16, "add": 11, "div": 0, "sin": 2, "cos": 3, "sqrt": 1},
     "manipulability_dq": {"mul": 11, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "wrench_torques": {"mul": 38, "add": 24, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
+    "wrench_torques_end": {"mul": 35, "add": 22, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 120, "add": 93, "div": 10, "sin": 3, "cos": 3, "sqrt": 6, "atan2": 16, "cases": 95},
 }
 GIVEN = ()
@@ -92,6 +96,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -704,6 +710,89 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d2 = k
+    s4 = sin(q4)
+    s5 = sin(q5)
+    t1 = s4*s5
+    c1 = cos(q1)
+    s1 = sin(q1)
+    t2 = c1*h5 - s1*h4
+    t3 = c1*h4 + s1*h5
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t4 = c2*t3 - s2*h6
+    c4 = cos(q4)
+    t5 = s5*c4
+    t6 = c2*h6 + s2*t3
+    c5 = cos(q5)
+    t7 = p_d6*t1
+    t8 = p_d6*c5
+    t9 = p_d6*t5
+    t10 = c1*h1 + h2*s1
+    t11 = c1*h2 - s1*h1
+    t12 = c2*h3 + s2*t10
+    t13 = t2 - t12*t9
+    t14 = t6 + t11*t9
+    t15 = c2*t10 - s2*h3
+    t16 = q3 + t8
+    t17 = p_d2 + t7
+    return (
+        c2*(t14 - t17*t15) - s2*(t17*t12 + (t4 - t16*t11)), t13 + t16*t15, t12, t14 - t7*t15,
+        c4*(t13 + t8*t15) - s4*(t7*t12 + (t4 - t8*t11)), t1*t2 + (c5*t6 + t4*t5),
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_d2, p_d6 = p
+    return (
+        p_d6, p_d2,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_d6, p_d2 = k
+    c6 = cos(q6)
+    s6 = sin(q6)
+    t1 = c6*h5 + s6*h4
+    t2 = h1*c6 - s6*h2
+    s5 = sin(q5)
+    c5 = cos(q5)
+    t3 = c5*h3 - s5*t2
+    t4 = p_d6*s5
+    t5 = c5*t2 + s5*h3
+    t6 = p_d6*c5
+    t7 = c6*h4 - s6*h5
+    t8 = s6*h1 + c6*h2
+    t9 = c5*h6 - t7*s5
+    s4 = sin(q4)
+    t10 = t4 + p_d2*s4
+    t11 = q3 + t6
+    t12 = t3*t10 - (t1 + t11*t5)
+    c4 = cos(q4)
+    t13 = p_d2*c4
+    t14 = t13*t3 + (s5*h6 - (t11*t8 - c5*t7))
+    s2 = sin(q2)
+    c2 = cos(q2)
+    return (
+        -(s2*(c4*t14 + s4*t12) + c2*(t13*t5 - (t9 + t8*t10))), t14*s4 - c4*t12, t3, t9 + t8*t4,
+        t6*t5 + (t1 - t3*t4), h6,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_d2, p_d6 = p
     t1 = p_d2*p_d2
@@ -1190,9 +1279,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -1330,6 +1422,28 @@ manipulability_dq = _function(
     output="dw/dq",
     shape=(6,),
     kernel=_manipulability_dq,
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(6,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
+    needs=(
+        0, 1,
+    ),
 )
 
 

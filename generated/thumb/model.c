@@ -1754,6 +1754,212 @@ void thumb_manipulability_dq_batch(size_t count, const double *restrict q, const
     }
 }
 
+/* wrench_torques */
+enum { wrench_torques_lanes = 32 };
+
+void thumb_wrench_torques_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void wrench_torques_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q3;
+    angles[3 * lanes] = q4;
+    angles[4 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s3 = sines[2 * lanes];
+    const double s4 = sines[3 * lanes];
+    const double s5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c3 = cosines[2 * lanes];
+    const double c4 = cosines[3 * lanes];
+    const double c5 = cosines[4 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = s4*s5;
+    const double t2 = k2*s4;
+    const double t3 = t2 + k1*(c4*s5 + c5*s4);
+    const double t4 = s1*h1 - h2*c1;
+    const double t5 = c2*t4 + s2*h3;
+    const double t6 = s1*h2 + c1*h1;
+    const double t7 = c3*t5 + t6*s3;
+    const double t8 = c1*h4 + s1*h5;
+    const double t9 = s1*h4 - c1*h5;
+    const double t10 = c2*t9 + s2*h6;
+    const double t11 = s3*t10 + (t3*t7 - c3*t8);
+    const double t12 = c4*s3;
+    const double t13 = c3*c4;
+    const double t14 = k2*t12;
+    const double t15 = t14 + k1*(c5*t12 - t1*s3);
+    const double t16 = k1*(c5*t13 - c3*t1);
+    const double t17 = s3*t15;
+    const double t18 = t16 + k2*t13;
+    const double t19 = c2*h3 - t4*s2;
+    const double t20 = s2*t9 - (t15*t5 + c2*h6);
+    const double t21 = k3 + t18;
+    result[0] = s2*(t6*t3 + (t10 - t15*t19)) - c2*(t20 + t21*t6);
+    result[lanes] = -(t21*t19 + (t8 - t5*t3));
+    result[2 * lanes] = -(t20 + t18*t6);
+    result[3 * lanes] = t11 - t19*(t17 + c3*t18);
+    result[4 * lanes] = t11 + t19*(s3*t14 - (t17 + c3*t16)) - t2*t7;
+}
+
+void thumb_wrench_torques(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    wrench_torques_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[5 * wrench_torques_lanes], sines[5 * wrench_torques_lanes], cosines[5 * wrench_torques_lanes];
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_angles(q + i, angles + i, wrench_torques_lanes);
+    sines_cosines(5 * wrench_torques_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_lanes; ++i)
+        wrench_torques_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_lanes, 1);
+}
+
+void thumb_wrench_torques_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_lanes) {
+        const size_t rows = count - start < wrench_torques_lanes ? count - start : wrench_torques_lanes;
+        double q_block[5 * wrench_torques_lanes], h_block[6 * wrench_torques_lanes], result_block[5 * wrench_torques_lanes];
+        load(5, q + 5 * start, rows, q_block, wrench_torques_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_lanes);
+        wrench_torques_block(q_block, h_block, k, result_block);
+        store(5, result_block, wrench_torques_lanes, result + 5 * start, rows);
+    }
+}
+
+/* wrench_torques_end */
+enum { wrench_torques_end_lanes = 32 };
+
+void thumb_wrench_torques_end_constants(const double *restrict params, double *restrict k)
+{
+    const double p_lI1 = params[0];
+    const double p_lI2 = params[1];
+    const double p_lI3 = params[2];
+    k[0] = p_lI3;
+    k[1] = p_lI2;
+    k[2] = p_lI1;
+}
+
+KERNEL void wrench_torques_end_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    angles[0] = q2;
+    angles[lanes] = q3;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+}
+
+KERNEL void wrench_torques_end_lane(const double *restrict h, const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double h1 = h[0];
+    const double h2 = h[lanes];
+    const double h3 = h[2 * lanes];
+    const double h4 = h[3 * lanes];
+    const double h5 = h[4 * lanes];
+    const double h6 = h[5 * lanes];
+    const double s2 = sines[0];
+    const double s3 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double c2 = cosines[0];
+    const double c3 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double t1 = k1 + k2*c5;
+    const double t2 = k2*s5;
+    const double t3 = c4*s5 + c5*s4;
+    const double t4 = c5*c4 - s4*s5;
+    const double t5 = c3*t3;
+    const double t6 = t2 + k3*t5;
+    const double t7 = k3*s3;
+    const double t8 = h2*t7 + (h4 - t6*h3);
+    const double t9 = c3*t4;
+    const double t10 = t1 + k3*t9;
+    const double t11 = h1*t7 - (h5 - t10*h3);
+    const double t12 = t6*h1 + (h6 + t10*h2);
+    const double t13 = (t4*c2 - s2*t5)*t11 + (t12*(s2*s3) - (t3*c2 + s2*t9)*t8);
+    result[0] = t13;
+    result[lanes] = c3*t12 + s3*(t4*t8 + t3*t11);
+    result[2 * lanes] = h3*(t2*t3 + t1*t4) - (t3*h4 + t4*h5);
+    result[3 * lanes] = t1*h2 + (h6 + t2*h1);
+    result[4 * lanes] = h6 + k1*h2;
+}
+
+void thumb_wrench_torques_end(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4], sines[4], cosines[4];
+    wrench_torques_end_angles(q, angles, 1);
+    for (size_t i = 0; i < 4; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 4; ++i)
+        cosines[i] = cos(angles[i]);
+    wrench_torques_end_lane(h, sines, cosines, k, result, 1, 1);
+}
+
+static void wrench_torques_end_block(const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    double angles[4 * wrench_torques_end_lanes], sines[4 * wrench_torques_end_lanes], cosines[4 * wrench_torques_end_lanes];
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_angles(q + i, angles + i, wrench_torques_end_lanes);
+    sines_cosines(4 * wrench_torques_end_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < wrench_torques_end_lanes; ++i)
+        wrench_torques_end_lane(h + i, sines + i, cosines + i, k, result + i, wrench_torques_end_lanes, 1);
+}
+
+void thumb_wrench_torques_end_batch(size_t count, const double *restrict q, const double *restrict h, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += wrench_torques_end_lanes) {
+        const size_t rows = count - start < wrench_torques_end_lanes ? count - start : wrench_torques_end_lanes;
+        double q_block[5 * wrench_torques_end_lanes], h_block[6 * wrench_torques_end_lanes], result_block[5 * wrench_torques_end_lanes];
+        load(5, q + 5 * start, rows, q_block, wrench_torques_end_lanes);
+        load(6, h + 6 * start, rows, h_block, wrench_torques_end_lanes);
+        wrench_torques_end_block(q_block, h_block, k, result_block);
+        store(5, result_block, wrench_torques_end_lanes, result + 5 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

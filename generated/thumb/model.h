@@ -54,6 +54,8 @@ enum {
     thumb_manipulability_constant_count = 3,
     thumb_manipulability_position_constant_count = 3,
     thumb_manipulability_dq_constant_count = 3,
+    thumb_wrench_torques_constant_count = 3,
+    thumb_wrench_torques_end_constant_count = 3,
     thumb_inverse_kinematics_constant_count = 14,
     thumb_branches = 4, /**< Branches of inverse kinematics. */
     thumb_none = 0, /**< The branch does not exist. */
@@ -262,6 +264,42 @@ void thumb_manipulability_dq_batch(size_t count, const double *q, const double *
 
 /** The constants of thumb_manipulability_dq, 3, from the parameters, 3. */
 void thumb_manipulability_dq_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the world.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_constants().
+ * @param[out] result  tau_h, 5: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 2: 52 mul, 32 add, 5 sin, 5 cos.
+ */
+void thumb_wrench_torques(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_wrench_torques_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of thumb_wrench_torques, 3, from the parameters, 3. */
+void thumb_wrench_torques_constants(const double *params, double *k);
+
+/**
+ * Torques and forces by which joints feel a wrench in the axes of the end effector.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  h       force [N] and moment [N m] of the environment on the end effector, about its origin, 6 entries.
+ * @param[in]  k       3 constants from wrench_torques_end_constants().
+ * @param[out] result  tau_h, 5: J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+ *
+ * Jacobian and wrench in the axes of joint frame 5: 37 mul, 23 add, 4 sin, 4 cos.
+ */
+void thumb_wrench_torques_end(const double *q, const double *h, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void thumb_wrench_torques_end_batch(size_t count, const double *q, const double *h, const double *k, double *result);
+
+/** The constants of thumb_wrench_torques_end, 3, from the parameters, 3. */
+void thumb_wrench_torques_end_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -27,6 +27,8 @@ Every function has a last input `params`, a column of the free parameters in the
     manipulability_position(q, params) -> w
     manipulability_orientation(q, params) -> w
     manipulability_dq(q, params) -> dw/dq
+    wrench_torques(q, h, params) -> tau_h
+    wrench_torques_end(q, h, params) -> tau_h
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -58,6 +60,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 49, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 9, "add": 7, "div": 0, "sin": 2, "cos": 0, "sqrt": 1},
     "manipulability_dq": {"mul": 130, "add": 81, "div": 1, "sin": 4, "cos": 4, "sqrt": 1},
+    "wrench_torques": {"mul": 52, "add": 32, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 37, "add": 23, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 164},
 }
 GIVEN = ()
@@ -85,6 +89,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -820,6 +826,94 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_lI3, p_lI2, p_lI1 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    s4 = sin(q4)
+    t1 = s4*s5
+    t2 = p_lI2*s4
+    t3 = t2 + p_lI3*(c4*s5 + c5*s4)
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t4 = s1*h1 - h2*c1
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t5 = c2*t4 + s2*h3
+    c3 = cos(q3)
+    t6 = s1*h2 + c1*h1
+    s3 = sin(q3)
+    t7 = c3*t5 + t6*s3
+    t8 = c1*h4 + s1*h5
+    t9 = s1*h4 - c1*h5
+    t10 = c2*t9 + s2*h6
+    t11 = s3*t10 + (t3*t7 - c3*t8)
+    t12 = c4*s3
+    t13 = c3*c4
+    t14 = p_lI2*t12
+    t15 = t14 + p_lI3*(c5*t12 - t1*s3)
+    t16 = p_lI3*(c5*t13 - c3*t1)
+    t17 = s3*t15
+    t18 = t16 + p_lI2*t13
+    t19 = c2*h3 - t4*s2
+    t20 = s2*t9 - (t15*t5 + c2*h6)
+    t21 = p_lI1 + t18
+    return (
+        s2*(t6*t3 + (t10 - t15*t19)) - c2*(t20 + t21*t6), -(t21*t19 + (t8 - t5*t3)), -(t20 + t18*t6),
+        t11 - t19*(t17 + c3*t18), t11 + t19*(s3*t14 - (t17 + c3*t16)) - t2*t7,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_lI3, p_lI2, p_lI1 = k
+    c5 = cos(q5)
+    t1 = p_lI3 + p_lI2*c5
+    s5 = sin(q5)
+    t2 = p_lI2*s5
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t3 = c4*s5 + c5*s4
+    t4 = c5*c4 - s4*s5
+    c3 = cos(q3)
+    t5 = c3*t3
+    t6 = t2 + p_lI1*t5
+    s3 = sin(q3)
+    t7 = p_lI1*s3
+    t8 = h2*t7 + (h4 - t6*h3)
+    t9 = c3*t4
+    t10 = t1 + p_lI1*t9
+    t11 = h1*t7 - (h5 - t10*h3)
+    t12 = t6*h1 + (h6 + t10*h2)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t13 = (t4*c2 - s2*t5)*t11 + (t12*(s2*s3) - (t3*c2 + s2*t9)*t8)
+    return (
+        t13, c3*t12 + s3*(t4*t8 + t3*t11), h3*(t2*t3 + t1*t4) - (t3*h4 + t4*h5), t1*h2 + (h6 + t2*h1),
+        h6 + p_lI3*h2,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_lI1, p_lI2, p_lI3 = p
@@ -1383,9 +1477,12 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
     )
 
 
+_WIDTHS = {"h": 6, "wrench": 6}
+
+
 def _function(name, arguments, output, shape, kernel, hoisted=None, needs=()):
     """A kernel as a CasADi function."""
-    inputs = [casadi.SX.sym(argument, DOF) for argument in arguments]
+    inputs = [casadi.SX.sym(argument, _WIDTHS.get(argument, DOF)) for argument in arguments]
     entries = [casadi.vertsplit(column) for column in inputs]
     params = casadi.SX.sym("params", len(PARAMETERS))
     constants = hoisted(_OPERATORS, [params[i] for i in needs]) if hoisted else ()
@@ -1528,6 +1625,28 @@ manipulability_dq = _function(
     shape=(5,),
     kernel=_manipulability_dq,
     hoisted=_manipulability_dq_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+wrench_torques = _function(
+    "wrench_torques",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(5,),
+    kernel=_wrench_torques,
+    hoisted=_wrench_torques_constants,
+    needs=(
+        0, 1, 2,
+    ),
+)
+wrench_torques_end = _function(
+    "wrench_torques_end",
+    arguments=("q", "h"),
+    output="tau_h",
+    shape=(5,),
+    kernel=_wrench_torques_end,
+    hoisted=_wrench_torques_end_constants,
     needs=(
         0, 1, 2,
     ),

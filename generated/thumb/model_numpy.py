@@ -49,6 +49,8 @@ OPERATIONS = {
     "manipulability_position": {"mul": 49, "add": 26, "div": 0, "sin": 4, "cos": 4, "sqrt": 1},
     "manipulability_orientation": {"mul": 9, "add": 7, "div": 0, "sin": 2, "cos": 0, "sqrt": 1},
     "manipulability_dq": {"mul": 130, "add": 81, "div": 1, "sin": 4, "cos": 4, "sqrt": 1},
+    "wrench_torques": {"mul": 52, "add": 32, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "wrench_torques_end": {"mul": 37, "add": 23, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 164},
 }
 GIVEN = ()
@@ -76,6 +78,8 @@ __all__ = [
     "manipulability_position",
     "manipulability_orientation",
     "manipulability_dq",
+    "wrench_torques",
+    "wrench_torques_end",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -290,6 +294,42 @@ def manipulability_dq(q, params=None, out=None):
     Volume of rows in joint frame 3, differentiated backwards: 130 mul, 81 add, 1 div, 4 sin, 4 cos, 1 sqrt.
     """
     return _FUNCTIONS["manipulability_dq"]((q,), params, out)
+
+
+def wrench_torques(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the world.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 5):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 2: 52 mul, 32 add, 5 sin, 5 cos.
+    """
+    return _FUNCTIONS["wrench_torques"]((q, h), params, out)
+
+
+def wrench_torques_end(q, h, params=None, out=None):
+    """Torques and forces by which joints feel a wrench in the axes of the end effector.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        h: force [N] and moment [N m] of the environment on the end effector, about its origin, (..., 6).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        tau_h, (..., 5):
+        J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h.
+
+    Jacobian and wrench in the axes of joint frame 5: 37 mul, 23 add, 4 sin, 4 cos.
+    """
+    return _FUNCTIONS["wrench_torques_end"]((q, h), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -1076,6 +1116,94 @@ def _manipulability_dq(functions, k, q):
     )
 
 
+def _wrench_torques_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _wrench_torques(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_lI3, p_lI2, p_lI1 = k
+    c4 = cos(q4)
+    s5 = sin(q5)
+    c5 = cos(q5)
+    s4 = sin(q4)
+    t1 = s4*s5
+    t2 = p_lI2*s4
+    t3 = t2 + p_lI3*(c4*s5 + c5*s4)
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t4 = s1*h1 - h2*c1
+    c2 = cos(q2)
+    s2 = sin(q2)
+    t5 = c2*t4 + s2*h3
+    c3 = cos(q3)
+    t6 = s1*h2 + c1*h1
+    s3 = sin(q3)
+    t7 = c3*t5 + t6*s3
+    t8 = c1*h4 + s1*h5
+    t9 = s1*h4 - c1*h5
+    t10 = c2*t9 + s2*h6
+    t11 = s3*t10 + (t3*t7 - c3*t8)
+    t12 = c4*s3
+    t13 = c3*c4
+    t14 = p_lI2*t12
+    t15 = t14 + p_lI3*(c5*t12 - t1*s3)
+    t16 = p_lI3*(c5*t13 - c3*t1)
+    t17 = s3*t15
+    t18 = t16 + p_lI2*t13
+    t19 = c2*h3 - t4*s2
+    t20 = s2*t9 - (t15*t5 + c2*h6)
+    t21 = p_lI1 + t18
+    return (
+        s2*(t6*t3 + (t10 - t15*t19)) - c2*(t20 + t21*t6), -(t21*t19 + (t8 - t5*t3)), -(t20 + t18*t6),
+        t11 - t19*(t17 + c3*t18), t11 + t19*(s3*t14 - (t17 + c3*t16)) - t2*t7,
+    )
+
+
+def _wrench_torques_end_constants(functions, p):
+    p_lI1, p_lI2, p_lI3 = p
+    return (
+        p_lI3, p_lI2, p_lI1,
+    )
+
+
+def _wrench_torques_end(functions, k, q, h):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5 = q
+    h1, h2, h3, h4, h5, h6 = h
+    p_lI3, p_lI2, p_lI1 = k
+    c5 = cos(q5)
+    t1 = p_lI3 + p_lI2*c5
+    s5 = sin(q5)
+    t2 = p_lI2*s5
+    c4 = cos(q4)
+    s4 = sin(q4)
+    t3 = c4*s5 + c5*s4
+    t4 = c5*c4 - s4*s5
+    c3 = cos(q3)
+    t5 = c3*t3
+    t6 = t2 + p_lI1*t5
+    s3 = sin(q3)
+    t7 = p_lI1*s3
+    t8 = h2*t7 + (h4 - t6*h3)
+    t9 = c3*t4
+    t10 = t1 + p_lI1*t9
+    t11 = h1*t7 - (h5 - t10*h3)
+    t12 = t6*h1 + (h6 + t10*h2)
+    s2 = sin(q2)
+    c2 = cos(q2)
+    t13 = (t4*c2 - s2*t5)*t11 + (t12*(s2*s3) - (t3*c2 + s2*t9)*t8)
+    return (
+        t13, c3*t12 + s3*(t4*t8 + t3*t11), h3*(t2*t3 + t1*t4) - (t3*h4 + t4*h5), t1*h2 + (h6 + t2*h1),
+        h6 + p_lI3*h2,
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_lI1, p_lI2, p_lI3 = p
@@ -1641,7 +1769,8 @@ def _inverse_kinematics_step(functions, k, q, T, damping):
 
 # What functions take, and what they refuse.
 
-_SHAPE = f"({DOF},) or (..., {DOF})"
+_WIDTHS = {"h": 6, "wrench": 6}
+"""Entries of arguments that have not one per joint."""
 
 
 class _Signature:
@@ -1655,20 +1784,20 @@ class _Signature:
         self.needs = tuple(PARAMETERS[i] for i in needs)
 
     def argument(self, label, value):
-        """An argument as a NumPy array of floats, (..., DOF)."""
+        """An argument as a NumPy array of floats, (..., its entries)."""
         try:
             array = np.asarray(value)
         except ValueError:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got rows of unequal length") from None
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
             raise TypeError(f"{self.name}: {label} must be real numbers; got dtype {array.dtype}")
         self.check_shape(label, array.shape)
         return array.astype(np.float64, copy=False)
 
     def check_shape(self, label, shape):
-        """Refuse an argument whose last axis is not that of the joints."""
-        if not shape or shape[-1] != DOF:
-            raise ValueError(f"{self.name}: {label} must have shape {_SHAPE}; got {tuple(shape)}")
+        """Refuse an argument whose last axis has not its entries."""
+        if not shape or shape[-1] != _WIDTHS.get(label, DOF):
+            raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got {tuple(shape)}")
 
     def parameters(self, params):
         """The parameters of a call, checked."""
@@ -1698,6 +1827,11 @@ class _Signature:
             raise ValueError(f"{wanted}; got {out.dtype} of shape {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{wanted}; got one that is read-only")
+
+
+def _shape(label):
+    width = _WIDTHS.get(label, DOF)
+    return f"({width},) or (..., {width})"
 
 
 _NAMES = frozenset(PARAMETERS)
@@ -1781,6 +1915,14 @@ def _elsewhere(name, values):
     return _Elsewhere(*found.values(), name, values) if found else None
 
 
+def _arrays(signature, values):
+    """Arguments as arrays of NumPy's or of another library."""
+    elsewhere = _elsewhere(signature.name, values)
+    if elsewhere is not None:
+        return elsewhere.arguments(signature, values)
+    return [signature.argument(label, value) for label, value in zip(signature.arguments, values)]
+
+
 class _Elsewhere:
     """Runs kernels on the arrays of another library, in their dtype and on their device.
 
@@ -1810,6 +1952,14 @@ class _Elsewhere:
         if _library(value) is not None:
             return self.namespace.astype(value, self.dtype)
         return self.namespace.asarray(value, dtype=self.dtype, device=self.device)
+
+    def arguments(self, signature, values):
+        """Arguments of a function, checked."""
+        arrays = []
+        for label, value in zip(signature.arguments, values):
+            arrays.append(self.array(value if _library(value) is not None else signature.argument(label, value)))
+            signature.check_shape(label, arrays[-1].shape)
+        return arrays
 
     def arranged(self, results, batch, shape):
         """Results, arrays or numbers, as one array (*batch, *shape)."""
@@ -2062,8 +2212,6 @@ _FEW = 16
 """Up to so many configurations are evaluated one by one: shorter columns cost more than they save."""
 
 _DOUBLE = np.dtype(np.float64)
-_ONE = (DOF,)
-_JOINTS = struct.Struct(f"{DOF}d")
 
 
 class _Function:
@@ -2075,12 +2223,14 @@ class _Function:
         self.hoisted = hoisted
         self._entries = struct.Struct(f"{self.signature.size}d")
         self._plans = {}
+        widths = [_WIDTHS.get(label, DOF) for label in arguments]
+        self._inputs = [((width,), struct.Struct(f"{width}d")) for width in widths]
 
     def __call__(self, values, params, out):
         signature = self.signature
         parameters = signature.parameters(params)
         if not parameters.extent and not parameters.libraries:
-            floats = _floats(values)
+            floats = _floats(values, self._inputs)
             if floats is not None:
                 if out is not None:
                     signature.check_out(out, ())
@@ -2184,30 +2334,27 @@ class _Function:
         signature = self.signature
         if out is not None:
             raise ValueError(f"{signature.name}: out is for NumPy's arrays; got arrays of {elsewhere.namespace.__name__}")
-        arrays = []
-        for label, value in zip(signature.arguments, values):
-            arrays.append(elsewhere.array(value if _library(value) is not None else signature.argument(label, value)))
-            signature.check_shape(label, arrays[-1].shape)
+        arrays = elsewhere.arguments(signature, values)
         batch = signature.batch(arrays, parameters.extent)
         if parameters.extent or parameters.libraries:
             given = [elsewhere.array(value) for value in self._given(parameters)]
             constants = self.hoisted(elsewhere.functions, given) if self.hoisted else ()
         else:
             constants = self._constants(parameters)
-        groups = [[array[..., i] for i in range(DOF)] for array in arrays]
+        groups = [[array[..., i] for i in range(array.shape[-1])] for array in arrays]
         return elsewhere.arranged(self.kernel(elsewhere.functions, constants, *groups), batch, signature.shape)
 
 
-def _floats(values):
+def _floats(values, inputs):
     """One configuration of each argument as floats; None where an argument is anything else."""
     groups = []
-    for value in values:
+    for value, (one, entries) in zip(values, inputs):
         kind = type(value)
-        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == _ONE:
+        if kind is np.ndarray and value.dtype is _DOUBLE and value.shape == one:
             groups.append(value.tolist())
         elif kind is list or kind is tuple:
             try:
-                groups.append(_JOINTS.unpack(_JOINTS.pack(*value)))
+                groups.append(entries.unpack(entries.pack(*value)))
             except (struct.error, TypeError, ValueError, OverflowError):
                 return None
         else:
@@ -2245,6 +2392,26 @@ def _smaller(a, b):
 
 _FLOATS = (math.sin, math.cos, math.sqrt, _sign, math.atan2, _less, _chosen, _larger, _smaller, abs)
 _ANY = (np.sin, np.cos, np.sqrt, np.sign, np.arctan2, _less, _chosen, np.maximum, np.minimum, np.absolute)
+
+
+def _under_wrench(function, felt, values, wrench, frame, params, out):
+    """A function of dynamics with a wrench on the end effector, whose torques the functions `felt` give by its axes."""
+    plain = function.signature
+    signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
+    if frame not in felt:
+        raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    *values, wrench = _arrays(signature, (*values, wrench))
+    signature.batch([*values, wrench], ())
+    torques = felt[frame]((values[0], wrench), params, None)
+    if "tau" in plain.arguments:
+        return function((*values[:-1], values[-1] + torques), params, out)
+    result = function(tuple(values), params, None) - torques
+    if out is None:
+        return result
+    signature.check_out(out, result.shape[: -len(plain.shape)])
+    out[...] = result
+    return out
+
 
 
 # Inverse kinematics.
@@ -2918,6 +3085,26 @@ _FUNCTIONS = {
         shape=(5,),
         kernel=_manipulability_dq,
         hoisted=_manipulability_dq_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "wrench_torques": _Function(
+        name="wrench_torques",
+        arguments=("q", "h"),
+        shape=(5,),
+        kernel=_wrench_torques,
+        hoisted=_wrench_torques_constants,
+        needs=(
+            0, 1, 2,
+        ),
+    ),
+    "wrench_torques_end": _Function(
+        name="wrench_torques_end",
+        arguments=("q", "h"),
+        shape=(5,),
+        kernel=_wrench_torques_end,
+        hoisted=_wrench_torques_end_constants,
         needs=(
             0, 1, 2,
         ),

@@ -42,7 +42,8 @@ def check_with_pinocchio(robot: RandomRobot, models: tuple[GeneratedModel, ...])
     """Every function of every target at one random state."""
     outside = reference(robot)
     q, qd, qdd, tau = configurations(random.Random(robot.n), robot.n, 4)
-    state: Mapping[str, Array] = {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau}
+    h = configurations(random.Random(robot.n), 6, 1)[0]
+    state: Mapping[str, Array] = {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau, "h": h}
     for model in models:
         for name in Oracle.of(Robot.from_text(robot.text), robot.values).functions:
             arguments = [state[argument] for argument in FUNCTIONS[name].arguments]

@@ -64,6 +64,10 @@ def test_what_follows_from_others_needs_less_than_these_and_the_rest_by_hand(nam
     n, m = program["jacobian"].shape[1], len(task_rows(load(name).robot))
     square, elimination = 2 * m * m * n, 2 * m**3 // 3
     assert cost["jacobian_hessian"] < n * cost["jacobian_dot"]
+    assert cost["wrench_torques"] < cost["jacobian"] + 11 * n
+    assert cost["wrench_torques_end"] < cost["jacobian_end"] + 11 * n
+    assert cost["wrench_torques_dq"] < cost["jacobian_hessian"] + 11 * n * n
+    assert cost["wrench_torques_end_dq"] < cost["jacobian_hessian"] + cost["jacobian"] + 22 * n * n
     assert cost["manipulability"] < cost["jacobian"] + (elimination if m == n else square + elimination)
     by_hand = cost["jacobian"] + cost["jacobian_hessian"] + square + 3 * elimination + n * (square + 2 * m * m)
     assert cost["manipulability_dq"] < by_hand

@@ -8,11 +8,12 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
-from derive.programs.program import Function, Program
+from derive.programs.program import ARGUMENTS, WIDTHS, Function, Program
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import Value
@@ -76,10 +77,15 @@ def small_program(graph: Graph, values: list[Value]) -> Program:
     return Program((Function(INTERFACES["gravity_vector"], (len(values),), tape, "by hand"),), ())
 
 
-def call(module: ModuleType, name: str, arguments: Mapping[str, object], **options: object) -> object:
+def call(module: ModuleType, name: str, values: Mapping[str, object], **options: object) -> object:
     function = getattr(module, name)
-    taken = [kind for kind in inspect.signature(function).parameters if kind not in ("params", "out")]
-    return function(*(arguments[kind] for kind in taken), **options)
+    taken = [kind for kind in inspect.signature(function).parameters if kind in ARGUMENTS]
+    return function(*(values[kind] for kind in taken), **options)
+
+
+def arguments(*batch: int, joints: int = 2, seed: int = 0) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return {kind: rng.uniform(-2, 2, (*batch, WIDTHS.get(kind, joints))) for kind in ARGUMENTS}
 
 
 IDENTIFICATION = ("regressor", "base_parameters")  # one like `base_regressor`, and one without arguments

@@ -11,10 +11,9 @@ import pytest
 
 from derive.robot.robot import Robot
 from tests.random_robots import random_robot
-from tests.targets.generated_models import FUNCTIONS, PARAMETERS, call, numpy_model, planar
+from tests.targets.generated_models import FUNCTIONS, PARAMETERS, arguments, call, numpy_model, planar
 
 MODEL = numpy_model(planar())
-KINDS = ("q", "qd", "qdd", "tau")
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
 
 
@@ -22,11 +21,6 @@ EXACT = {"rtol": 1e-12, "atol": 1e-12}
 def _double_precision() -> Iterator[None]:
     with jax.enable_x64(True):
         yield
-
-
-def arguments(*batch: int, joints: int = 2) -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(5)
-    return {kind: rng.uniform(-2, 2, (*batch, joints)) for kind in KINDS}
 
 
 @pytest.mark.parametrize("library", [strict, jnp])

@@ -49,6 +49,10 @@ WANTED, PARAMS = "q must be an array of 2 numbers", "params must be an object by
         ("jacobian([1, 2], {m3: 1})", "RangeError: jacobian: unknown in params: m3; the parameters are [m1, m2]"),
         ("gravityVector([1, 2], [1])", "RangeError: gravityVector: params must have 2 entries, [m1, m2]; got 1"),
         ("gravityVector([1, 2], 3)", f"TypeError: gravityVector: {PARAMS}; got number"),
+        (
+            "wrenchTorques([1, 2], [1])",
+            f"RangeError: wrenchTorques: {WANTED.replace('q', 'h').replace('2', '6')}; got 1",
+        ),
         ("inverseDynamics([1, 2], [1], [0, 0])", f"RangeError: inverseDynamics: {WANTED.replace('q', 'qd')}; got 1"),
     ],
 )

@@ -25,6 +25,7 @@ from tests.targets.generated_models import (
     FUNCTIONS,
     IDENTIFICATION,
     PARAMETERS,
+    arguments,
     call,
     casadi_model,
     load,
@@ -44,7 +45,8 @@ SHAPES = {
     **dict.fromkeys(("kinetic_energy", "potential_energy", "manipulability"), ()),
     **dict.fromkeys(("manipulability_position", "manipulability_orientation"), ()),
     **dict.fromkeys(("gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector"), (2,)),
-    "manipulability_dq": (2,),
+    **dict.fromkeys(("manipulability_dq", "wrench_torques", "wrench_torques_end"), (2,)),
+    **dict.fromkeys(("wrench_torques_dq", "wrench_torques_end_dq"), (2, 2)),
     **dict.fromkeys(("inverse_dynamics_dq", "inverse_dynamics_dqd"), (2, 2)),
     "base_regressor": (2, 8),
 }
@@ -57,11 +59,6 @@ CONSTANT = replace(INTERFACES["gravity_vector"], arguments=())
 def model(request: pytest.FixtureRequest) -> Iterator[ModuleType]:
     with running(request.param, planar()) as found:
         yield found.module
-
-
-def arguments(*batch: int, seed: int = 0) -> dict[str, np.ndarray]:
-    rng = np.random.default_rng(seed)
-    return {kind: rng.uniform(-2, 2, (*batch, 2)) for kind in ("q", "qd", "qdd", "tau")}
 
 
 def same(found: object, wanted: object, tolerance: float = 1e-12) -> None:
@@ -82,11 +79,11 @@ def test_whatever_varies_the_rest_may_stay(model: ModuleType, count: int) -> Non
     for name, varying in product(FUNCTIONS, product((False, True), repeat=4)):
         a = arguments(count)
         a = {kind: a[kind] if varies else a[kind][0] for kind, varies in zip(("q", "qd"), varying, strict=False)}
-        a |= {"qdd": np.full(2, 0.3), "tau": np.full((1, 2), 0.2)}
+        a |= {"qdd": np.full(2, 0.3), "tau": np.full((1, 2), 0.2), "h": np.ones(6)}
         masses = {m: rng.uniform(1, 2, count) if v else 1.5 for m, v in zip(("m1", "m2"), varying[2:], strict=True)}
         found = np.broadcast_to(call(model, name, a, params=masses), (count, *SHAPES[name]))
         for k in (0, count - 1):
-            one = {kind: values[k] if values.shape == (count, 2) else values.reshape(2) for kind, values in a.items()}
+            one = {kind: values[k] if values.shape == (count, 2) else values.ravel() for kind, values in a.items()}
             own = {m: float(np.broadcast_to(v, count)[k]) for m, v in masses.items()}
             same(found[k], call(model, name, one, params=own))
 

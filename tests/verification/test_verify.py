@@ -28,7 +28,7 @@ HEAD = """
 from functools import cache
 
 import numpy as np
-from derive.verification.oracle.functions import Oracle
+from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from derive.model.identification.base_parameters import base_set
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
@@ -43,7 +43,7 @@ def _value(name, arguments, params):
     numbers = {{key: np.asarray(value, dtype=float) for key, value in (params or {{}}).items()}}
     batch = np.broadcast_shapes(*(np.shape(a)[:-1] for a in arguments), *(v.shape for v in numbers.values()))
     columns = [np.broadcast_to(v, batch).reshape(-1, 1) for v in numbers.values()]
-    columns += [np.broadcast_to(a, (*batch, DOF)).reshape(-1, DOF) for a in arguments]
+    columns += [np.broadcast_to(a, (*batch, np.shape(a)[-1])).reshape(-1, np.shape(a)[-1]) for a in arguments]
     if not columns:
         return _evaluated(name, numbers, np.zeros((1, 0)))[0]
     rows, places = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
@@ -64,7 +64,8 @@ def _oracle(numbers):
 
 def _evaluated(name, numbers, rows):
     oracle = _oracle(tuple((key, float(value)) for key, value in numbers.items()))
-    arguments = [rows[:, k : k + DOF] for k in range(0, rows.shape[1], DOF)]
+    widths = [6 if argument == "h" else DOF for argument in FUNCTIONS[name].arguments]
+    arguments = np.split(rows, np.cumsum(widths)[:-1], axis=1) if widths else []
     value = oracle.evaluate(name, *arguments)
     return value if arguments else np.broadcast_to(value, (len(rows), *value.shape))
 """

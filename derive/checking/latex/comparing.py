@@ -6,11 +6,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from derive.checking.by_value import ByValue
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
-from derive.checking.latex.by_value import ByValue
 from derive.checking.latex.conditions import Condition, Values, ways
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Table

@@ -1,4 +1,4 @@
-"""Formulations of poses and Jacobians."""
+"""Formulations of poses, of Jacobians, and of what joints feel of a wrench."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -7,7 +7,8 @@ from itertools import combinations
 from derive.algebra.ring import determinant
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_hessian, jacobian_rate
-from derive.mechanics.vectors import Frame, column, multiply, transpose
+from derive.mechanics.joint_motion import to_child, to_parent
+from derive.mechanics.vectors import Frame, Vector, column, multiply, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, flat
@@ -15,12 +16,14 @@ from derive.programs.optimise.improve import improved_values
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.derivative import derivative, gradient
 from derive.programs.tape.graph import ZERO
-from derive.programs.tape.scalars import QD, Q
+from derive.programs.tape.scalars import QD, WRENCH, Q
 from derive.programs.tape.value import Value
 from derive.robot.options.inverse import POSE
 from derive.robot.task_rows import PARTS, task_rows
 
 Matrix = list[list[Value]]
+
+WORLD, END = "world", "end"  # axes of a wrench
 
 _FROM_THE_BASE = "transforms of joint frames from the base outwards"
 _SHORTEST = "the shortest ways to the world frame, turned by sums of angles of parallel joints"
@@ -102,6 +105,53 @@ def manipulability_gradients(trace: Trace) -> Iterator[Formulation]:
     least = min(manipulabilities("all", trace), key=lambda f: trace.choice.price([f.trace()[0].ref]).body)
     words = f"{least.words}, differentiated backwards"
     yield Formulation(words, lambda: gradient(least.trace()[0], trace.arguments(Q)))
+
+
+def wrench_torques(frame: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of J^T h, with h in the axes of the world or of the end effector."""
+    yield from _in_own_and_best_axes(frame, trace, recursion.wrench_torques)
+
+
+def wrench_torque_derivatives(frame: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of d J^T h / dq."""
+
+    def _values(jacobian: Matrix, force: Vector[Value], moment: Vector[Value]) -> list[Value]:
+        zero, turning = trace.chain.zero, frame == END
+        return flat(recursion.wrench_torque_derivatives(jacobian, force, moment, zero, turning=turning))
+
+    yield from _in_own_and_best_axes(frame, trace, _values)
+
+
+def _in_own_and_best_axes(
+    frame: str, trace: Trace, values: Callable[[Matrix, Vector[Value], Vector[Value]], list[Value]]
+) -> Iterator[Formulation]:
+    """What follows from J and a wrench, in the wrench's own axes and in those of the cheapest joint frame."""
+    own, *others = [
+        Formulation(f"Jacobian and wrench in the axes of {axes}", partial(list, values(jacobian, force, moment)))
+        for axes, jacobian, force, moment in _seen(frame, trace)
+    ]
+    yield own
+    yield from sorted(others, key=lambda f: trace.choice.price([value.ref for value in f.trace()]).body)[:1]
+
+
+def _seen(frame: str, trace: Trace) -> Iterator[tuple[str, Matrix, Vector[Value], Vector[Value]]]:
+    """J, force and moment in the wrench's own axes, if these are exact, and in those of joint frames."""
+    chain, n = trace.chain, trace.n
+    fx, fy, fz, *moments = (trace.domain.argument(WRENCH, i) for i in range(6))
+    wrench = (fx, fy, fz), (moments[0], moments[1], moments[2])
+    if frame == WORLD:
+        yield "the world", trace.shortest_jacobian or recursion.jacobian(chain), *wrench
+    elif trace.end_stations is not None:
+        yield "the end effector", cheapest_end_jacobian(trace.end_stations), *wrench
+    start = transpose(chain.base.rotation) if frame == WORLD else chain.tool.rotation
+    force, moment = (multiply(start, v) for v in wrench)
+    for k in range(1, n + 1) if frame == WORLD else range(n, 0, -1):
+        if frame == WORLD:
+            force, moment = to_child(chain.joints[k - 1], force), to_child(chain.joints[k - 1], moment)
+        if n <= POLICY.most_stations or k == n // 2:
+            yield f"joint frame {k}", recursion.jacobian_from(chain, k, at_end=True), force, moment
+        if frame == END:
+            force, moment = to_parent(chain.joints[k - 1], force), to_parent(chain.joints[k - 1], moment)
 
 
 def _volume(jacobian: Matrix, rows: Sequence[int]) -> list[Value]:

@@ -20,7 +20,7 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-Q, QD, QDD, TAU = "q", "qd", "qdd", "tau"  # kinds of arguments
+Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
 
 
 class TapeDomain:

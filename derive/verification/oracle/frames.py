@@ -7,7 +7,7 @@ Every function takes configurations ``(..., n)``, real or complex: complex ones 
 so nothing here conjugates. Inside, everything is in frame 0; the base transform is applied last.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,6 +97,12 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         rows={part: task_rows(robot, part) for part in ("all", *PARTS)},
         is_named=robot.inverse.task != POSE,
     )
+
+
+def together(arguments: Sequence[Array]) -> tuple[Array, ...]:
+    """Arguments with one batch shape, broadcast, each with its own entries."""
+    batch = np.broadcast_shapes(*(argument.shape[:-1] for argument in arguments))
+    return tuple(np.broadcast_to(argument, (*batch, argument.shape[-1])) for argument in arguments)
 
 
 def row_transform(arm: NumericArm, i: int, q: Array) -> Array:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 from derive.robot.robot import Robot
 from derive.verification.oracle import frames, identification, lagrange, newton, rates
-from derive.verification.oracle.frames import Array, NumericArm, numeric_arm
+from derive.verification.oracle.frames import Array, NumericArm, numeric_arm, together
 from derive.verification.oracle.identification import Identification
 
 
@@ -22,7 +22,7 @@ from derive.verification.oracle.identification import Identification
 class Definition:
     """One function of the generated interface."""
 
-    # Names of its arguments, each of shape (..., n); none for what depends on parameters alone.
+    # Names of its arguments, each of shape (..., n), a wrench (..., 6); none for what depends on parameters alone.
     arguments: tuple[str, ...]
     dynamic: bool  # whether it needs link parameters
     function: Callable[..., Array]  # its independent evaluation, from an arm and the arguments
@@ -69,6 +69,10 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
             for k in ("position", "orientation")
         },
         "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
+        "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1),
+        "wrench_torques_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16),
+        "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1),
+        "wrench_torques_end_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16),
     }
 )
 
@@ -113,6 +117,6 @@ class Oracle:
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
         """The value of a generated function."""
-        arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=float) for argument in arguments))
+        arrays = together([np.asarray(argument, dtype=float) for argument in arguments])
         definition = FUNCTIONS[name]
         return definition.function(self.identification if definition.identifies else self.arm, *arrays)

@@ -27,6 +27,24 @@ def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
     return np.moveaxis(slopes, -3, -1)
 
 
+def wrench_torques(arm: NumericArm, q: Array, h: Array) -> Array:
+    """J^T h, force first, in the world."""
+    return np.asarray((jacobian(arm, q) * h[..., None]).sum(axis=-2))
+
+
+def wrench_torques_end(arm: NumericArm, q: Array, h: Array) -> Array:
+    """The same with h in the axes of the end effector, turned into the world by those of its pose."""
+    turn = forward_kinematics(arm, q)[..., :3, :3]
+    world = [(turn * part[..., None, :]).sum(axis=-1) for part in (h[..., :3], h[..., 3:])]
+    return wrench_torques(arm, q, np.concatenate(world, axis=-1))
+
+
+def slopes(function: Callable[..., Array], arm: NumericArm, q: Array, h: Array) -> Array:
+    """The derivatives of the torques of a wrench by q_j, column j."""
+    moved = function(arm, _each(q) + 1j * STEP * np.eye(arm.n), h[..., None, :])
+    return np.swapaxes(moved.imag / STEP, -1, -2)
+
+
 def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
     """Rows of a part of J, (..., m, n), in the world if the file names the task, else in the axes of joint 1."""
     matrix = jacobian(arm, q)

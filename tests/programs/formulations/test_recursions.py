@@ -49,18 +49,19 @@ class State:
     qd: Floats
     qdd: Floats
     tau: Floats
+    h: Floats
     parameters: tuple[float, ...]  # numbers of the free ones
 
 
 def random_state(program: Program, n: int, values: dict[str, float], seed: int) -> State:
     """A state at random, away from zero velocities."""
     rng = random.Random(seed)
-    draw = lambda: np.array([rng.choice((-1, 1)) * rng.uniform(0.1, 1.5) for _ in range(n)])  # noqa: E731
-    return State(draw(), draw(), draw(), draw(), tuple(values.get(name, 0.7) for name in program.parameters))
+    draw = lambda n=n: np.array([rng.choice((-1, 1)) * rng.uniform(0.1, 1.5) for _ in range(n)])  # noqa: E731
+    return State(draw(), draw(), draw(), draw(), draw(6), tuple(values.get(name, 0.7) for name in program.parameters))
 
 
 def inputs_of(state: State, **changed: Floats) -> dict[str, list[float]]:
-    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau")}
+    inputs = {kind: list(changed.get(kind, getattr(state, kind))) for kind in ("q", "qd", "qdd", "tau", "h")}
     return {**inputs, PARAMETER: list(state.parameters)}
 
 

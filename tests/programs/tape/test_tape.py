@@ -420,4 +420,4 @@ def test_division_in_cells_is_one_operation() -> None:
     assert hoisted == Operations(mul=1, add=1, div=2)
     nodes = [node for function in program for node in function.tape.nodes]
     sources = [node.source for node in nodes if node.layer is Layer.BODY and node.source]
-    assert {source.kind for source in sources} == {"q", "qd"}
+    assert {source.kind for source in sources} == {"q", "qd", "h"}

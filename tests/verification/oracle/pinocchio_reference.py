@@ -175,6 +175,34 @@ class Reference:
         pin.computeRNEADerivatives(self.model, data, self.map @ q, self.map @ qd, self.map @ qdd)
         return self.map.T @ data.dtau_dq @ self.map, self.map.T @ data.dtau_dv @ self.map
 
+    def wrench_torques_end(self, q: Array, h: Array) -> Array:
+        """What an external force on the last joint's body, given at the end effector, takes off the torques."""
+        still = np.zeros(self.model.nv)
+        with_it = pin.rnea(self.model, self.data, self.map @ q, still, still, self.forces(h))
+        return np.array(self.map.T @ (pin.rnea(self.model, self.data, self.map @ q, still, still) - with_it))
+
+    def wrench_torques_end_dq(self, q: Array, h: Array) -> Array:
+        """Pinocchio differentiates at forces that are constant in the axes of their bodies."""
+        still, slopes = np.zeros(self.model.nv), []
+        for forces in (self.forces(0 * h), self.forces(h)):
+            data = self.data
+            pin.computeRNEADerivatives(self.model, data, self.map @ q, still, still, forces)
+            slopes.append(self.map.T @ data.dtau_dq @ self.map)
+        return np.array(slopes[0] - slopes[1])
+
+    def wrench_torques(self, q: Array, h: Array) -> Array:
+        turn = self.forward_kinematics(q)[:3, :3]
+        return self.wrench_torques_end(q, np.concatenate([h[:3] @ turn, h[3:] @ turn]))
+
+    def wrench_torques_dq(self, q: Array, h: Array) -> Array:
+        return np.array(np.einsum("rij,r->ij", self.jacobian_hessian(q), h))
+
+    def forces(self, h: Array) -> Any:
+        """A wrench in the axes of the end effector as forces on all bodies."""
+        forces = pin.StdVec_Force([pin.Force.Zero() for _ in range(self.model.njoints)])
+        forces[self.joints[-1]] = (self.ends[-1] * self.tool).act(pin.Force(h[:3], h[3:]))
+        return forces
+
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         bias = self.inverse_dynamics(q, qd, np.zeros_like(q))
         return np.array(np.linalg.solve(self.inertia_matrix(q), tau - bias))

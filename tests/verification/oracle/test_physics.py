@@ -22,7 +22,8 @@ TOLERANCE = 1e-10
 
 def motion(n: int, seed: int = 0) -> dict[str, Array]:
     q, qd, qdd, tau = configurations(random.Random(seed), n, 4)
-    return {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau}
+    h = configurations(random.Random(seed), 6, 1)[0]
+    return {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau, "h": h}
 
 
 def relative_error(got: Array, wanted: Array) -> float:
@@ -92,9 +93,10 @@ def test_the_sample_of_robots_covers_the_format() -> None:
 def test_a_batch_is_its_configurations_one_by_one(robot: RandomRobot) -> None:
     oracle = Oracle.of(Robot.from_text(robot.text), robot.values)
     rng = random.Random(1)
-    q, qd, last = (configurations(rng, robot.n, 6).reshape(2, 3, robot.n) for _ in range(3))
+    widths = {"q": robot.n, "qd": robot.n, "qdd": robot.n, "tau": robot.n, "h": 6}
+    drawn = {kind: configurations(rng, width, 6).reshape(2, 3, width) for kind, width in widths.items()}
     for name in oracle.functions:
-        arguments = [q, qd, last][: len(FUNCTIONS[name].arguments)]
+        arguments = [drawn[kind] for kind in FUNCTIONS[name].arguments]
         together = oracle.evaluate(name, *arguments)
         alone = oracle.evaluate(name, *(argument[1, 2] for argument in arguments))
         assert relative_error(*np.nan_to_num((together[1, 2], alone))) < 1e-12
@@ -219,6 +221,9 @@ def test_regressors_give_the_torques_and_values_have_the_axes_of_their_definitio
     assert isinstance(oracle.identification, Identification)
     base = oracle.evaluate("base_regressor", q, qd, qdd) @ oracle.evaluate("base_parameters")
     assert np.allclose(base, oracle.evaluate("inverse_dynamics", q, qd, qdd), rtol=1e-9, atol=1e-9)
+    rows = dict.fromkeys(("q", "qd", "qdd", "tau"), q[0]) | {"h": np.ones(6)}
     for function in oracle.functions:
         definition = FUNCTIONS[function]
-        assert oracle.evaluate(function, *(q[0] for _ in definition.arguments)).ndim == definition.axes, function
+        assert oracle.evaluate(function, *(rows[kind] for kind in definition.arguments)).ndim == definition.axes, (
+            function
+        )

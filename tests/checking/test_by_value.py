@@ -2,7 +2,7 @@
 
 import pytest
 
-from derive.checking.latex.by_value import ByValue
+from derive.checking.by_value import ByValue
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.quantities import own_quantity, slope
