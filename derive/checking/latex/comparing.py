@@ -275,9 +275,15 @@ class Comparing:
         found = self._by_value(table, name.piece.text, self._typed(name.piece), self.plain.location(name.piece.start))
         if left.head in _AXES_UNSAID and table.shape != (1, 1):
             return found
-        # a coordinate is one from another origin, not that of an earlier point in the base
-        is_coordinate = left.head.lower() in AXES and left.is_plain and not left.sub
+        # a lone z beside a radius is one from another origin, not that of an earlier point in the base
+        is_coordinate = self._lone_axes == {left.flat}
         return found if found and is_coordinate and found.quantity[0] in "(-" else None
+
+    @cached_property
+    def _lone_axes(self) -> set[str]:
+        """The letters x, y and z to which the text gives formulas."""
+        firsts = (taken_apart(equation[0].text) for equation in self.scope.equations if len(equation) > 1)
+        return {left.flat for left in firsts if left is not None and left.flat in AXES}
 
     def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
         """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""

@@ -29,6 +29,7 @@ from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_OF_ROTATION = re.compile(r"R([0-9]{2}),?([1-3])([1-3])")  # R_{36,23}
 _SEEN_FROM = re.compile(r"([pPnsoa])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
     r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"
@@ -302,6 +303,9 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         letter, sub, frame = seen.groups()
         rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, frame))))
         return next((expression_from_sympy(right.value[0, 0]) for right in rights if right), None)
+    if of_rotation := _OF_ROTATION.fullmatch(name):
+        right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
+        return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
     left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     for target in meanings.targets(left) if left else ():
         if is_scalar(target) and (right := meanings.right(target)):

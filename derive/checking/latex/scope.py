@@ -388,8 +388,8 @@ class Scope:
         is_point = left is not None and bool(left.sub) and left.head in ("theta", "q", "d", "v", *AXES)
         if left is not None and left.primes and replace(left, primes=0).is_plain and self.document and not is_point:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
-        if left is None or not left.is_plain or self.is_own(left):
-            return ""
+        if left is None or not left.is_plain or self.is_own(left) or re.fullmatch("R[0-9]{4}", left.flat):
+            return ""  # R_{36}(2,3) is an entry
         if left.arguments and not (self.document and left.head in "rhlD"):  # r(q_2, q_3), a length in the plane
             return ""
         rest = " ".join(other.text for other in self.equations[index] if other is not side)
@@ -411,7 +411,9 @@ class Scope:
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
         is_angle = left.head in ANGLES and not left.sub
-        if not is_first or not (is_angle or (left.head in _LENT if left.sub else left.flat in "ku")):
+        is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian
+        is_lent = left.head in _LENT if left.sub else left.flat in "ku" or is_length
+        if not is_first or not (is_angle or is_lent):
             return ""
         # what is a quantity by its letter is a name only where another formula has it
         first, own = 0 if is_angle or left.is_point else 1, side.text.strip()

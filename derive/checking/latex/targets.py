@@ -17,7 +17,7 @@ Indices = tuple[int, ...]
 
 _END = frozenset((
     "e", "ee", "eef", "eff", "E", "EE", "EEF", "n", "N", "t", "tool", "Tool", "TOOL", "tcp", "TCP", "H", "h", "end",
-    "hand", "Hand", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
+    "hand", "Hand", "e.e.", "e.e", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
 ))  # fmt: skip
 _BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")

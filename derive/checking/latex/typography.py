@@ -71,6 +71,15 @@ _PRIMES = re.compile(
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
 _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
 _DIFFERENCE = re.compile(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])")
+# An entry in brackets behind a rotation, R_{36}(2,3) or R_6^3[2,3], and a bound of cosines, clamp(c_3, -1, 1).
+_ENTRY = re.compile(
+    r"(?<![A-Za-z\\])R\s*_\s*(?:\{(?P<pair>[0-9]{2})\}|\{?(?P<frame>[0-9])\}?\s*\^\s*\{?(?P<seen>[0-9])\}?)"
+    r"\s*(?:\(|\[)\s*(?P<row>[1-3])\s*,\s*(?P<column>[1-3])\s*(?:\)|\])"
+)
+_CLAMPED = re.compile(
+    r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
+    r"\((?P<kept>(?:[^()]|\([^()]*\))*?),\s*-\s*1\s*,\s*1\s*\)"
+)
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
 _FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
@@ -92,6 +101,10 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
+    text = _CLAMPED.sub(_within, text)
+    text = _ENTRY.sub(
+        lambda m: f"R_{{{m['pair'] or m['seen'] + m['frame']},{m['row']}{m['column']}}}".ljust(len(m[0])), text
+    )
     text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
     text = _DIFFERENCE.sub(r"\\bm{D\1} ", text)
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
