@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array, NumericArm, chain_frames, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian, task_jacobian
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
@@ -25,15 +25,6 @@ def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
     """Entry r, i, j: d J_ri / d q_j."""
     slopes: Array = jacobian(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
     return np.moveaxis(slopes, -3, -1)
-
-
-def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
-    """Rows of a part of J, (..., m, n), in the world if the file names the task, else in the axes of joint 1."""
-    matrix = jacobian(arm, q)
-    if part != "all" or not arm.is_named:
-        back = np.swapaxes(arm.base[:3, :3] @ chain_frames(arm, q)[..., 0 if arm.standard else 1, :3, :3], -1, -2)
-        matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
-    return matrix[..., arm.rows[part], :]
 
 
 def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:
