@@ -69,6 +69,7 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
             for k in ("position", "orientation")
         },
         "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
+        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
     }
 )
 
@@ -108,6 +109,7 @@ class Oracle:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= name != "task_inertia" or len(frames.task_rows(self.arm)) <= self.arm.n
             names += [name] * present
         return tuple(names)
 

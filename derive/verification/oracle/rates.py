@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian, task_jacobian
+from derive.verification.oracle.lagrange import inertia_matrix
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
@@ -25,6 +26,12 @@ def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
     """Entry r, i, j: d J_ri / d q_j."""
     slopes: Array = jacobian(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
     return np.moveaxis(slopes, -3, -1)
+
+
+def task_mobility(arm: NumericArm, q: Array) -> Array:
+    """J B^-1 J^T of the rows of the task, the inverse of its inertia."""
+    rows = task_jacobian(arm, q)
+    return np.asarray(rows @ np.linalg.pinv(inertia_matrix(arm, q)) @ np.swapaxes(rows, -1, -2))
 
 
 def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:
