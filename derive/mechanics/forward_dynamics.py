@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import mul
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 from derive.mechanics import joint_motion, vectors
@@ -37,27 +38,45 @@ class Field(Scalar, Protocol):
 F = TypeVar("F", bound=Field)
 
 
-def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
-    """The accelerations qdd under torques tau, n entries [N m or N].
+def factorised(
+    matrix: Sequence[Sequence[F]], sides: Sequence[Sequence[F]]
+) -> tuple[list[list[F]], list[F], list[list[F]]]:
+    """U D U^T, U unit upper, of a symmetric matrix: columns of U, pivots D and y = U^-1 v for each right-hand side v.
 
-    The inertia matrix is factorised as U D U^T with unit upper U, from the last row up: starting at the tip keeps the
-    zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms, section 6.5).
+    Starting at the last row keeps the zeros of a chain's inertia matrix (Featherstone, Rigid Body Dynamics Algorithms,
+    section 6.5). The pivots of a positive definite matrix are positive in any order.
     """
-    # B = U D U^T: `rest` is the part still to be factorised, `factors[k]` column k of U, `rest[k][k]` pivot D_k.
-    n = len(torques)
-    qdd = [torque - b for torque, b in zip(torques, bias, strict=True)]
-    rest = [list(row[: i + 1]) for i, row in enumerate(inertia)]
-    factors: list[list[F]] = [[] for _ in range(n)]
-    for k in range(n - 1, -1, -1):
+    # `rest` is the part still to be factorised, `factors[k]` column k of U, `rest[k][k]` pivot D_k.
+    rest, lifted = [list(row[: i + 1]) for i, row in enumerate(matrix)], [list(side) for side in sides]
+    factors: list[list[F]] = [[] for _ in rest]
+    for k in range(len(rest) - 1, -1, -1):
         factors[k] = [entry / rest[k][k] for entry in rest[k][:k]]
-        # Schur complement rest - U_k D_k U_k^T, and back substitution in U y = tau - bias beside it.
+        # Schur complement rest - U_k D_k U_k^T, and back substitution in U y = v beside it.
         for i in range(k):
             for j in range(i + 1):
                 rest[i][j] = rest[i][j] - factors[k][i] * rest[k][j]
-            qdd[i] = qdd[i] - factors[k][i] * qdd[k]
+            for side in lifted:
+                side[i] = side[i] - factors[k][i] * side[k]
+    return factors, [rest[k][k] for k in range(len(rest))], lifted
+
+
+def carried(lifted: Sequence[Sequence[F]], pivots: Sequence[F], zero: F) -> list[list[F]]:
+    """V^T (U D U^T)^-1 V of right-hand sides V, symmetric: the sum of y_k y_k^T / D_k with y = U^-1 V."""
+    divided, places = (
+        [[y / pivot for y, pivot in zip(side, pivots, strict=True)] for side in lifted],
+        range(len(lifted)),
+    )
+    half = [[sum(map(mul, divided[i], lifted[j]), zero) for j in range(i + 1)] for i in places]
+    return [[half[max(i, j)][min(i, j)] for j in places] for i in places]
+
+
+def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
+    """The accelerations qdd under torques tau, n entries [N m or N]."""
+    push = [torque - b for torque, b in zip(torques, bias, strict=True)]
+    factors, pivots, (qdd,) = factorised(inertia, [push])
     # D U^T qdd = y, from the base outward.
-    for k in range(n):
-        qdd[k] = qdd[k] / rest[k][k]
+    for k, pivot in enumerate(pivots):
+        qdd[k] = qdd[k] / pivot
         for i in range(k):
             qdd[k] = qdd[k] - factors[k][i] * qdd[i]
     return qdd

@@ -8,7 +8,7 @@ from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
 from derive.errors import QuantityError
-from derive.programs.formulations.choice import Formulation
+from derive.programs.formulations.choice import Formulation, FormulationChoice
 from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
@@ -16,6 +16,7 @@ from derive.programs.program import Column, Function, Inverse, InverseSearch, Pr
 from derive.programs.tape.cost import program_cost
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 
 if TYPE_CHECKING:
     from derive.programs.inverse import Solved
@@ -96,6 +97,8 @@ class _Traced:
     def result(self) -> Function | None:
         """The function with its tape; None for an optional one without a value in any configuration."""
         row, choice = self.row, self.trace.choice
+        if self.size > row.most_improved:
+            choice = FormulationChoice(self.trace.robot, self.trace.graph, Effort.QUICK)
         try:
             chosen = choice.cheapest(self.formulations, search=row.search) if self.formulations else None
         except QuantityError:
@@ -106,7 +109,7 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        sizes = {"n": self.trace.n, "p": len(self.columns)}
+        sizes = {"n": self.trace.n, "p": len(self.columns), "m": len(task_rows(self.trace.robot))}
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
         formulation, tape = chosen
         return Function(row.interface, shape, tape, formulation.words, self.columns)

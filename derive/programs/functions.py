@@ -7,6 +7,7 @@ The oracle of `derive.verification` has its own table, lest a mistake is made tw
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from operator import attrgetter
 from typing import Any
 
@@ -17,6 +18,7 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column, Interface
 from derive.robot.inertial_parameters import has_regressor
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
 
@@ -35,6 +37,7 @@ class FunctionRow:
     # How many times the cheapest a formulation may cost as traced to be improved at all; None for all.
     margin: float | None = None
     search: bool = True  # whether a long search for shared parts pays
+    most_improved: float = inf  # nodes above which it is emitted as traced
     columns: Callable[[Trace], tuple[Column, ...]] | None = None  # names of the columns of the result
     is_optional: bool = False  # whether it is left out where it has no value in any configuration
     without_value: Callable[[Trace], Formulation] | None = None  # what stands for it there otherwise
@@ -284,6 +287,18 @@ ROWS = (
                 search=False,
             ),
         )
+    ),
+    _row(
+        ("Lambda = task_inertia(q)", ("m", "m")),
+        (
+            "Inertia that a force on the end effector meets in the task.",
+            "(J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank",
+        ),
+        dynamics.task_inertias,
+        exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
+        search=False,
+        most_improved=POLICY.most_eliminated,
+        without_value=dynamics.no_task_inertia,
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

@@ -42,8 +42,8 @@ class Interface:
 
     name: str  # for instance ``inverse_dynamics``
     arguments: tuple[str, ...]  # its arguments, in order, of `ARGUMENTS`; empty for what depends on parameters alone
-    # Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns; nothing for a
-    # scalar.
+    # Of the result for one configuration; ``n`` is the number of joints, ``p`` that of the columns, ``m`` that of the
+    # rows of the task; nothing for a scalar.
     shape: tuple[int | str, ...]
     symbol: str  # how the notes write the result
     summary: str  # one line

@@ -1,19 +1,20 @@
 """Which rows of the Jacobian belong to an arm's task."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from math import sin
+from math import nan, sin
 
 from derive.errors import ExpressionError
 from derive.robot.description import Convention
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import ZERO
+from derive.robot.expression import Expression
+from derive.robot.names import free_symbols
 from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
 
 PARTS = {"position": (0, 1, 2), "orientation": (3, 4, 5)}
 _TURNS: Mapping[str, tuple[int, ...]] = {"phi": (5,), "approach": (3, 4, 5), "orientation": (3, 4, 5)}
-_PARALLEL = 1e-12  # sine of a twist that is rounding
+_ROUNDING = 1e-12  # what is left of the sine of a twist, or of a length [m], that vanishes
 
 
 def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
@@ -25,13 +26,20 @@ def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
     if part == "all" and robot.inverse.task != POSE:
         return tuple(sorted({row for word in robot.inverse.task for row in _TURNS.get(word, ("xyz".find(word),))}))
     inner = robot.joints[:-1] if robot.convention is Convention.STANDARD else robot.joints[1:]
-    turns = [joint.is_revolute for joint in robot.joints]
-    moving = tuple(range(6))
-    with suppress(ExpressionError):
-        values = parameter_values(robot)
-        if all(abs(sin(to_float(joint.alpha, values))) < _PARALLEL for joint in inner):
-            moving = (*(0, 1) * any(turns), *(2,) * (not all(turns)), *(5,) * any(turns))
+    turns, moving = [joint.is_revolute for joint in robot.joints], tuple(range(6))
+    values = parameter_values(robot) | dict.fromkeys(free_symbols(robot), nan)
+
+    def _vanishes(cell: Expression, function: Callable[[float], float] = float) -> bool:
+        """Whether it is 0 whatever the numbers of free symbols, but for rounding."""
+        with suppress(ExpressionError):
+            return abs(function(to_float(cell, values))) < _ROUNDING
+        return False
+
+    parallel = [_vanishes(joint.alpha, sin) for joint in inner]
+    if all(parallel):
+        moving = (*(0, 1) * any(turns), *(2,) * (not all(turns)), *(5,) * any(turns))
     if part == "all" and len(moving) > robot.n:
-        meeting = robot.n == 3 and all(turns) and {joint.a for joint in inner} | {robot.joints[1].d} == {ZERO}
-        part = "orientation" if meeting else "position"
+        is_wrist = robot.n == 3 and all(turns) and not any(parallel)
+        is_wrist = is_wrist and all(map(_vanishes, [*(joint.a for joint in inner), robot.joints[1].d]))
+        part = "orientation" if is_wrist else "position"
     return tuple(row for row in moving if row in PARTS.get(part, moving))

@@ -7,11 +7,12 @@ import numpy as np
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import fitting_states
-from derive.verification.oracle.rates import distance_from_singularity
+from derive.verification.oracle.rates import distance_from_singularity, task_mobility
 from derive.verification.samples import SampleSet
 from derive.verification.tolerance import FLOOR, TINY, TOLERANCE, Bounds, largest, regressor_size, relative_errors
 
 SINGULAR = 1e-13  # smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined
+CONDITION = 1e-4  # the same of J B^-1 J^T, times that of B, below which the inverse is not compared
 NEAR = 1e-3  # distance from singular angles at which rounding may reach a thousandth of what is allowed
 MASSLESS = 1e-22  # share of its natural size below which a diagonal entry of B is the square of rounding
 SPARE = 100.0  # rounding of the torques that base parameters are fitted to, in units of the last place
@@ -105,6 +106,14 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
+    if function == "task_inertia":  # whose entries are those of unit directions times the roots of the diagonal
+        root = np.sqrt(np.maximum(np.diagonal(value, axis1=-2, axis2=-1), TINY))
+        of_inertia = np.abs(_eigenvalues(oracle.evaluate("inertia_matrix", *arguments))).min(axis=-1)
+        mobility = task_mobility(oracle.arm, *arguments)
+        rows = np.diagonal(mobility, axis1=-2, axis2=-1)
+        regular = np.asarray(_eigenvalues(mobility).min(axis=-1) * of_inertia > CONDITION)
+        regular &= (rows > NEAR**2 * rows.reshape(-1, rows.shape[-1]).max(axis=0)).all(axis=-1)
+        return Expectation(oracle, arguments, value, root[..., None] * root[..., None, :], regular)
     if FUNCTIONS[function].identifies:
         assert oracle.identification is not None, "only robots with regressors have these functions"
         natural = regressor_size(limits, oracle.identification, function, arguments[1:])
@@ -133,14 +142,19 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     return Expectation(oracle, arguments, value, scale, np.ones(arguments[0].shape[:-1], dtype=bool))
 
 
+def _eigenvalues(matrix: Array) -> Array:
+    """Those of a symmetric matrix scaled to a unit diagonal."""
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    unit = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    return np.asarray(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :])))
+
+
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
     """Accelerations by solving with B, where it is regular."""
     q, qd, tau = arguments
     matrix = oracle.evaluate("inertia_matrix", q)
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
-    unit = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    smallest = np.abs(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :]))).min(axis=-1)
-    regular = (smallest > SINGULAR) & (diagonal > 0).all(axis=-1)
+    regular = np.abs(_eigenvalues(matrix)).min(axis=-1) > SINGULAR
     regular &= (diagonal > MASSLESS * limits.inertia).all(axis=-1)
     solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))

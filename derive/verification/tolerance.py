@@ -6,10 +6,11 @@ its natural size counts, the bound that masses, lengths and rates give for that 
 """
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array
+from derive.verification.oracle.frames import Array, task_rows
 from derive.verification.oracle.functions import ANGLES, Oracle
 from derive.verification.oracle.identification import Identification
 
@@ -60,7 +61,7 @@ class Bounds:
         # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
-        self.rows = arm.rows  # rows of J by part
+        self.rows = partial(task_rows, arm)  # of J, by part
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
@@ -85,8 +86,8 @@ class Bounds:
                 return self.jacobian[..., None] * self.steepness
             case "manipulability" | "manipulability_position" | "manipulability_orientation" | "manipulability_dq":
                 # the product of the lengths of as many rows as there are
-                rows = self.rows.get(function.partition("_")[2], self.rows["all"])
-                lengths = np.linalg.norm(self.jacobian[list(rows)], axis=1)
+                rows = self.rows(function.partition("_")[2].removeprefix("dq") or "all")
+                lengths = np.linalg.norm(self.jacobian[rows], axis=1)
                 return np.asarray(np.prod(lengths) * (self.steepness if function == "manipulability_dq" else 1.0))
             case "wrench_torques" | "wrench_torques_end":
                 return np.asarray(rates[0] @ self.jacobian)

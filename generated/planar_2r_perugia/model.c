@@ -2205,6 +2205,118 @@ void planar_2r_perugia_wrench_torques_end_dq_batch(size_t count, const double *r
     }
 }
 
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+void planar_2r_perugia_task_inertia_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_ml1 = params[3];
+    const double p_l1 = params[4];
+    const double p_Il1 = params[5];
+    const double p_Im1 = params[7];
+    const double p_kr1 = params[8];
+    const double p_ml2 = params[9];
+    const double p_l2 = params[10];
+    const double p_Il2 = params[11];
+    const double p_mm2 = params[12];
+    const double p_Im2 = params[13];
+    const double p_kr2 = params[14];
+    const double t1 = p_kr2*p_Im2;
+    const double t2 = p_l2*p_ml2;
+    const double t3 = p_Il2 + p_l2*t2;
+    const double t4 = t2*p_a1;
+    const double t5 = t3 + p_kr2*t1;
+    const double t6 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Il1 + (p_Im2 + t3)));
+    k[0] = t1 + t3;
+    k[1] = p_a1;
+    k[2] = t4;
+    k[3] = t5;
+    k[4] = p_a2;
+    k[5] = (p_ml2 + p_mm2)*(p_a1*p_a1) + t6;
+    k[6] = 2.0*t4;
+}
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double t1 = k1 + k3*c2;
+    const double t2 = t1/k4;
+    const double t3 = 1.0 - t2;
+    const double t4 = k5*(c1*c2 - s1*s2);
+    const double t5 = k2*c1 + t3*t4;
+    const double t6 = t1*t2 - (k6 + k7*c2);
+    const double t7 = k5*(c1*s2 + s1*c2);
+    const double t8 = k2*s1 + t7*t3;
+    const double t9 = t5/t6;
+    const double t10 = t4/k4;
+    const double t11 = t8*t9 - t7*t10;
+    const double t12 = t5*t9 - t4*t10;
+    const double t13 = t11/t12;
+    const double t14 = t7*(t7/k4) - t8*(t8/t6);
+    const double t15 = t14 + t11*t13;
+    const double t16 = t12 - t14;
+    const double t17 = t12/t16;
+    const double t18 = (1e-13 < t17)*(1e-13 < -minimum(1.0, t17)*(t15/t16));
+    const double t19 = t15*t18;
+    const double t20 = t13/t19;
+    result[0] = 1.0/t19;
+    result[lanes] = t20;
+    result[2 * lanes] = t20;
+    result[3 * lanes] = t13*t20 - 1.0/(t12*t18);
+}
+
+void planar_2r_perugia_task_inertia(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void task_inertia_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, k, result + i, task_inertia_lanes, 1);
+}
+
+void planar_2r_perugia_task_inertia_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[2 * task_inertia_lanes], result_block[4 * task_inertia_lanes];
+        load(2, q + 2 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, k, result_block);
+        store(4, result_block, task_inertia_lanes, result + 4 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

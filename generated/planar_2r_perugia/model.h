@@ -79,6 +79,7 @@ enum {
     planar_2r_perugia_wrench_torques_dq_constant_count = 2,
     planar_2r_perugia_wrench_torques_end_constant_count = 2,
     planar_2r_perugia_wrench_torques_end_dq_constant_count = 1,
+    planar_2r_perugia_task_inertia_constant_count = 7,
     planar_2r_perugia_inverse_kinematics_constant_count = 7,
     planar_2r_perugia_branches = 1, /**< Branches of inverse kinematics. */
     planar_2r_perugia_none = 0, /**< The branch does not exist. */
@@ -588,6 +589,24 @@ void planar_2r_perugia_wrench_torques_end_dq_batch(size_t count, const double *q
 
 /** The constants of planar_2r_perugia_wrench_torques_end_dq, 1, from the parameters, 15. */
 void planar_2r_perugia_wrench_torques_end_dq_constants(const double *params, double *k);
+
+/**
+ * Inertia that a force on the end effector meets in the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       7 constants from task_inertia_constants().
+ * @param[out] result  Lambda, 2 x 2, row by row: (J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank.
+ *
+ * Inertia matrix, then the task's, factorised without roots: 25 mul, 14 add, 11 div, 2 sin, 2 cos, 3 cases.
+ * Once per set of parameters: 12 mul, 9 add.
+ */
+void planar_2r_perugia_task_inertia(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void planar_2r_perugia_task_inertia_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of planar_2r_perugia_task_inertia, 7, from the parameters, 15. */
+void planar_2r_perugia_task_inertia_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -40,6 +40,7 @@ Every function has a last input `params`, a column of the free parameters in the
     wrench_torques_dq(q, h, params) -> dtau_h/dq
     wrench_torques_end(q, h, params) -> tau_h
     wrench_torques_end_dq(q, h, params) -> dtau_h/dq
+    task_inertia(q, params) -> Lambda
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -95,6 +96,7 @@ OPERATIONS = {
     "wrench_torques_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "wrench_torques_end": {"mul": 4, "add": 3, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "wrench_torques_end_dq": {"mul": 3, "add": 1, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
+    "task_inertia": {"mul": 25, "add": 14, "div": 11, "sin": 2, "cos": 2, "sqrt": 0, "cases": 3},
     "inverse_kinematics": {"mul": 47, "add": 34, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
 GIVEN = ()
@@ -141,6 +143,7 @@ __all__ = [
     "wrench_torques_dq",
     "wrench_torques_end",
     "wrench_torques_end_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -881,6 +884,56 @@ def _wrench_torques_end_dq(functions, k, q, h):
     )
 
 
+def _task_inertia_constants(functions, p):
+    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2 = p
+    t1 = p_kr2*p_Im2
+    t2 = p_l2*p_ml2
+    t3 = p_Il2 + p_l2*t2
+    t4 = t1 + t3
+    t5 = t2*p_a1
+    t6 = t3 + p_kr2*t1
+    t7 = p_l1*(p_ml1*p_l1) + (p_kr1*(p_Im1*p_kr1) + (p_Il1 + (p_Im2 + t3)))
+    t8 = (p_ml2 + p_mm2)*(p_a1*p_a1) + t7
+    t9 = 2.0*t5
+    return (
+        t4, p_a1, t5, t6, p_a2, t8, t9,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2 = q
+    k1, p_a1, k3, k4, p_a2, k6, k7 = k
+    c2 = cos(q2)
+    t10 = k1 + k3*c2
+    t11 = t10/k4
+    t12 = 1.0 - t11
+    c1 = cos(q1)
+    s1 = sin(q1)
+    s2 = sin(q2)
+    t13 = p_a2*(c1*c2 - s1*s2)
+    t14 = p_a1*c1 + t12*t13
+    t15 = t10*t11 - (k6 + k7*c2)
+    t16 = p_a2*(c1*s2 + s1*c2)
+    t17 = p_a1*s1 + t16*t12
+    t18 = t14/t15
+    t19 = t13/k4
+    t20 = t17*t18 - t16*t19
+    t21 = t14*t18 - t13*t19
+    t22 = t20/t21
+    t23 = t16*(t16/k4) - t17*(t17/t15)
+    t24 = t23 + t20*t22
+    t25 = t21 - t23
+    t26 = t21/t25
+    t27 = less(1e-13, t26)*less(1e-13, -minimum(1.0, t26)*(t24/t25))
+    t28 = t24*t27
+    t29 = t22/t28
+    return (
+        1.0/t28, t29,
+        t29, t22*t29 - 1.0/(t21*t27),
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     p_a1, p_a2 = p
     t1 = p_a1*p_a1 + p_a2*p_a2
@@ -1329,6 +1382,17 @@ wrench_torques_end_dq = _function(
     hoisted=_wrench_torques_end_dq_constants,
     needs=(
         0,
+    ),
+)
+task_inertia = _function(
+    "task_inertia",
+    arguments=("q",),
+    output="Lambda",
+    shape=(2, 2),
+    kernel=_task_inertia,
+    hoisted=_task_inertia_constants,
+    needs=(
+        0, 1, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14,
     ),
 )
 

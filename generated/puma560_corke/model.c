@@ -5127,6 +5127,336 @@ void puma560_corke_wrench_torques_end_dq_batch(size_t count, const double *restr
     }
 }
 
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    const double q3 = q[2 * lanes];
+    const double q4 = q[3 * lanes];
+    const double q5 = q[4 * lanes];
+    const double t1 = q2 + q3;
+    angles[0] = q1;
+    angles[lanes] = q2;
+    angles[2 * lanes] = q4;
+    angles[3 * lanes] = q5;
+    angles[4 * lanes] = t1;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double s4 = sines[2 * lanes];
+    const double s5 = sines[3 * lanes];
+    const double sa5 = sines[4 * lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double c4 = cosines[2 * lanes];
+    const double c5 = cosines[3 * lanes];
+    const double ca5 = cosines[4 * lanes];
+    const double t1 = 0.00288*s5;
+    const double t2 = c4*t1;
+    const double t3 = 0.025375 - t2;
+    const double t4 = 0.00288*c5;
+    const double t5 = t4 + 0.89133;
+    const double t6 = sa5*t3 + ca5*t5;
+    const double t7 = 0.15005*t6;
+    const double t8 = s4*t1;
+    const double t9 = 0.00020216*s5;
+    const double t10 = s5*t9;
+    const double t11 = 0.002487168*c5;
+    const double t12 = 0.0001 + (0.00044216 - t10 + t11);
+    const double t13 = 0.00064216 + t11;
+    const double t14 = s4*(t13 - t12);
+    const double t15 = s4*t14;
+    const double t16 = c5*t9 + 0.001243584*s5;
+    const double t17 = s4*t16;
+    const double t18 = c4*t16;
+    const double t19 = ca5*(0.0047376 + t17) + sa5*(0.0203*t8 - c4*t14);
+    const double t20 = 4e-05*s5;
+    const double t21 = s4*t20;
+    const double t22 = 4e-05*c5;
+    const double t23 = sa5*(c4*t20) - ca5*t22;
+    const double t24 = 5.1518639227799214*t21;
+    const double t25 = t23*t24;
+    const double t26 = c4*t4;
+    const double t27 = s4*t4;
+    const double t28 = ca5*t26 - sa5*t1;
+    const double t29 = 0.4318*c2;
+    const double t30 = t29*(ca5*t3 - sa5*t5);
+    const double t31 = 0.00064216 + 0.001243584*c5;
+    const double t32 = 0.15005*t28 + t29*t27 + (ca5*(0.0203*t27) - sa5*(s4*t31));
+    const double t33 = 5.8464e-05*s5 - c4*t31;
+    const double t34 = 5.836060905888831*t33;
+    const double t35 = ca5*t8;
+    const double t36 = 0.0014 + (0.00024 + t10);
+    const double t37 = 0.15005*t35 - t29*t2 + (ca5*(t36 - 0.0203*t2) + sa5*t18);
+    const double t38 = 0.00020607455691119687*c5;
+    const double t39 = t37 + t23*t38;
+    const double t40 = t21*t38;
+    const double t41 = t21*t24;
+    const double t42 = t17 + t40;
+    const double t43 = 0.19079062612368 + t36 - t22*t38;
+    const double t44 = t42/t43;
+    const double t45 = t7 + t19 - t25 + t32*t34 - t39*t44;
+    const double t46 = 0.4318*s2;
+    const double t47 = t46*t6;
+    const double t48 = t29*(sa5*t26 + ca5*t1) - t46*t28 + t33;
+    const double t49 = 0.0406*t2;
+    const double t50 = t36 - t49;
+    const double t51 = 0.3586500705 - (t49 - (t13 - t15));
+    const double t52 = t29*(sa5*t8) - t46*t35 - t17 - t40;
+    const double t53 = t30 + t47 + t51 - t41 - t48*t34 + t52*t44;
+    const double t54 = 0.576873331938 + t51 - t41 - t33*t34 - t42*t44;
+    const double t55 = t53/t54;
+    const double t56 = 5.836060905888831*t48;
+    const double t57 = 0.6903913435*s2 + 0.023751*c2 + (t46*t8 + t7 + t19) - t25;
+    const double t58 = t52/t43;
+    const double t59 = t57 + t32*t56 + t39*t58 - t45*t55;
+    const double t60 = 2.0*t30;
+    const double t61 = 2.324814845 + (1.748114002 + (t60 + 2.0*t47 + t51)) - t41;
+    const double t62 = t61 - t48*t56 - t52*t58 - t53*t55;
+    const double t63 = t59/t62;
+    const double t64 = t45/t54;
+    const double t65 = ca5*(2.0*(0.011273199 + (5.8464e-05*c5 - t18))) + sa5*(t50 - (0.3251198455 + (t12 + t15)));
+    const double t66 = s2*(0.0141984*c2 + 1.601861202*s2) - (0.3001*t8 + t60 + (t50 - sa5*t65));
+    const double t67 = 5.1518639227799214*t23;
+    const double t68 = 5.836060905888831*t32;
+    const double t69 = 0.784029968642 + (3.153542285625 - t66) - t23*t67 - t32*t68;
+    const double t70 = t39/t43;
+    const double t71 = t69 - t39*t70 - t45*t64 - t59*t63;
+    const double t72 = c4*s5;
+    const double t73 = s4*s5;
+    const double t74 = c5*ca5 - sa5*t72;
+    const double t75 = ca5*t72 + c5*sa5;
+    const double t76 = t74*t24;
+    const double t77 = s4*sa5;
+    const double t78 = s4*ca5;
+    const double t79 = ca5 - t74*t38;
+    const double t80 = t76 - t77*t34 - t44*t79;
+    const double t81 = t76 - t77*t56 + t58*t79 - t55*t80;
+    const double t82 = 1.0 + t74*t67 + t77*t68 - t70*t79 - t64*t80 - t63*t81;
+    const double t83 = t82/t71;
+    const double t84 = c1*t73 + s1*t75;
+    const double t85 = s1*t73 - c1*t75;
+    const double t86 = c1 - t84*t24;
+    const double t87 = s1 - t85*t24;
+    const double t88 = c1*c4 - s1*t78;
+    const double t89 = s1*c4 + c1*t78;
+    const double t90 = s1*sa5 - t84*t38;
+    const double t91 = t86 + t88*t34 + t44*t90;
+    const double t92 = t86 + t88*t56 - t58*t90 - t55*t91;
+    const double t93 = t84*t67 + t88*t68 - t70*t90 + t64*t91 + t63*t92;
+    const double t94 = t81/t62;
+    const double t95 = t80/t54;
+    const double t96 = t79/t43;
+    const double t97 = 5.836060905888831*t77;
+    const double t98 = 5.1518639227799214*t74;
+    const double t99 = t82*t83 + t81*t94 + t80*t95 + t79*t96 + t77*t97 + t74*t98;
+    const double t100 = t93*t83 - t92*t94 - t91*t95 + t90*t96 + t88*t97 + t84*t98;
+    const double t101 = t100/t99;
+    const double t102 = t93/t71;
+    const double t103 = t92/t62;
+    const double t104 = t91/t54;
+    const double t105 = t90/t43;
+    const double t106 = 5.836060905888831*t88;
+    const double t107 = 5.1518639227799214*t84;
+    const double t108 = t93*t102 + t92*t103 + t91*t104 + t90*t105 + t88*t106 + t84*t107;
+    const double t109 = t108 - t100*t101;
+    const double t110 = c1*sa5 + t85*t38;
+    const double t111 = t87 + t89*t34 - t44*t110;
+    const double t112 = t87 + t89*t56 + t58*t110 - t55*t111;
+    const double t113 = t85*t67 + t89*t68 + t70*t110 + t64*t111 + t63*t112;
+    const double t114 = t113/t71;
+    const double t115 = t112/t62;
+    const double t116 = t111/t54;
+    const double t117 = t113*t114 + t112*t115 + t111*t116 + t110*(t110/t43) + t89*(5.836060905888831*t89);
+    const double t118 = t117 + t85*(5.1518639227799214*t85);
+    const double t119 = t99 + (t118 + t108);
+    const double t120 = t109/t119;
+    const double t121 = t99/t119;
+    const double t122 = minimum(1.0, t121);
+    const double t123 = minimum(t122, t120);
+    const double t124 = t113*t83 - t112*t94 - t111*t95 - t110*t96 + t89*t97 + t85*t98;
+    const double t125 = t113*t102 + t112*t103 + t111*t104 - t110*t105 + t89*t106;
+    const double t126 = t125 + t85*t107 - t124*t101;
+    const double t127 = t126/t109;
+    const double t128 = t124/t99;
+    const double t129 = t118 - t124*t128 - t126*t127;
+    const double t130 = t129/t119;
+    const double t131 = minimum(t123, t130);
+    const double t132 = 0.0203*ca5 - 0.4318*sa5;
+    const double t133 = t29 + t132;
+    const double t134 = 0.0203*sa5 + 0.4318*ca5;
+    const double t135 = t46 + t134;
+    const double t136 = t133 - t132*t55;
+    const double t137 = t132*t64 + t63*t136;
+    const double t138 = t137*t83 - t136*t94 - t132*t95;
+    const double t139 = t137*t102 + t136*t103 + t132*t104 - t138*t101;
+    const double t140 = t137*t114 + t136*t115 + t132*t116 - t138*t128 - t139*t127;
+    const double t141 = t140/t129;
+    const double t142 = t139/t109;
+    const double t143 = t138/t99;
+    const double t144 = t137/t71;
+    const double t145 = t136/t62;
+    const double t146 = t132/t54;
+    const double t147 = t137*t144 + t136*t145 + t132*t146;
+    const double t148 = t147 - t138*t143 - t139*t142 - t140*t141;
+    const double t149 = c1*t134;
+    const double t150 = s1*t134;
+    const double t151 = c1*t135 - t149*t55;
+    const double t152 = s1*t135 - t150*t55;
+    const double t153 = 0.15005*c1 - s1*t133 - t149*t64 - t63*t151;
+    const double t154 = 0.15005*s1 + c1*t133 - t150*t64 - t63*t152;
+    const double t155 = t154/t71;
+    const double t156 = t152/t62;
+    const double t157 = t153*(t153/t71) + t151*(t151/t62) + t149*(t149/t54);
+    const double t158 = t150/t54;
+    const double t159 = t154*t155 + t152*t156 + t150*t158;
+    const double t160 = t147 + (t157 + t159);
+    const double t161 = t148/t160;
+    const double t162 = minimum(t131, t161);
+    const double t163 = t154*t83 + t152*t94 + t150*t95;
+    const double t164 = t153*t83 + t151*t94 + t149*t95;
+    const double t165 = t154*t102 - t152*t103 - t150*t104 - t163*t101;
+    const double t166 = t154*t114 - t152*t115 - t150*t116 - t163*t128 - t165*t127;
+    const double t167 = t154*t144 - t152*t145 - t150*t146 - t163*t143 - t165*t142;
+    const double t168 = t167 - t166*t141;
+    const double t169 = t168/t148;
+    const double t170 = t166/t129;
+    const double t171 = t165/t109;
+    const double t172 = t163/t99;
+    const double t173 = t159 - t163*t172 - t165*t171 - t166*t170 - t168*t169;
+    const double t174 = t173/t160;
+    const double t175 = t153*t102 - t151*t103 - t149*t104 - t164*t101;
+    const double t176 = t153*t114 - t151*t115 - t149*t116 - t164*t128 - t175*t127;
+    const double t177 = t153*t144 - t151*t145 - t149*t146 - t164*t143 - t175*t142;
+    const double t178 = t177 - t176*t141;
+    const double t179 = t153*t155 + t151*t156 + t149*t158 - t164*t172 - t175*t171;
+    const double t180 = t179 - t176*t170 - t178*t169;
+    const double t181 = t180/t173;
+    const double t182 = t178/t148;
+    const double t183 = t176/t129;
+    const double t184 = t175/t109;
+    const double t185 = t164/t99;
+    const double t186 = t157 - t164*t185 - t175*t184 - t176*t183 - t178*t182 - t180*t181;
+    const double t187 = (1e-13 < t121)*(1e-13 < t122*t120)*(1e-13 < t123*t130);
+    const double t188 = t187*(1e-13 < t131*t161)*(1e-13 < t162*t174)*(1e-13 < minimum(t162, t174)*(t186/t160));
+    const double t189 = t186*t188;
+    const double t190 = t173*t188;
+    const double t191 = t148*t188;
+    const double t192 = t129*t188;
+    const double t193 = t109*t188;
+    const double t194 = t128 - t101*t127;
+    const double t195 = t143 - t101*t142 - t194*t141;
+    const double t196 = t172 - t101*t171 - t194*t170 - t195*t169;
+    const double t197 = t185 - t101*t184 - t194*t183 - t195*t182 - t196*t181;
+    const double t198 = t197/t189;
+    const double t199 = t196/t190;
+    const double t200 = t195/t191;
+    const double t201 = t194/t192;
+    const double t202 = t101/t193;
+    const double t203 = t197*t198 + t196*t199 + t195*t200 + t194*t201 + t101*t202;
+    const double t204 = t142 - t127*t141;
+    const double t205 = t171 - t127*t170 - t204*t169;
+    const double t206 = t184 - t127*t183 - t204*t182 - t205*t181;
+    const double t207 = t202 - (t206*t198 + t205*t199 + t204*t200 + t127*t201);
+    const double t208 = t170 - t141*t169;
+    const double t209 = t183 - t141*t182 - t208*t181;
+    const double t210 = t201 - (t209*t198 + t208*t199 + t141*t200);
+    const double t211 = t182 - t169*t181;
+    const double t212 = t199 - t181*t198;
+    const double t213 = t200 - (t211*t198 + t169*t199);
+    const double t214 = t206/t189;
+    const double t215 = t205/t190;
+    const double t216 = t204/t191;
+    const double t217 = t127/t192;
+    const double t218 = 1.0/t193 + (t206*t214 + t205*t215 + t204*t216 + t127*t217);
+    const double t219 = t217 - (t209*t214 + t208*t215 + t141*t216);
+    const double t220 = t215 - t181*t214;
+    const double t221 = t216 - (t211*t214 + t169*t215);
+    const double t222 = t209/t189;
+    const double t223 = t208/t190;
+    const double t224 = t141/t191;
+    const double t225 = t223 - t181*t222;
+    const double t226 = t224 - (t211*t222 + t169*t223);
+    const double t227 = t211/t189;
+    const double t228 = t181/t189;
+    const double t229 = t169/t190;
+    const double t230 = t229 - t181*t227;
+    result[0] = 1.0/t189;
+    result[lanes] = -t228;
+    result[2 * lanes] = -t227;
+    result[3 * lanes] = -t222;
+    result[4 * lanes] = t214;
+    result[5 * lanes] = -t198;
+    result[6 * lanes] = -t228;
+    result[7 * lanes] = 1.0/t190 + t181*t228;
+    result[8 * lanes] = -t230;
+    result[9 * lanes] = -t225;
+    result[10 * lanes] = t220;
+    result[11 * lanes] = -t212;
+    result[12 * lanes] = -t227;
+    result[13 * lanes] = -t230;
+    result[14 * lanes] = 1.0/t191 + (t211*t227 + t169*t229);
+    result[15 * lanes] = -t226;
+    result[16 * lanes] = t221;
+    result[17 * lanes] = -t213;
+    result[18 * lanes] = -t222;
+    result[19 * lanes] = -t225;
+    result[20 * lanes] = -t226;
+    result[21 * lanes] = 1.0/t192 + (t209*t222 + t208*t223 + t141*t224);
+    result[22 * lanes] = t219;
+    result[23 * lanes] = -t210;
+    result[24 * lanes] = t214;
+    result[25 * lanes] = t220;
+    result[26 * lanes] = t221;
+    result[27 * lanes] = t219;
+    result[28 * lanes] = t218;
+    result[29 * lanes] = t207;
+    result[30 * lanes] = -t198;
+    result[31 * lanes] = -t212;
+    result[32 * lanes] = -t213;
+    result[33 * lanes] = -t210;
+    result[34 * lanes] = t207;
+    result[35 * lanes] = 1.0/(t99*t188) + t203;
+}
+
+void puma560_corke_task_inertia(const double *restrict q, double *restrict result)
+{
+    double angles[5], sines[5], cosines[5];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 5; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 5; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, result, 1);
+}
+
+static void task_inertia_block(const double *restrict q, double *restrict result)
+{
+    double angles[5 * task_inertia_lanes], sines[5 * task_inertia_lanes], cosines[5 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(5 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, result + i, task_inertia_lanes);
+}
+
+void puma560_corke_task_inertia_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[6 * task_inertia_lanes], result_block[36 * task_inertia_lanes];
+        load(6, q + 6 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, result_block);
+        store(36, result_block, task_inertia_lanes, result + 36 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

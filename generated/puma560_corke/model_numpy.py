@@ -97,6 +97,7 @@ OPERATIONS = {
     "wrench_torques_dq": {"mul": 54, "add": 28, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "wrench_torques_end": {"mul": 40, "add": 25, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "wrench_torques_end_dq": {"mul": 81, "add": 49, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
+    "task_inertia": {"mul": 369, "add": 295, "div": 69, "sin": 5, "cos": 5, "sqrt": 0, "cases": 11},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
 GIVEN = ()
@@ -144,6 +145,7 @@ __all__ = [
     "wrench_torques_dq",
     "wrench_torques_end",
     "wrench_torques_end_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -684,6 +686,23 @@ def wrench_torques_end_dq(q, h, params=None, out=None):
     Jacobian and wrench in the axes of joint frame 3: 81 mul, 49 add, 5 sin, 5 cos.
     """
     return _FUNCTIONS["wrench_torques_end_dq"]((q, h), params, out)
+
+
+def task_inertia(q, params=None, out=None):
+    """Inertia that a force on the end effector meets in the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Lambda, (..., 6, 6):
+        (J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank.
+
+    Inertia matrix, then the task's, factorised without roots: 369 mul, 295 add, 69 div, 5 sin, 5 cos, 11 cases.
+    """
+    return _FUNCTIONS["task_inertia"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -3080,6 +3099,260 @@ def _wrench_torques_end_dq(functions, k, q, h):
     )
 
 
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4, q5, q6 = q
+    c4 = cos(q4)
+    s5 = sin(q5)
+    t1 = 0.00288*s5
+    t2 = c4*t1
+    t3 = 0.025375 - t2
+    t4 = q2 + q3
+    t5 = sin(t4)
+    t6 = cos(t4)
+    c5 = cos(q5)
+    t7 = 0.00288*c5
+    t8 = t7 + 0.89133
+    t9 = t5*t3 + t6*t8
+    t10 = 0.15005*t9
+    s4 = sin(q4)
+    t11 = s4*t1
+    t12 = 0.00020216*s5
+    t13 = s5*t12
+    t14 = 0.002487168*c5
+    t15 = 0.0001 + (0.00044216 - t13 + t14)
+    t16 = 0.00064216 + t14
+    t17 = s4*(t16 - t15)
+    t18 = s4*t17
+    t19 = c5*t12 + 0.001243584*s5
+    t20 = s4*t19
+    t21 = c4*t19
+    t22 = t6*(0.0047376 + t20) + t5*(0.0203*t11 - c4*t17)
+    t23 = 4e-05*s5
+    t24 = s4*t23
+    t25 = 4e-05*c5
+    t26 = t5*(c4*t23) - t6*t25
+    t27 = 5.1518639227799214*t24
+    t28 = t26*t27
+    t29 = c4*t7
+    t30 = s4*t7
+    t31 = t6*t29 - t5*t1
+    c2 = cos(q2)
+    t32 = 0.4318*c2
+    t33 = t32*(t6*t3 - t5*t8)
+    t34 = 0.00064216 + 0.001243584*c5
+    t35 = 0.15005*t31 + t32*t30 + (t6*(0.0203*t30) - t5*(s4*t34))
+    t36 = 5.8464e-05*s5 - c4*t34
+    t37 = 5.836060905888831*t36
+    t38 = t6*t11
+    t39 = 0.0014 + (0.00024 + t13)
+    t40 = 0.15005*t38 - t32*t2 + (t6*(t39 - 0.0203*t2) + t5*t21)
+    t41 = 0.00020607455691119687*c5
+    t42 = t40 + t26*t41
+    t43 = t24*t41
+    t44 = t24*t27
+    t45 = t20 + t43
+    t46 = 0.19079062612368 + t39 - t25*t41
+    t47 = t45/t46
+    t48 = t10 + t22 - t28 + t35*t37 - t42*t47
+    s2 = sin(q2)
+    t49 = 0.4318*s2
+    t50 = t49*t9
+    t51 = t32*(t5*t29 + t6*t1) - t49*t31 + t36
+    t52 = 0.0406*t2
+    t53 = t39 - t52
+    t54 = 0.3586500705 - (t52 - (t16 - t18))
+    t55 = t32*(t5*t11) - t49*t38 - t20 - t43
+    t56 = t33 + t50 + t54 - t44 - t51*t37 + t55*t47
+    t57 = 0.576873331938 + t54 - t44 - t36*t37 - t45*t47
+    t58 = t56/t57
+    t59 = 5.836060905888831*t51
+    t60 = 0.6903913435*s2 + 0.023751*c2 + (t49*t11 + t10 + t22)
+    t61 = t55/t46
+    t62 = t60 - t28 + t35*t59 + t42*t61 - t48*t58
+    t63 = 2.0*t33
+    t64 = 2.324814845 + (1.748114002 + (t63 + 2.0*t50 + t54)) - t44
+    t65 = t64 - t51*t59 - t55*t61 - t56*t58
+    t66 = t62/t65
+    t67 = t48/t57
+    t68 = t6*(2.0*(0.011273199 + (5.8464e-05*c5 - t21))) + t5*(t53 - (0.3251198455 + (t15 + t18)))
+    t69 = s2*(0.0141984*c2 + 1.601861202*s2) - (0.3001*t11 + t63 + (t53 - t5*t68))
+    t70 = 5.1518639227799214*t26
+    t71 = 5.836060905888831*t35
+    t72 = 0.784029968642 + (3.153542285625 - t69) - t26*t70 - t35*t71
+    t73 = t42/t46
+    t74 = t72 - t42*t73 - t48*t67 - t62*t66
+    t75 = c4*s5
+    t76 = s4*s5
+    t77 = c5*t6 - t5*t75
+    t78 = t6*t75 + c5*t5
+    t79 = t77*t27
+    t80 = s4*t5
+    t81 = s4*t6
+    t82 = t6 - t77*t41
+    t83 = t79 - t80*t37 - t47*t82
+    t84 = t79 - t80*t59 + t61*t82 - t58*t83
+    t85 = 1.0 + t77*t70 + t80*t71 - t73*t82 - t67*t83 - t66*t84
+    t86 = t85/t74
+    s1 = sin(q1)
+    c1 = cos(q1)
+    t87 = c1*t76 + s1*t78
+    t88 = s1*t76 - c1*t78
+    t89 = c1 - t87*t27
+    t90 = s1 - t88*t27
+    t91 = c1*c4 - s1*t81
+    t92 = s1*c4 + c1*t81
+    t93 = s1*t5 - t87*t41
+    t94 = t89 + t91*t37 + t47*t93
+    t95 = t89 + t91*t59 - t61*t93 - t58*t94
+    t96 = t87*t70 + t91*t71 - t73*t93 + t67*t94 + t66*t95
+    t97 = t84/t65
+    t98 = t83/t57
+    t99 = t82/t46
+    t100 = 5.836060905888831*t80
+    t101 = 5.1518639227799214*t77
+    t102 = t85*t86 + t84*t97 + t83*t98 + t82*t99 + t80*t100 + t77*t101
+    t103 = t96*t86 - t95*t97 - t94*t98 + t93*t99 + t91*t100 + t87*t101
+    t104 = t103/t102
+    t105 = t96/t74
+    t106 = t95/t65
+    t107 = t94/t57
+    t108 = t93/t46
+    t109 = 5.836060905888831*t91
+    t110 = 5.1518639227799214*t87
+    t111 = t96*t105 + t95*t106 + t94*t107 + t93*t108 + t91*t109 + t87*t110
+    t112 = t111 - t103*t104
+    t113 = c1*t5 + t88*t41
+    t114 = t90 + t92*t37 - t47*t113
+    t115 = t90 + t92*t59 + t61*t113 - t58*t114
+    t116 = t88*t70 + t92*t71 + t73*t113 + t67*t114 + t66*t115
+    t117 = t116/t74
+    t118 = t115/t65
+    t119 = t114/t57
+    t120 = t116*t117 + t115*t118 + t114*t119 + t113*(t113/t46) + t92*(5.836060905888831*t92)
+    t121 = t120 + t88*(5.1518639227799214*t88)
+    t122 = t102 + (t121 + t111)
+    t123 = t112/t122
+    t124 = t102/t122
+    t125 = minimum(1.0, t124)
+    t126 = minimum(t125, t123)
+    t127 = t116*t86 - t115*t97 - t114*t98 - t113*t99 + t92*t100 + t88*t101
+    t128 = t116*t105 + t115*t106 + t114*t107 - t113*t108 + t92*t109
+    t129 = t128 + t88*t110 - t127*t104
+    t130 = t129/t112
+    t131 = t127/t102
+    t132 = t121 - t127*t131 - t129*t130
+    t133 = t132/t122
+    t134 = minimum(t126, t133)
+    t135 = 0.0203*t6 - 0.4318*t5
+    t136 = t32 + t135
+    t137 = 0.0203*t5 + 0.4318*t6
+    t138 = t49 + t137
+    t139 = t136 - t135*t58
+    t140 = t135*t67 + t66*t139
+    t141 = t140*t86 - t139*t97 - t135*t98
+    t142 = t140*t105 + t139*t106 + t135*t107 - t141*t104
+    t143 = t140*t117 + t139*t118 + t135*t119 - t141*t131 - t142*t130
+    t144 = t143/t132
+    t145 = t142/t112
+    t146 = t141/t102
+    t147 = t140/t74
+    t148 = t139/t65
+    t149 = t135/t57
+    t150 = t140*t147 + t139*t148 + t135*t149
+    t151 = t150 - t141*t146 - t142*t145 - t143*t144
+    t152 = c1*t137
+    t153 = s1*t137
+    t154 = c1*t138 - t152*t58
+    t155 = s1*t138 - t153*t58
+    t156 = 0.15005*c1 - s1*t136 - t152*t67 - t66*t154
+    t157 = 0.15005*s1 + c1*t136 - t153*t67 - t66*t155
+    t158 = t157/t74
+    t159 = t155/t65
+    t160 = t156*(t156/t74) + t154*(t154/t65) + t152*(t152/t57)
+    t161 = t153/t57
+    t162 = t157*t158 + t155*t159 + t153*t161
+    t163 = t150 + (t160 + t162)
+    t164 = t151/t163
+    t165 = minimum(t134, t164)
+    t166 = t157*t86 + t155*t97 + t153*t98
+    t167 = t156*t86 + t154*t97 + t152*t98
+    t168 = t157*t105 - t155*t106 - t153*t107 - t166*t104
+    t169 = t157*t117 - t155*t118 - t153*t119 - t166*t131 - t168*t130
+    t170 = t157*t147 - t155*t148 - t153*t149 - t166*t146 - t168*t145
+    t171 = t170 - t169*t144
+    t172 = t171/t151
+    t173 = t169/t132
+    t174 = t168/t112
+    t175 = t166/t102
+    t176 = t162 - t166*t175 - t168*t174 - t169*t173 - t171*t172
+    t177 = t176/t163
+    t178 = t156*t105 - t154*t106 - t152*t107 - t167*t104
+    t179 = t156*t117 - t154*t118 - t152*t119 - t167*t131 - t178*t130
+    t180 = t156*t147 - t154*t148 - t152*t149 - t167*t146 - t178*t145
+    t181 = t180 - t179*t144
+    t182 = t156*t158 + t154*t159 + t152*t161 - t167*t175 - t178*t174
+    t183 = t182 - t179*t173 - t181*t172
+    t184 = t183/t176
+    t185 = t181/t151
+    t186 = t179/t132
+    t187 = t178/t112
+    t188 = t167/t102
+    t189 = t160 - t167*t188 - t178*t187 - t179*t186 - t181*t185 - t183*t184
+    t190 = less(1e-13, t124)*less(1e-13, t125*t123)*less(1e-13, t126*t133)
+    t191 = t190*less(1e-13, t134*t164)*less(1e-13, t165*t177)*less(1e-13, minimum(t165, t177)*(t189/t163))
+    t192 = t189*t191
+    t193 = t176*t191
+    t194 = t151*t191
+    t195 = t132*t191
+    t196 = t112*t191
+    t197 = t131 - t104*t130
+    t198 = t146 - t104*t145 - t197*t144
+    t199 = t175 - t104*t174 - t197*t173 - t198*t172
+    t200 = t188 - t104*t187 - t197*t186 - t198*t185 - t199*t184
+    t201 = t200/t192
+    t202 = t199/t193
+    t203 = t198/t194
+    t204 = t197/t195
+    t205 = t104/t196
+    t206 = t200*t201 + t199*t202 + t198*t203 + t197*t204 + t104*t205
+    t207 = t145 - t130*t144
+    t208 = t174 - t130*t173 - t207*t172
+    t209 = t187 - t130*t186 - t207*t185 - t208*t184
+    t210 = t205 - (t209*t201 + t208*t202 + t207*t203 + t130*t204)
+    t211 = t173 - t144*t172
+    t212 = t186 - t144*t185 - t211*t184
+    t213 = t204 - (t212*t201 + t211*t202 + t144*t203)
+    t214 = t185 - t172*t184
+    t215 = t202 - t184*t201
+    t216 = t203 - (t214*t201 + t172*t202)
+    t217 = t209/t192
+    t218 = t208/t193
+    t219 = t207/t194
+    t220 = t130/t195
+    t221 = 1.0/t196 + (t209*t217 + t208*t218 + t207*t219 + t130*t220)
+    t222 = t220 - (t212*t217 + t211*t218 + t144*t219)
+    t223 = t218 - t184*t217
+    t224 = t219 - (t214*t217 + t172*t218)
+    t225 = t212/t192
+    t226 = t211/t193
+    t227 = t144/t194
+    t228 = t226 - t184*t225
+    t229 = t227 - (t214*t225 + t172*t226)
+    t230 = t214/t192
+    t231 = t184/t192
+    t232 = t172/t193
+    t233 = t232 - t184*t230
+    return (
+        1.0/t192, -t231, -t230, -t225, t217, -t201,
+        -t231, 1.0/t193 + t184*t231, -t233, -t228, t223, -t215,
+        -t230, -t233, 1.0/t194 + (t214*t230 + t172*t232), -t229, t224, -t216,
+        -t225, -t228, -t229, 1.0/t195 + (t212*t225 + t211*t226 + t144*t227), t222, -t213,
+        t217, t223, t224, t222, t221, t210,
+        -t201, -t215, -t216, -t213, t210, 1.0/(t102*t191) + t206,
+    )
+
+
 def _inverse_kinematics(functions, k, T, near):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     T11, T12, T13, T14, T21, T22, T23, T24, T31, T32, T33, T34, T41, T42, T43, T44 = T
@@ -4980,6 +5253,12 @@ _FUNCTIONS = {
         arguments=("q", "h"),
         shape=(6, 6),
         kernel=_wrench_torques_end_dq,
+    ),
+    "task_inertia": _Function(
+        name="task_inertia",
+        arguments=("q",),
+        shape=(6, 6),
+        kernel=_task_inertia,
     ),
 }
 

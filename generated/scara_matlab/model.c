@@ -2298,6 +2298,129 @@ void scara_matlab_wrench_torques_end_dq_batch(size_t count, const double *restri
     }
 }
 
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, double *restrict result, const size_t lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double t1 = 2.0*c1;
+    const double t2 = 2.0*s1;
+    const double t3 = 1.0 + c2;
+    const double t4 = s2*t1 + t2*t3;
+    const double t5 = t2 - t4;
+    const double t6 = t2*s2 - t1*t3;
+    const double t7 = t1 + t6;
+    const double t8 = 48.72723235906782 + 53.0*c2;
+    const double t9 = 0.019596129952462543*t8;
+    const double t10 = t4 + t5*t9;
+    const double t11 = t6 - t9*t7;
+    const double t12 = t8*t9 - (167.5298993277098 + 106.0*c2);
+    const double t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2;
+    const double t14 = t13/t12;
+    const double t15 = 0.04442480460298804 - 1.0222567059132721*c2;
+    const double t16 = t15/t12;
+    const double t17 = t10*t16 + 0.019287862375722113*t5;
+    const double t18 = 2.9275067519841257e-05 - t16*t13;
+    const double t19 = 5.2466321353505805 - t15*t16;
+    const double t20 = t18/t19;
+    const double t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20);
+    const double t22 = t16*t11 - 0.019287862375722113*t7;
+    const double t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22);
+    const double t24 = 0.14130538623092265 - t13*t14;
+    const double t25 = t24 - t18*t20;
+    const double t26 = t23/t25;
+    const double t27 = t11/t12;
+    const double t28 = t22/t19;
+    const double t29 = 0.019596129952462543*t7;
+    const double t30 = t5*t29 - (t21*t26 - (t10*t27 + t17*t28));
+    const double t31 = t11*t27 - t7*t29;
+    const double t32 = t23*t26 + (t31 + t22*t28);
+    const double t33 = t30/t32;
+    const double t34 = t21/t25;
+    const double t35 = t5*(0.019596129952462543*t5) - t10*(t10/t12);
+    const double t36 = t35 + (t24 - t31);
+    const double t37 = t17/t19;
+    const double t38 = t30*t33 - (t21*t34 - (t35 - t17*t37));
+    const double t39 = t32/t36;
+    const double t40 = t25/t36;
+    const double t41 = minimum(1.0, t40);
+    const double t42 = (1e-13 < minimum(t41, -t39)*(t38/t36))*((1e-13 < t40)*(1e-13 < -t41*t39));
+    const double t43 = t38*t42;
+    const double t44 = t32*t42;
+    const double t45 = t25*t42;
+    const double t46 = t28 + t20*t26;
+    const double t47 = t33*t46 - (t37 - t20*t34);
+    const double t48 = t47/t43;
+    const double t49 = t46/t44;
+    const double t50 = t49 - t33*t48;
+    const double t51 = t20*(t20/t45) - (t46*t49 - (1.0/(t19*t42) + t47*t48));
+    const double t52 = t34 + t26*t33;
+    const double t53 = t52/t43;
+    const double t54 = t33/t43;
+    const double t55 = t26/t44;
+    const double t56 = t55 - t33*t53;
+    result[0] = 1.0/t43;
+    result[lanes] = -t54;
+    result[2 * lanes] = -t53;
+    result[3 * lanes] = t48;
+    result[4 * lanes] = -t54;
+    result[5 * lanes] = t33*t54 - 1.0/t44;
+    result[6 * lanes] = -t56;
+    result[7 * lanes] = t50;
+    result[8 * lanes] = -t53;
+    result[9 * lanes] = -t56;
+    result[10 * lanes] = 1.0/t45 + t52*t53 - t26*t55;
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = t48;
+    result[13 * lanes] = t50;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = t51;
+}
+
+void scara_matlab_task_inertia(const double *restrict q, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, result, 1);
+}
+
+static void task_inertia_block(const double *restrict q, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, result + i, task_inertia_lanes);
+}
+
+void scara_matlab_task_inertia_batch(size_t count, const double *restrict q, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[4 * task_inertia_lanes], result_block[16 * task_inertia_lanes];
+        load(4, q + 4 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, result_block);
+        store(16, result_block, task_inertia_lanes, result + 16 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 KERNEL void inverse_kinematics_step_angles(const double *restrict q, double *restrict angles, const size_t lanes)

@@ -423,6 +423,19 @@ void scara_matlab_wrench_torques_end_dq(const double *q, const double *h, double
 void scara_matlab_wrench_torques_end_dq_batch(size_t count, const double *q, const double *h, double *result);
 
 /**
+ * Inertia that a force on the end effector meets in the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[out] result  Lambda, 4 x 4, row by row: (J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank.
+ *
+ * Inertia matrix, then the task's, factorised without roots: 63 mul, 46 add, 23 div, 2 sin, 2 cos, 5 cases.
+ */
+void scara_matlab_task_inertia(const double *q, double *result);
+
+/** The same for `count` configurations. */
+void scara_matlab_task_inertia_batch(size_t count, const double *q, double *result);
+
+/**
  * Joint variables of a pose of the end effector, every branch.
  *
  * A reachable pose has up to 2 solutions, all of them listed, except where joints are free.

@@ -74,6 +74,7 @@ OPERATIONS = {
     "wrench_torques_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "wrench_torques_end": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "wrench_torques_end_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "task_inertia": {"mul": 63, "add": 46, "div": 23, "sin": 2, "cos": 2, "sqrt": 0, "cases": 5},
     "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
 GIVEN = ()
@@ -120,6 +121,7 @@ __all__ = [
     "wrench_torques_dq",
     "wrench_torques_end",
     "wrench_torques_end_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -643,6 +645,23 @@ def wrench_torques_end_dq(q, h, params=None, out=None):
     Jacobian and wrench in the axes of the end effector: 6 mul, 4 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["wrench_torques_end_dq"]((q, h), params, out)
+
+
+def task_inertia(q, params=None, out=None):
+    """Inertia that a force on the end effector meets in the task.
+
+    Args:
+        q: joint variables [rad, m], (..., n).
+        params: Numbers of the free parameters; see the module's docstring.
+        out: Where to write the result, if not to a new array.
+
+    Returns:
+        Lambda, (..., 4, 4):
+        (J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank.
+
+    Inertia matrix, then the task's, factorised without roots: 63 mul, 46 add, 23 div, 2 sin, 2 cos, 5 cases.
+    """
+    return _FUNCTIONS["task_inertia"]((q,), params, out)
 
 
 def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=None, tolerance=None):
@@ -1241,6 +1260,77 @@ def _wrench_torques_end_dq(functions, k, q, h):
         0.0, 0.0, 0.0, t7,
         0.0, 0.0, 0.0, 0.0,
         0.0, 0.0, 0.0, 0.0,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    s2 = sin(q2)
+    c1 = cos(q1)
+    t1 = 2.0*c1
+    s1 = sin(q1)
+    t2 = 2.0*s1
+    c2 = cos(q2)
+    t3 = 1.0 + c2
+    t4 = s2*t1 + t2*t3
+    t5 = t2 - t4
+    t6 = t2*s2 - t1*t3
+    t7 = t1 + t6
+    t8 = 48.72723235906782 + 53.0*c2
+    t9 = 0.019596129952462543*t8
+    t10 = t4 + t5*t9
+    t11 = t6 - t9*t7
+    t12 = t8*t9 - (167.5298993277098 + 106.0*c2)
+    t13 = 6.850551655252816e-05 - 0.0015763766281858738*c2
+    t14 = t13/t12
+    t15 = 0.04442480460298804 - 1.0222567059132721*c2
+    t16 = t15/t12
+    t17 = t10*t16 + 0.019287862375722113*t5
+    t18 = 2.9275067519841257e-05 - t16*t13
+    t19 = 5.2466321353505805 - t15*t16
+    t20 = t18/t19
+    t21 = 2.974295524879007e-05*t5 + (t10*t14 - t17*t20)
+    t22 = t16*t11 - 0.019287862375722113*t7
+    t23 = 2.974295524879007e-05*t7 - (t14*t11 - t20*t22)
+    t24 = 0.14130538623092265 - t13*t14
+    t25 = t24 - t18*t20
+    t26 = t23/t25
+    t27 = t11/t12
+    t28 = t22/t19
+    t29 = 0.019596129952462543*t7
+    t30 = t5*t29 - (t21*t26 - (t10*t27 + t17*t28))
+    t31 = t11*t27 - t7*t29
+    t32 = t23*t26 + (t31 + t22*t28)
+    t33 = t30/t32
+    t34 = t21/t25
+    t35 = t5*(0.019596129952462543*t5) - t10*(t10/t12)
+    t36 = t35 + (t24 - t31)
+    t37 = t17/t19
+    t38 = t30*t33 - (t21*t34 - (t35 - t17*t37))
+    t39 = t32/t36
+    t40 = t25/t36
+    t41 = minimum(1.0, t40)
+    t42 = less(1e-13, minimum(t41, -t39)*(t38/t36))*(less(1e-13, t40)*less(1e-13, -t41*t39))
+    t43 = t38*t42
+    t44 = t32*t42
+    t45 = t25*t42
+    t46 = t28 + t20*t26
+    t47 = t33*t46 - (t37 - t20*t34)
+    t48 = t47/t43
+    t49 = t46/t44
+    t50 = t49 - t33*t48
+    t51 = t20*(t20/t45) - (t46*t49 - (1.0/(t19*t42) + t47*t48))
+    t52 = t34 + t26*t33
+    t53 = t52/t43
+    t54 = t33/t43
+    t55 = t26/t44
+    t56 = t55 - t33*t53
+    return (
+        1.0/t43, -t54, -t53, t48,
+        -t54, t33*t54 - 1.0/t44, -t56, t50,
+        -t53, -t56, 1.0/t45 + t52*t53 - t26*t55, 0.0,
+        t48, t50, 0.0, t51,
     )
 
 
@@ -2792,6 +2882,12 @@ _FUNCTIONS = {
         arguments=("q", "h"),
         shape=(4, 4),
         kernel=_wrench_torques_end_dq,
+    ),
+    "task_inertia": _Function(
+        name="task_inertia",
+        arguments=("q",),
+        shape=(4, 4),
+        kernel=_task_inertia,
     ),
 }
 

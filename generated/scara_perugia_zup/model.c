@@ -2647,6 +2647,140 @@ void scara_perugia_zup_wrench_torques_end_dq_batch(size_t count, const double *r
     }
 }
 
+/* task_inertia */
+enum { task_inertia_lanes = 32 };
+
+void scara_perugia_zup_task_inertia_constants(const double *restrict params, double *restrict k)
+{
+    const double p_a1 = params[0];
+    const double p_a2 = params[1];
+    const double p_ml1 = params[4];
+    const double p_l1 = params[5];
+    const double p_Il1 = params[6];
+    const double p_Im1 = params[8];
+    const double p_kr1 = params[9];
+    const double p_ml2 = params[10];
+    const double p_l2 = params[11];
+    const double p_Il2 = params[12];
+    const double p_mm2 = params[13];
+    const double p_Im2 = params[14];
+    const double p_kr2 = params[15];
+    const double p_ml3 = params[16];
+    const double p_Il4 = params[17];
+    const double t1 = p_a2*p_ml3;
+    const double t2 = p_l2*p_ml2;
+    const double t3 = p_a2*t1 + (p_Il2 + p_l2*t2);
+    const double t4 = p_Im2*p_kr2;
+    const double t5 = p_a1*(t2 + t1);
+    const double t6 = t3 + p_kr2*t4;
+    const double t7 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)));
+    const double t8 = 1.0/p_ml3;
+    k[0] = p_a2;
+    k[1] = t4 + t3;
+    k[2] = p_a1;
+    k[3] = t5;
+    k[4] = t6;
+    k[5] = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t7;
+    k[6] = 2.0*t5;
+    k[7] = t8;
+    k[8] = 1.0/p_Il4;
+}
+
+KERNEL void task_inertia_angles(const double *restrict q, double *restrict angles, const size_t lanes)
+{
+    const double q1 = q[0];
+    const double q2 = q[lanes];
+    angles[0] = q1;
+    angles[lanes] = q2;
+}
+
+KERNEL void task_inertia_lane(const double *restrict sines, const double *restrict cosines, const double *restrict k, double *restrict result, const size_t lanes, const size_t k_lanes)
+{
+    const double s1 = sines[0];
+    const double s2 = sines[lanes];
+    const double c1 = cosines[0];
+    const double c2 = cosines[lanes];
+    const double k1 = k[0];
+    const double k2 = k[k_lanes];
+    const double k3 = k[2 * k_lanes];
+    const double k4 = k[3 * k_lanes];
+    const double k5 = k[4 * k_lanes];
+    const double k6 = k[5 * k_lanes];
+    const double k7 = k[6 * k_lanes];
+    const double k8 = k[7 * k_lanes];
+    const double k9 = k[8 * k_lanes];
+    const double t1 = k1*(c1*s2 + s1*c2);
+    const double t2 = k2 + k4*c2;
+    const double t3 = t2/k5;
+    const double t4 = 1.0 - t3;
+    const double t5 = k3*s1 + t1*t4;
+    const double t6 = t2*t3 - (k6 + k7*c2);
+    const double t7 = k1*(c1*c2 - s1*s2);
+    const double t8 = k3*c1 + t4*t7;
+    const double t9 = t8/t6;
+    const double t10 = t1*(t1/k5) - t5*(t5/t6);
+    const double t11 = t7/k5;
+    const double t12 = t8*t9 - t7*t11;
+    const double t13 = t5*t9 - t1*t11;
+    const double t14 = t10 + (k8 - t12);
+    const double t15 = k8/t14;
+    const double t16 = minimum(1.0, t15);
+    const double t17 = t12/t14;
+    const double t18 = t13/t12;
+    const double t19 = t10 + t13*t18;
+    const double t20 = (1e-13 < minimum(t16, -t17)*(t19/t14))*((1e-13 < t15)*(1e-13 < -t16*t17));
+    const double t21 = t19*t20;
+    const double t22 = t18/t21;
+    result[0] = 1.0/t21;
+    result[lanes] = t22;
+    result[2 * lanes] = 0.0;
+    result[3 * lanes] = 0.0;
+    result[4 * lanes] = t22;
+    result[5 * lanes] = t18*t22 - 1.0/(t12*t20);
+    result[6 * lanes] = 0.0;
+    result[7 * lanes] = 0.0;
+    result[8 * lanes] = 0.0;
+    result[9 * lanes] = 0.0;
+    result[10 * lanes] = 1.0/(k8*t20);
+    result[11 * lanes] = 0.0;
+    result[12 * lanes] = 0.0;
+    result[13 * lanes] = 0.0;
+    result[14 * lanes] = 0.0;
+    result[15 * lanes] = 1.0/(k9*t20);
+}
+
+void scara_perugia_zup_task_inertia(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2], sines[2], cosines[2];
+    task_inertia_angles(q, angles, 1);
+    for (size_t i = 0; i < 2; ++i)
+        sines[i] = sin(angles[i]);
+    for (size_t i = 0; i < 2; ++i)
+        cosines[i] = cos(angles[i]);
+    task_inertia_lane(sines, cosines, k, result, 1, 1);
+}
+
+static void task_inertia_block(const double *restrict q, const double *restrict k, double *restrict result)
+{
+    double angles[2 * task_inertia_lanes], sines[2 * task_inertia_lanes], cosines[2 * task_inertia_lanes];
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_angles(q + i, angles + i, task_inertia_lanes);
+    sines_cosines(2 * task_inertia_lanes, angles, sines, cosines);
+    for (size_t i = 0; i < task_inertia_lanes; ++i)
+        task_inertia_lane(sines + i, cosines + i, k, result + i, task_inertia_lanes, 1);
+}
+
+void scara_perugia_zup_task_inertia_batch(size_t count, const double *restrict q, const double *restrict k, double *restrict result)
+{
+    for (size_t start = 0; start < count; start += task_inertia_lanes) {
+        const size_t rows = count - start < task_inertia_lanes ? count - start : task_inertia_lanes;
+        double q_block[4 * task_inertia_lanes], result_block[16 * task_inertia_lanes];
+        load(4, q + 4 * start, rows, q_block, task_inertia_lanes);
+        task_inertia_block(q_block, k, result_block);
+        store(16, result_block, task_inertia_lanes, result + 16 * start, rows);
+    }
+}
+
 /* inverse_kinematics */
 
 static void inverse_kinematics_step_constants(const double *restrict params, double *restrict k)

@@ -84,6 +84,7 @@ enum {
     scara_perugia_zup_wrench_torques_dq_constant_count = 2,
     scara_perugia_zup_wrench_torques_end_constant_count = 2,
     scara_perugia_zup_wrench_torques_end_dq_constant_count = 2,
+    scara_perugia_zup_task_inertia_constant_count = 9,
     scara_perugia_zup_inverse_kinematics_constant_count = 14,
     scara_perugia_zup_branches = 2, /**< Branches of inverse kinematics. */
     scara_perugia_zup_none = 0, /**< The branch does not exist. */
@@ -593,6 +594,24 @@ void scara_perugia_zup_wrench_torques_end_dq_batch(size_t count, const double *q
 
 /** The constants of scara_perugia_zup_wrench_torques_end_dq, 2, from the parameters, 18. */
 void scara_perugia_zup_wrench_torques_end_dq_constants(const double *params, double *k);
+
+/**
+ * Inertia that a force on the end effector meets in the task.
+ *
+ * @param[in]  q       joint variables [rad, m], one entry per joint.
+ * @param[in]  k       9 constants from task_inertia_constants().
+ * @param[out] result  Lambda, 4 x 4, row by row: (J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank.
+ *
+ * Inertia matrix, then the task's, factorised without roots: 29 mul, 15 add, 14 div, 2 sin, 2 cos, 5 cases.
+ * Once per set of parameters: 14 mul, 12 add, 2 div.
+ */
+void scara_perugia_zup_task_inertia(const double *q, const double *k, double *result);
+
+/** The same for `count` configurations. */
+void scara_perugia_zup_task_inertia_batch(size_t count, const double *q, const double *k, double *result);
+
+/** The constants of scara_perugia_zup_task_inertia, 9, from the parameters, 18. */
+void scara_perugia_zup_task_inertia_constants(const double *params, double *k);
 
 /**
  * Joint variables of a pose of the end effector, every branch.

@@ -42,6 +42,7 @@ Every function has a last input `params`, a column of the free parameters in the
     wrench_torques_dq(q, h, params) -> dtau_h/dq
     wrench_torques_end(q, h, params) -> tau_h
     wrench_torques_end_dq(q, h, params) -> dtau_h/dq
+    task_inertia(q, params) -> Lambda
 
 `inverse_kinematics` is a tuple of functions, one for each branch: (T, params) -> (q, status), T being
 4 x 4, a pose: its rotation is not checked. q is not a number where status is NONE, so where an entry of T is not finite or
@@ -103,6 +104,7 @@ OPERATIONS = {
     "wrench_torques_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "wrench_torques_end": {"mul": 6, "add": 5, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "wrench_torques_end_dq": {"mul": 6, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "task_inertia": {"mul": 29, "add": 15, "div": 14, "sin": 2, "cos": 2, "sqrt": 0, "cases": 5},
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
 GIVEN = ()
@@ -149,6 +151,7 @@ __all__ = [
     "wrench_torques_dq",
     "wrench_torques_end",
     "wrench_torques_end_dq",
+    "task_inertia",
     "GIVEN",
     "NONE",
     "EXACT",
@@ -966,6 +969,63 @@ def _wrench_torques_end_dq(functions, k, q, h):
     )
 
 
+def _task_inertia_constants(functions, p):
+    p_a1, p_a2, p_ml1, p_l1, p_Il1, p_Im1, p_kr1, p_ml2, p_l2, p_Il2, p_mm2, p_Im2, p_kr2, p_ml3, p_Il4 = p
+    t1 = p_a2*p_ml3
+    t2 = p_l2*p_ml2
+    t3 = p_a2*t1 + (p_Il2 + p_l2*t2)
+    t4 = p_Im2*p_kr2
+    t5 = t4 + t3
+    t6 = p_a1*(t2 + t1)
+    t7 = t3 + p_kr2*t4
+    t8 = p_kr1*(p_Im1*p_kr1) + (p_l1*(p_ml1*p_l1) + (p_Il1 + (p_Im2 + t3)))
+    t9 = (p_mm2 + (p_ml2 + p_ml3))*(p_a1*p_a1) + t8
+    t10 = 2.0*t6
+    t11 = 1.0/p_ml3
+    t12 = 1.0/p_Il4
+    return (
+        p_a2, t5, p_a1, t6, t7, t9, t10, t11, t12,
+    )
+
+
+def _task_inertia(functions, k, q):
+    sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
+    q1, q2, q3, q4 = q
+    p_a2, k2, p_a1, k4, k5, k6, k7, k8, k9 = k
+    c1 = cos(q1)
+    s2 = sin(q2)
+    s1 = sin(q1)
+    c2 = cos(q2)
+    t13 = p_a2*(c1*s2 + s1*c2)
+    t14 = k2 + k4*c2
+    t15 = t14/k5
+    t16 = 1.0 - t15
+    t17 = p_a1*s1 + t13*t16
+    t18 = t14*t15 - (k6 + k7*c2)
+    t19 = p_a2*(c1*c2 - s1*s2)
+    t20 = p_a1*c1 + t16*t19
+    t21 = t20/t18
+    t22 = t13*(t13/k5) - t17*(t17/t18)
+    t23 = t19/k5
+    t24 = t20*t21 - t19*t23
+    t25 = t17*t21 - t13*t23
+    t26 = t22 + (k8 - t24)
+    t27 = k8/t26
+    t28 = minimum(1.0, t27)
+    t29 = t24/t26
+    t30 = t25/t24
+    t31 = t22 + t25*t30
+    t32 = less(1e-13, minimum(t28, -t29)*(t31/t26))*(less(1e-13, t27)*less(1e-13, -t28*t29))
+    t33 = t31*t32
+    t34 = t30/t33
+    return (
+        1.0/t33, t34, 0.0, 0.0,
+        t34, t30*t34 - 1.0/(t24*t32), 0.0, 0.0,
+        0.0, 0.0, 1.0/(k8*t32), 0.0,
+        0.0, 0.0, 0.0, 1.0/(k9*t32),
+    )
+
+
 def _inverse_kinematics_constants(functions, p):
     sin, cos, sqrt, sign, atan2, less, select, maximum, minimum, absolute = functions
     p_a1, p_a2, p_d4 = p
@@ -1503,6 +1563,17 @@ wrench_torques_end_dq = _function(
     hoisted=_wrench_torques_end_dq_constants,
     needs=(
         0, 1,
+    ),
+)
+task_inertia = _function(
+    "task_inertia",
+    arguments=("q",),
+    output="Lambda",
+    shape=(4, 4),
+    kernel=_task_inertia,
+    hoisted=_task_inertia_constants,
+    needs=(
+        0, 1, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     ),
 )
 

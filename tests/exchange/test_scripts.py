@@ -15,13 +15,16 @@ from derive.exchange.body_chain import body_chain
 from derive.exchange.formats import exported
 from derive.exchange.scripts import script_text
 from derive.mechanics.space import exactly
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.robot.expression import number
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 from derive.targets.escape import matlab_package
 from derive.verification.octave_model import OPTIONS, find_octave
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric, uneven
-from tests.targets.generated_models import needs_octave
+from tests.targets.generated_models import needs_octave, numpy_model
 
 STAND_INS = Path(__file__).parent / "octave"
 
@@ -117,6 +120,30 @@ def test_the_toolbox_itself_makes_the_same_arm(name: str) -> None:
     for states in np.random.default_rng(4).uniform(-1, 1, (2, 3, robot.n)):
         expected = oracle.evaluate("inverse_dynamics", *states)
         assert np.abs(made.rne_python(*states) - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+SPATIAL = [name for name in EVERY if len(task_rows(Robot.load(name))) == 6 and Robot.load(name).n <= 7]
+
+
+@pytest.mark.toolbox
+@pytest.mark.parametrize("name", SPATIAL)
+@pytest.mark.usefixtures("roboticstoolbox")
+def test_the_toolbox_has_the_same_manipulability_hessian_and_inertia_of_the_task(name: str) -> None:
+    """Its inertia is in rates of angles, A J; of seven joints it takes a pseudo-inverse of J and is not compared."""
+    robot = dressed(name)
+    made, model = run_script(exported(robot, "rtb").text), numpy_model(robot, build_program(robot, Effort.QUICK))
+    for q in np.random.default_rng(5).uniform(-1.5, 1.5, (5, robot.n)):
+        w, to_rates = made.manipulability(q), made.jacob0_analytical(q, "rpy/xyz") @ np.linalg.pinv(made.jacob0(q))
+        pairs = {
+            "manipulability": w,
+            "manipulability_position": made.manipulability(q, axes="trans"),
+            "manipulability_orientation": made.manipulability(q, axes="rot"),
+            "manipulability_dq": made.jacobm(q).ravel(),
+            "jacobian_hessian": np.moveaxis(made.hessian0(q), 0, -1),
+            "task_inertia": to_rates.T @ made.inertia_x(q) @ to_rates,
+        }
+        for function, wanted in list(pairs.items())[: 6 if robot.n == 6 else 5]:
+            assert np.abs(getattr(model, function)(q) - wanted).max() < 1e-9 * max(1.0, np.abs(wanted).max()), function
 
 
 def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.ndarray]:

@@ -16,7 +16,7 @@ from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.mechanics.exact_kinematics import Kinematics
-from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
+from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
 from derive.mechanics.forward_kinematics import (
     TILTED,
     analytic_jacobian,
@@ -82,6 +82,12 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
     found = forward_dynamics(inertia_matrix(chain), inverse_dynamics(chain, qd, still), torques)
     assert_close(found, wanted, tolerance)
     assert_close(articulated_accelerations(chain, qd, torques), wanted, tolerance)
+
+
+def test_inertia_is_carried_into_the_task(arm: Arm) -> None:
+    rows, inertia = np.array(jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
+    (_, pivots, lifted), tolerance = factorised(inertia.tolist(), rows.tolist()), 1e-13 * np.linalg.cond(inertia)
+    assert_close(carried(lifted, pivots, 0.0), rows @ np.linalg.solve(inertia, rows.T), tolerance)
 
 
 def test_derivatives_of_torques(arm: Arm) -> None:

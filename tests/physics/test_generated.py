@@ -16,6 +16,7 @@ from derive.model.identification.base_parameters import base_set
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
+from derive.robot.task_rows import task_rows
 from derive.targets.casadi import render_casadi
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
@@ -103,6 +104,46 @@ def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
     """Eighteen joints with dynamics, for which a long search would take minutes; more of them without."""
     robot = random_robot(random.Random(joints), joints, standard=standard, dynamics=joints == 18)
     check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path, effort))
+
+
+@pytest.mark.parametrize("seed", seeds(100, usual=12))
+def test_the_inertia_of_the_task_is_that_of_pinocchio_where_its_rows_are_independent(seed: int) -> None:
+    drawn = random_robot(random.Random(seed), 1 + seed % 7)
+    robot, outside = Robot.from_text(drawn.text), reference(drawn)
+    if len(task_rows(robot)) <= robot.n:
+        model = numpy_model(robot, build_program(robot, Effort.QUICK, names=("task_inertia",)))
+        for q in configurations(random.Random(seed), robot.n, 4):
+            if outside.determines("task_inertia", q):
+                found, wanted = model.task_inertia(q, params=drawn.values), outside.task_inertia(q)
+                assert np.abs(found - wanted).max() < 1e-10 * np.abs(wanted).max()
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_where_its_rows_lose_rank_the_inertia_of_the_task_has_no_finite_diagonal() -> None:
+    """Alone and in batches, however the other joints stand, but nearby; and of an arm that keeps to a plane."""
+    planar = random_robot(random.Random(146196), 5)
+    arms = [(Robot.load("scara-matlab"), 1), (Robot.load("puma560-corke"), 4), (Robot.from_text(planar.text), 0)]
+    for robot, joint in arms:
+        model = numpy_model(robot, build_program(robot, Effort.QUICK, names=("task_inertia",)))
+        params = {name: planar.values[name] for name in model.PARAMETERS}
+        q = np.random.default_rng(6).uniform(-1, 1, (40, robot.n))
+        for q[:, joint] in (0, np.pi):
+            for found in (model.task_inertia(q, params), [model.task_inertia(each, params) for each in q]):
+                assert not np.isfinite(np.diagonal(found, axis1=-2, axis2=-1)).any()
+        q[:, joint] = 1e-3
+        assert np.isfinite(model.task_inertia(q, params)).all() == (joint > 0)
+
+
+def test_a_force_accelerates_the_task_as_its_equation_of_motion_says() -> None:
+    """Lambda a + mu + p = F (Khatib 1987): mu + p by the consistent inverse, and by the motion without torques."""
+    model = numpy_model(Robot.load("puma560-corke"))
+    q, qd, force = np.random.default_rng(7).uniform(0.3, 1, (3, 6))
+    jacobian, inertia = model.jacobian(q), model.task_inertia(q)
+    turning, inverse = model.jacobian_dot(q, qd) @ qd, np.linalg.solve(model.inertia_matrix(q), jacobian.T) @ inertia
+    bias = inverse.T @ model.inverse_dynamics(q, qd, 0 * q) - inertia @ turning
+    for push in (0 * q, force):
+        acceleration = jacobian @ model.forward_dynamics(q, qd, jacobian.T @ push) + turning
+        assert np.abs(inertia @ acceleration + bias - push).max() < 1e-10 * np.abs(bias).max()
 
 
 SECONDS, STEPS = 0.5, 250

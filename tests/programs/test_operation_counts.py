@@ -56,7 +56,7 @@ def test_gravity_along_the_first_axis_needs_no_first_angle(name: str, function: 
     assert all((source.kind, source.index) != ("q", 0) for source in sources)
 
 
-@pytest.mark.parametrize("name", ["scara-symbolic", *(pytest.param(name, marks=pytest.mark.sweep) for name in LONG)])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.sweep] * (n not in USUAL)) for n in COUNTED])
 def test_what_follows_from_others_needs_less_than_these_and_the_rest_by_hand(name: str) -> None:
     """Eliminations and products of full matrices, as a library does them."""
     program = program_of(name)
@@ -71,3 +71,5 @@ def test_what_follows_from_others_needs_less_than_these_and_the_rest_by_hand(nam
     assert cost["manipulability"] < cost["jacobian"] + (elimination if m == n else square + elimination)
     by_hand = cost["jacobian"] + cost["jacobian_hessian"] + square + 3 * elimination + n * (square + 2 * m * m)
     assert cost["manipulability_dq"] < by_hand
+    by_hand = cost["jacobian"] + cost["inertia_matrix"] + 2 * n**3 // 3 + 2 * n * n * m + square + 2 * m**3
+    assert cost["task_inertia"] < by_hand

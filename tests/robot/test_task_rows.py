@@ -1,9 +1,15 @@
 """The rows of the Jacobian that belong to a task."""
 
+import random
+from itertools import product
+
 import pytest
 
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.robot.task_rows import task_rows
+from derive.robot.task_rows import PARTS, task_rows
+from derive.verification.oracle import frames
+from tests.random_robots import catalogue, random_robot
 
 NATURAL = {
     "planar-2r-perugia": (0, 1),
@@ -22,6 +28,24 @@ def test_a_natural_task_is_what_moves_or_the_position(name: str) -> None:
     assert task_rows(robot) == NATURAL[name]
     moving = {0, 1, 5} if name.startswith("planar") else {0, 1, 2, 5} if name.startswith("scara") else set(range(6))
     assert {*task_rows(robot, "position"), *task_rows(robot, "orientation")} == moving
+
+
+def test_rows_are_those_of_the_oracle_which_looks_at_axes_at_random() -> None:
+    drawn = [random_robot(random.Random(seed), 1 + seed % 4, dynamics=False) for seed in range(150)]
+    arms = [(Robot.from_text(robot.text), robot.values) for robot in drawn]
+    arms += [(robot, dict.fromkeys(free_symbols(robot), 0.7)) for robot in catalogue().values()]
+    for (robot, values), part in product(arms, ("all", *PARTS)):
+        assert list(task_rows(robot, part)) == frames.task_rows(frames.numeric_arm(robot, values), part), robot.name
+
+
+WRISTS = {("0", ""): (0, 1, 2), ("pi/2", ""): (3, 4, 5), ("0", "al"): (3, 4, 5), ("pi/2", "a2"): (0, 1, 2)}
+
+
+@pytest.mark.parametrize(("twist", "runtime"), WRISTS)
+def test_a_wrist_is_one_for_all_parameters(twist: str, runtime: str) -> None:
+    joints = "joints: [{type: revolute, alpha: al}, {type: revolute, a: a2, alpha: pi/2}, {type: revolute}]"
+    text = f"name: arm\nconvention: standard\n{joints}\nparameters: {{al: {twist}, a2: 0}}\nruntime: [{runtime}]\n"
+    assert task_rows(Robot.from_text(text)) == WRISTS[twist, runtime]
 
 
 @pytest.mark.parametrize(

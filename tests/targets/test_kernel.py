@@ -122,7 +122,7 @@ def test_names_are_given_once_and_used_afterwards(language: Language) -> None:
     for function in program:
         kernel = write_kernel(function.tape, language, program.parameters)
         known = {*kernel.constants, *(f"p_{name}" for name in program.parameters), "const"}
-        known |= {"sin", "cos", "sqrt", "sign"}
+        known |= {"sin", "cos", "sqrt", "sign", "less"}
         known |= {f"{kind}{i}" for kind in ("q", "qd", "qdd", "tau") for i in (1, 2)}
         for line in (*kernel.hoisted, *kernel.body):
             name, value = line.removeprefix("const ").rstrip(";").split(" = ")

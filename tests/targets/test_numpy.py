@@ -41,7 +41,7 @@ SHAPES = {
     **dict.fromkeys(("jacobian", "jacobian_end", "jacobian_dot"), (6, 2)),
     "jacobian_hessian": (6, 2, 2),
     **dict.fromkeys(("analytic_jacobian_rpy", "analytic_jacobian_zyz"), (6, 2)),
-    **dict.fromkeys(("inertia_matrix", "coriolis_matrix"), (2, 2)),
+    **dict.fromkeys(("inertia_matrix", "coriolis_matrix", "task_inertia"), (2, 2)),
     **dict.fromkeys(("kinetic_energy", "potential_energy", "manipulability"), ()),
     **dict.fromkeys(("manipulability_position", "manipulability_orientation"), ()),
     **dict.fromkeys(("gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector"), (2,)),

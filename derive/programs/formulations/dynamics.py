@@ -6,6 +6,7 @@ like the recursion of C takes the choices that were found for that.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 
 from derive.algebra.domain import polynomial_expression
@@ -13,7 +14,8 @@ from derive.algebra.quotients import Quotient
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
-from derive.mechanics.forward_dynamics import articulated_accelerations, forward_dynamics
+from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
+from derive.mechanics.forward_kinematics import jacobian
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
@@ -29,9 +31,12 @@ from derive.programs.tape.derivative import gradient_columns
 from derive.programs.tape.scalars import QD, QDD, TAU, Q
 from derive.programs.tape.value import Value
 from derive.robot.inertial_parameters import Parameter, standard_parameters
+from derive.robot.options.inverse import POSE
+from derive.robot.task_rows import PARTS, task_rows
 
 Recursion = Callable[[FrameChoices], list[Value]]  # the outputs of a recursion with some frame choices
 _BASE = "in base parameters"
+_DEPENDENT = Fraction(1, 10**13)  # of a task's rows, squared; rounding leaves 1e-15, 1e-4 rad from a singularity 1e-12
 
 
 def inertia_matrices(trace: Trace) -> Iterator[Formulation]:
@@ -97,10 +102,8 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
     if n <= POLICY.most_factorised:
 
         def _factorised() -> list[Value]:
-            inertia, bias = _inertia(trace), _newton_euler(trace, None)
-            entries = inertia(trace.cheapest_choices("inertia", inertia)[0])
-            matrix = [entries[n * i : n * i + n] for i in range(n)]
-            return forward_dynamics(matrix, bias(_torque_choices(trace)[0]), trace.arguments(TAU))
+            bias = _newton_euler(trace, None)
+            return forward_dynamics(_cheapest_inertia(trace), bias(_torque_choices(trace)[0]), trace.arguments(TAU))
 
         yield Formulation("inertia matrix and Newton-Euler, factorised without roots", _factorised)
     if n >= POLICY.fewest_articulated:
@@ -119,6 +122,35 @@ def no_accelerations(trace: Trace) -> Formulation:
     """What stands for qdd where no motion of some joint meets inertia."""
     words = "the inertia matrix is singular everywhere"
     return Formulation(words, lambda: [torque / trace.chain.zero for torque in trace.arguments(TAU)])
+
+
+def task_inertias(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of Lambda: J B^-1 J^T from the factors of B, and its inverse from its own."""
+    chain, rows = trace.chain, task_rows(trace.robot)
+
+    def _values() -> list[Value]:
+        level = replace(chain, base=chain.unit, joints=(replace(chain.joints[0], fixed=chain.unit), *chain.joints[1:]))
+        in_world = trace.robot.inverse.task != POSE or rows in (tuple(range(6)), *PARTS.values())
+        whole = (trace.shortest_jacobian or jacobian(chain)) if in_world else jacobian(level)
+        _, pivots, lifted = factorised(_cheapest_inertia(trace), [whole[row] for row in rows])
+        mobility = carried(lifted, pivots, chain.zero)
+        units = [[chain.one if i == j else chain.zero for j in range(len(rows))] for i in range(len(rows))]
+        _, pivots, lifted = factorised(mobility, units)
+        # Where rows are dependent a pivot is rounding, which the smallest before has magnified: then all are made 0.
+        has_rank = lowest = chain.one
+        for k in reversed(range(len(rows))):
+            alike = (mobility[i][i] for i, row in enumerate(rows) if (row < 3) == (rows[k] < 3))
+            share = pivots[k] / sum(alike, chain.zero)
+            has_rank, lowest = has_rank * trace.domain.number(_DEPENDENT).less(share * lowest), lowest.minimum(share)
+        return flat(carried(lifted, [has_rank * pivot for pivot in pivots], chain.zero))
+
+    yield Formulation("inertia matrix, then the task's, factorised without roots", _values)
+
+
+def no_task_inertia(trace: Trace) -> Formulation:
+    """What stands for Lambda there."""
+    gap = trace.arguments(Q)[0] / trace.chain.zero
+    return Formulation("J B^-1 J^T is singular everywhere", lambda: [gap] * len(task_rows(trace.robot)) ** 2)
 
 
 def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
@@ -172,6 +204,12 @@ def _closed(
 
 def _inertia(trace: Trace) -> Recursion:
     return lambda choices: flat(inertia_matrix(trace.arranged(choices)))
+
+
+def _cheapest_inertia(trace: Trace) -> list[list[Value]]:
+    inertia, n = _inertia(trace), trace.n
+    entries = inertia(trace.cheapest_choices("inertia", inertia)[0])
+    return [entries[n * i : n * i + n] for i in range(n)]
 
 
 def _coriolis(trace: Trace) -> Recursion:

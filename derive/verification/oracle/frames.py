@@ -19,9 +19,9 @@ from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
-from derive.robot.task_rows import PARTS, task_rows
 
 Array = npt.NDArray[Any]
+ROUNDING = 1e-12  # what is left of a sine, or of a length [m], that vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +47,7 @@ class NumericArm:
     armature: Array  # (n,) reflected inertias, on the diagonal of B only
     viscous: Array  # (n,) joint-side viscous friction
     coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
-    rows: Mapping[str, tuple[int, ...]]  # of the Jacobian, by part; ``all`` is the task's
-    is_named: bool  # whether the robot file names the task, whose rows are then those of the world
+    task: tuple[str, ...]  # what is asked of the end effector, in the words of robot files
 
     @property
     def n(self) -> int:
@@ -94,8 +93,7 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         armature=numbers(link.armature for link in links),
         viscous=numbers(link.viscous for link in links),
         coulomb=np.array([numbers(link.dry[way] for link in links) for way in (0, 1)]),
-        rows={part: task_rows(robot, part) for part in ("all", *PARTS)},
-        is_named=robot.inverse.task != POSE,
+        task=robot.inverse.task,
     )
 
 
@@ -191,6 +189,35 @@ def jacobian(arm: NumericArm, q: Array) -> Array:
     linear = turn @ point_jacobian(arm, frames, end, carrier)[..., 0, :, :]
     angular = turn @ angular_jacobian(arm, frames, carrier)[..., 0, :, :]
     return np.concatenate([linear, angular], axis=-2)
+
+
+def task_rows(arm: NumericArm, part: str = "all") -> list[int]:
+    """Rows of J of the task that the file names, or of a part of what moves, seen from a first joint along z."""
+    words = ("x", "y", "z", "approach", "approach", "phi")
+    if part == "all" and arm.task != POSE:
+        full = bool({"approach", "orientation"} & {*arm.task})
+        return [row for row, word in enumerate(words) if word in arm.task or (row > 2 and full)]
+    axis, origin = joint_axes(arm, chain_frames(arm, np.random.default_rng(0).uniform(-1.0, 1.0, arm.n)))
+    turns, slides = bool(arm.revolute.any()), not arm.revolute.all()
+    parallel = np.abs(cross(axis, axis[:1])).max() < ROUNDING
+    moving = {row for row, moves in enumerate((turns, turns, slides, False, False, turns)) if moves or not parallel}
+    if part == "all" and len(moving) > arm.n:
+        # Three lines across each other meet in one point if any two do: z_i . (o_j x z_j) + z_j . (o_i x z_i) = 0.
+        moment = cross(origin, axis)
+        meeting = np.abs(axis @ moment.T + moment @ axis.T).max() < ROUNDING
+        is_wrist = arm.n == 3 and not slides and meeting and np.linalg.matrix_rank(axis) == 3
+        part = "orientation" if is_wrist else "position"
+    wanted = {"position": (0, 1, 2), "orientation": (3, 4, 5)}.get(part, range(6))
+    return [row for row in wanted if row in moving]
+
+
+def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
+    """Rows of a part of J: of named tasks and whole vectors in the world, else in the axes before joint 1."""
+    matrix, rows = jacobian(arm, q), task_rows(arm, part)
+    if (part != "all" or arm.task == POSE) and rows not in ([0, 1, 2], [3, 4, 5], [0, 1, 2, 3, 4, 5]):
+        back = arm.base[:3, :3].T if arm.standard else (arm.base @ _rotation(0, arm.alpha[0]))[:3, :3].T
+        matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
+    return matrix[..., rows, :]
 
 
 def jacobian_end(arm: NumericArm, q: Array) -> Array:

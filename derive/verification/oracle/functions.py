@@ -73,6 +73,7 @@ FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
         "wrench_torques_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16),
         "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1),
         "wrench_torques_end_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16),
+        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
     }
 )
 
@@ -112,6 +113,7 @@ class Oracle:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= name != "task_inertia" or len(frames.task_rows(self.arm)) <= self.arm.n
             names += [name] * present
         return tuple(names)
 

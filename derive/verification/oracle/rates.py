@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array, NumericArm, chain_frames, forward_kinematics, jacobian
+from derive.verification.oracle.frames import Array, NumericArm, forward_kinematics, jacobian, task_jacobian
+from derive.verification.oracle.lagrange import inertia_matrix
 from derive.verification.oracle.newton import inverse_dynamics
 
 STEP = 1e-30  # complex step; the truncation error, its square, vanishes
@@ -45,13 +46,10 @@ def slopes(function: Callable[..., Array], arm: NumericArm, q: Array, h: Array) 
     return np.swapaxes(moved.imag / STEP, -1, -2)
 
 
-def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
-    """Rows of a part of J, (..., m, n), in the world if the file names the task, else in the axes of joint 1."""
-    matrix = jacobian(arm, q)
-    if part != "all" or not arm.is_named:
-        back = np.swapaxes(arm.base[:3, :3] @ chain_frames(arm, q)[..., 0 if arm.standard else 1, :3, :3], -1, -2)
-        matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
-    return matrix[..., arm.rows[part], :]
+def task_mobility(arm: NumericArm, q: Array) -> Array:
+    """J B^-1 J^T of the rows of the task, the inverse of its inertia."""
+    rows = task_jacobian(arm, q)
+    return np.asarray(rows @ np.linalg.pinv(inertia_matrix(arm, q)) @ np.swapaxes(rows, -1, -2))
 
 
 def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:

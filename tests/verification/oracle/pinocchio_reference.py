@@ -41,6 +41,7 @@ class Reference:
     viscous: Array  # (n,) joint-side friction
     coulomb: Array
     task_rows: Mapping[str, tuple[int, ...]]  # rows of J, by part
+    level: Array  # axes of the base before joint 1
 
     @property
     def data(self) -> Any:
@@ -114,18 +115,20 @@ class Reference:
     def jacobian_hessian(self, q: Array) -> Array:
         return np.stack([self.jacobian_dot(q, e) for e in np.eye(len(q))], axis=-1)
 
-    def rows(self, q: Array, part: str, matrix: Array) -> Array:
-        """Those of a part in the axes of joint 1."""
-        data = self.data
-        pin.forwardKinematics(self.model, data, self.map @ q)
-        turned = np.einsum(
-            "ji,kj...->ki...", data.oMi[self.joints[0]].rotation, matrix.reshape(2, 3, *matrix.shape[1:])
-        )
-        return turned.reshape(matrix.shape)[list(self.task_rows[part])]
+    def rows(self, part: str, matrix: Array) -> Array:
+        """Those of a part, of whole vectors in the world, else in the axes before joint 1."""
+        rows = self.task_rows[part]
+        turn = np.eye(3) if rows in (tuple(range(6)), *PARTS.values()) else self.level
+        turned = np.einsum("ji,kj...->ki...", turn, matrix.reshape(2, 3, *matrix.shape[1:]))
+        return turned.reshape(matrix.shape)[list(rows)]
+
+    def task_inertia(self, q: Array) -> Array:
+        rows = self.rows("all", self.jacobian(q))
+        return np.array(np.linalg.pinv(rows @ np.linalg.solve(self.inertia_matrix(q), rows.T)))
 
     def manipulability(self, q: Array, part: str = "all") -> Array:
         """The product of the singular values, 0 where no row moves."""
-        lengths = np.linalg.svd(self.rows(q, part, self.jacobian(q)), compute_uv=False)
+        lengths = np.linalg.svd(self.rows(part, self.jacobian(q)), compute_uv=False)
         return np.array(np.prod(lengths) if len(lengths) else 0.0)
 
     def manipulability_position(self, q: Array) -> Array:
@@ -136,12 +139,14 @@ class Reference:
 
     def manipulability_dq(self, q: Array) -> Array:
         """w tr(J^+ dJ / dq_j)."""
-        slopes = self.rows(q, "all", self.jacobian_hessian(q))
-        inverse = np.linalg.pinv(self.rows(q, "all", self.jacobian(q)))
+        slopes = self.rows("all", self.jacobian_hessian(q))
+        inverse = np.linalg.pinv(self.rows("all", self.jacobian(q)))
         return np.array(self.manipulability(q) * np.einsum("ir,rij->j", inverse, slopes))
 
     def determines(self, name: str, q: Array) -> bool:
         """Whether the task's rows are far enough from dependent ones for a value."""
+        if name == "task_inertia":
+            return bool(np.linalg.cond(self.task_inertia(q)) < 1e4)
         return not name.startswith("manip") or bool(getattr(self, name.removesuffix("_dq"))(q) > 1e-3)
 
     def analytic_jacobian_rpy(self, q: Array) -> Array:
@@ -240,6 +245,7 @@ class _Builder:
             viscous=np.array([link.viscous for link in robot.links]),
             coulomb=np.array([link.coulomb for link in robot.links]),
             task_rows={part: task_rows(Robot.from_text(robot.text), part) for part in ("all", *PARTS)},
+            level=self.axis(0).rotation,
         )
 
     def end(self, row: JointNumbers) -> Any:
