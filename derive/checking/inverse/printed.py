@@ -20,18 +20,8 @@ from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.errors import CheckError, Location, listed
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Name,
-    Number,
-    children,
-    linear_terms,
-    names,
-    rebuilt,
-    substitute,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, names
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10  # plus-minus signs that one line may depend on
@@ -125,7 +115,7 @@ class PrintedInverse:
         """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = [joint.variable for joint in self.robot.joints]
         vector = [Fraction(0)] * len(variables)
-        for factor, term in linear_terms(e):
+        for factor, term in tree.linear_terms(e):
             if isinstance(term, Name) and term.name in self.sums:
                 whole = self.combination(self.sums[term.name])
                 vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
@@ -148,7 +138,7 @@ class PrintedInverse:
         if isinstance(e, Name | Call) and (found := self.meaning(e)):
             yield found
         elif not isinstance(e, Name):
-            for part in children(e):
+            for part in tree.children(e):
                 yield from self.needed(part)
 
     # -- values
@@ -298,7 +288,7 @@ def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -
 
 def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
     """An expression with calls of one function in the place of those of another."""
-    whole = rebuilt(e, lambda part: with_calls(part, old, new, swapped))
+    whole = tree.rebuilt(e, lambda part: with_calls(part, old, new, swapped))
     if isinstance(whole, Call) and whole.function == old:
         return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
     return whole
@@ -377,4 +367,4 @@ def _needs(printed: PrintedInverse, line: PrintedLine) -> Iterator[tuple[str, Ve
     for part in (*printed.named_before(line), line):
         for formula in part.formulas:
             own = {formula.first: ZERO} if formula.first else {}
-            yield from printed.needed(substitute(formula.expression, own))
+            yield from printed.needed(tree.substitute(formula.expression, own))
