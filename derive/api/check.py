@@ -8,7 +8,7 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
 from derive.checking import report as reporting
-from derive.checking.comparison import check_expression
+from derive.checking.comparison import check_expression, divided
 from derive.checking.documents import KINDS, Manuscript, document_of, is_document, read_document
 from derive.checking.files import check_path
 from derive.checking.formulas.findings import FileReport, Finding, judge
@@ -19,7 +19,6 @@ from derive.checking.inverse.latex import gives_joints
 from derive.checking.latex.check import LatexReport
 from derive.checking.latex.check import check_latex as compare_latex
 from derive.checking.report import Printout
-from derive.checking.several import divided
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.text import TextPrinter, loses_digits

@@ -15,9 +15,9 @@ from flint import arb
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot
-from derive.robot.body_remarks import ROUNDING
 from derive.robot.description import INERTIA, Convention, Inertia, Joint, Link
 from derive.robot.expression import ZERO, number
+from derive.robot.remarks import ROUNDING
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
 

@@ -28,12 +28,12 @@ from derive.exchange.urdf import Origin, Urdf, UrdfJoint
 from derive.mechanics.space import DIGITS, decimal, exactly, length, plus
 from derive.mechanics.vectors import cross
 from derive.model.identification.possible import wants_possible, with_chosen_bodies
-from derive.robot.body_remarks import missing_moment
 from derive.robot.description import Convention, Description
 from derive.robot.expression import ZERO, Name, is_constant
 from derive.robot.load import is_robot_name
 from derive.robot.names import robot_symbols
 from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.remarks import missing_moment
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 

@@ -16,7 +16,6 @@ from derive.plans.profile import Profile
 from derive.plans.schema import PlanFile
 from derive.plans.segments import Payload, Point, Pose, Step, Vector
 from derive.plans.surroundings import PATHS, PAYLOAD, Disturbance, MovingBase, disturbances, plant_numbers, read_base
-from derive.robot.body_remarks import REMEDY, impossible_links, lack_of, too_large
 from derive.robot.description import Remark
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
@@ -24,6 +23,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.reading.schema import check_structure
+from derive.robot.remarks import REMEDY, impossible_links, lack_of, too_large
 from derive.robot.robot import Robot
 
 OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path

@@ -13,7 +13,6 @@ from itertools import takewhile
 from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
-from derive.robot.body_remarks import remarks_on_bodies
 from derive.robot.cells import Cells, check_symbol, inert_text
 from derive.robot.description import Convention, Description, FileUnits
 from derive.robot.expression import Expression
@@ -21,7 +20,7 @@ from derive.robot.presentation import read_figure, read_handout, read_inverse, r
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.reading.schema import check_structure
 from derive.robot.reading.size_limits import FILE_LIMITS
-from derive.robot.remarks import remarks_on
+from derive.robot.remarks import remarks_on, remarks_on_bodies
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate
 

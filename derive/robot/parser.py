@@ -214,7 +214,12 @@ class _Parser:
         token = self._next
         self._position += 1
         if token.kind is TokenKind.NUMBER:
-            return self._number(token)
+            mantissa, _, exponent = token.text.lower().partition("e")
+            if len(mantissa) > self._limits.digits:
+                raise self._error("number with too many digits", token, f"at most {self._limits.digits}")
+            if exponent and (len(exponent) > 6 or abs(int(exponent)) > self._limits.decimal_exponent):
+                raise self._error("decimal exponent too large", token, f"at most {self._limits.decimal_exponent}")
+            return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))  # 0.1 is 1/10, no float
         if token.kind is TokenKind.NAME:
             return self._name(token)
         if token.text == "(":
@@ -223,14 +228,6 @@ class _Parser:
             return inner
         self._position -= 1
         raise self._unexpected(token)
-
-    def _number(self, token: Token) -> Expression:
-        mantissa, _, exponent = token.text.lower().partition("e")
-        if len(mantissa) > self._limits.digits:
-            raise self._error("number with too many digits", token, f"at most {self._limits.digits}")
-        if exponent and (len(exponent) > 6 or abs(int(exponent)) > self._limits.decimal_exponent):
-            raise self._error("decimal exponent too large", token, f"at most {self._limits.decimal_exponent}")
-        return Number(Fraction(mantissa) * Fraction(10) ** int(exponent or 0))  # 0.1 is 1/10, no float
 
     def _name(self, token: Token) -> Expression:
         name, known = token.text, f"allowed: {listed(sorted(self._functions))}"

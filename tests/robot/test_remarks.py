@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.robot.body_remarks import missing_moment, remarks_on_bodies
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.reading.document import read_document
-from derive.robot.remarks import remarks_on
+from derive.robot.remarks import missing_moment, remarks_on, remarks_on_bodies
 from derive.robot.robot import Robot
 
 HEAD = "name: arm\nconvention: standard\n"

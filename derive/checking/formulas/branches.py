@@ -7,22 +7,8 @@ from math import hypot, remainder, tau
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.model.equality import samples
-from derive.robot.expression import (
-    ONE,
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Product,
-    Sum,
-    add,
-    children,
-    names,
-    negate,
-    power,
-    rebuilt,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import ONE, Call, Expression, Name, Number, Pi, Product, Sum
 from derive.robot.robot import Robot
 
 SIGN = "±"  # first letter of the name of a plus-minus
@@ -49,14 +35,14 @@ class Branches:
 def has_branches(e: Expression, functions: Sequence[str]) -> bool:
     """Whether a formula stands for several values: a plus-minus or one of some functions occurs."""
     own = (isinstance(e, Name) and e.name[0] == SIGN) or (isinstance(e, Call) and e.function in functions)
-    return own or any(has_branches(child, functions) for child in children(e))
+    return own or any(has_branches(child, functions) for child in tree.children(e))
 
 
 def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
     """Compare two sides at many points, with all choices of their signs; angles count up to full turns."""
     joints = {joint.variable for joint in robot.joints if joint.is_revolute}
     modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
-    wanted = sorted({*names(one), *names(other)})
+    wanted = sorted({*tree.names(one), *tree.names(other)})
     signs = [name for name in wanted if name[0] == SIGN][:SIGNS]
     variants = [(_with_one_arc(one, turned), _with_one_arc(other, turned)) for turned in (False, True)]
     variants = variants[: 1 + any(map(_may_turn, (one, other)))]
@@ -105,12 +91,12 @@ def _is_angle(e: Expression, joints: set[str]) -> bool:
 
 def _may_turn(e: Expression) -> bool:
     """Whether it has an arctangent of two arguments in an order that is not certain."""
-    return (isinstance(e, Call) and e.function == "Atan2") or any(map(_may_turn, children(e)))
+    return (isinstance(e, Call) and e.function == "Atan2") or any(map(_may_turn, tree.children(e)))
 
 
 def _with_one_arc(e: Expression, turned: bool) -> Expression:
     """The formula with atan2 for all arc functions; where turned, `Atan2` has the cosine first."""
-    e = rebuilt(e, lambda part: _with_one_arc(part, turned))
+    e = tree.rebuilt(e, lambda part: _with_one_arc(part, turned))
     match e:
         case Call("Atan2", (y, x)):
             return Call("atan2", (x, y) if turned else (y, x))
@@ -125,4 +111,4 @@ def _with_one_arc(e: Expression, turned: bool) -> Expression:
 
 def other_leg(x: Expression) -> Expression:
     """The root of 1 - x^2."""
-    return Call("sqrt", (add(ONE, negate(power(x, 2))),))
+    return Call("sqrt", (tree.add(ONE, tree.negate(tree.power(x, 2))),))

@@ -15,24 +15,9 @@ from fractions import Fraction
 from functools import partial
 
 from derive.lecture.shorthand import notation_text
+from derive.robot import expression as tree
 from derive.robot.evaluate import FUNCTIONS as REAL_FUNCTIONS
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    add,
-    children,
-    multiply,
-    negate,
-    number,
-    power,
-    rebuilt,
-)
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, number
 from derive.robot.robot import Robot
 from derive.robot.rounding import is_given_in_decimals, number_text
 
@@ -80,14 +65,14 @@ class Spot:
         """The whole formula with another node here, flattened."""
         if self.above is None:
             return here
-        parts = children(self.above.node)
+        parts = tree.children(self.above.node)
         changed = iter((*parts[: self.index], here, *parts[self.index + 1 :]))
-        return self.above.formula(rebuilt(self.above.node, lambda _: next(changed)))
+        return self.above.formula(tree.rebuilt(self.above.node, lambda _: next(changed)))
 
 
 def float_value(e: Expression, values: Mapping[str, float]) -> float:
     """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
-    return _combined(e, [float_value(child, values) for child in children(e)], values)
+    return _combined(e, [float_value(child, values) for child in tree.children(e)], values)
 
 
 def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]) -> float:
@@ -119,7 +104,7 @@ def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterat
         spot = waiting.pop()
         yield spot
         if not is_token(spot.node):
-            parts = children(spot.node)
+            parts = tree.children(spot.node)
             siblings = () if values is None else tuple(float_value(part, values) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
             below = [Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)]
@@ -140,7 +125,7 @@ def nodes(e: Expression) -> Iterator[Expression]:
     while waiting:
         node = waiting.pop()
         yield node
-        waiting.extend(children(node))
+        waiting.extend(tree.children(node))
 
 
 SWAPPED = {"cos": "sin", "sin": "cos"}
@@ -196,10 +181,10 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
     match kind, node:
         case SlipKind.SIGN, _:
             if spot.is_term:
-                yield Edit(kind, spot, negate(node), node)
+                yield Edit(kind, spot, tree.negate(node), node)
             if isinstance(node, Call) and is_token(node) and isinstance(angle := node.arguments[0], Sum):
                 for i, term in enumerate(angle.terms):  # one inside the angle of a cosine or sine
-                    turned = add(*angle.terms[:i], negate(term), *angle.terms[i + 1 :])
+                    turned = tree.add(*angle.terms[:i], tree.negate(term), *angle.terms[i + 1 :])
                     yield _replaced(kind, spot, Call(node.function, (turned,)))
         case SlipKind.ORDER, Call(function, (first, second)):
             yield _replaced(kind, spot, Call(function, (second, first)))
@@ -208,9 +193,9 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
         case SlipKind.EXPONENT, Power(base, exponent):
             # an exponent misread, or off by one; -1 and -2 are a division by the base and by its square
             exponents = {1, 2, 3, exponent + 1, exponent - 1} if exponent > 0 else {-1, -2}
-            yield from (_replaced(kind, spot, power(base, other)) for other in sorted(exponents - {0, exponent}))
+            yield from (_replaced(kind, spot, tree.power(base, other)) for other in sorted(exponents - {0, exponent}))
         case SlipKind.EXPONENT, Name() | Call() | Sum() if not isinstance(spot.parent, Power):
-            yield _replaced(kind, spot, power(node, 2))
+            yield _replaced(kind, spot, tree.power(node, 2))
         case ((SlipKind.INDEX | SlipKind.SYMBOL), Name(own)):
             # an index is another number behind the same letter, a symbol is another letter
             stem, wants_relatives = _stem(own), kind is SlipKind.INDEX
@@ -222,15 +207,15 @@ def edits(spot: Spot, may: Replacements, kind: SlipKind) -> Iterator[Edit]:
             values = (value + 1, value - 1, value * 2, value / 2)
             yield from (_replaced(kind, spot, number(other)) for other in values if other != value)
         case SlipKind.NUMBER, _ if spot.is_term:
-            yield from (_replaced(kind, spot, multiply(number(k), node)) for k in (2, Fraction(1, 2)))
+            yield from (_replaced(kind, spot, tree.multiply(number(k), node)) for k in (2, Fraction(1, 2)))
         case SlipKind.MISSING_FACTOR, _ if spot.is_term:
-            yield from (Edit(kind, spot, multiply(node, factor), node, factor) for factor in may.factors)
+            yield from (Edit(kind, spot, tree.multiply(node, factor), node, factor) for factor in may.factors)
         case SlipKind.EXTRA_FACTOR, Product(factors):
             for i, factor in enumerate(factors):
                 if not (isinstance(factor, Number) and factor.value == -1):
-                    yield Edit(kind, spot, multiply(*factors[:i], *factors[i + 1 :]), factor)
+                    yield Edit(kind, spot, tree.multiply(*factors[:i], *factors[i + 1 :]), factor)
         case SlipKind.MISSING_TERM, _ if not isinstance(spot.parent, Sum):
-            yield from (Edit(kind, spot, add(node, term), node, term) for term in may.terms)
+            yield from (Edit(kind, spot, tree.add(node, term), node, term) for term in may.terms)
         case SlipKind.EXTRA_TERM, _ if isinstance(spot.parent, Sum):
             yield Edit(kind, spot, number(0), node)
 
@@ -246,12 +231,12 @@ def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expres
     absent = [Name(name) for name in angles if name not in present]
     for i in range(len(terms)):
         if rest := (*terms[:i], *terms[i + 1 :]):
-            yield add(*rest)
-        yield from (add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
-    yield from (add(*terms, other) for other in absent)
+            yield tree.add(*rest)
+        yield from (tree.add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
+    yield from (tree.add(*terms, other) for other in absent)
     if len(angles) <= 8:  # c234 for c23: sums of neighbouring joints are what books abbreviate
         runs = (angles[i:j] for i in range(len(angles)) for j in range(i + 1, len(angles) + 1))
-        yield from (add(*map(Name, run)) for run in runs if set(run) != present)
+        yield from (tree.add(*map(Name, run)) for run in runs if set(run) != present)
 
 
 def _stem(name: str) -> str:

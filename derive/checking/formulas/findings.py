@@ -25,22 +25,8 @@ from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare, samples
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    add,
-    multiply,
-    names,
-    number,
-    rebuilt,
-    substitute,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
@@ -106,14 +92,14 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
     if verdict.counter_example is None:
         return verdict
     numbers = dict(robot.parameters)
-    if not numbers.keys().isdisjoint(names(right)) and not set(names(right)) <= set(names(printed)):
+    if not numbers.keys().isdisjoint(tree.names(right)) and not set(tree.names(right)) <= set(tree.names(printed)):
         # the page has numbers where the file has symbols, whose numbers it gives, in SI units or in its own
         is_own = robot.units.millimetres and are_units_clear(robot)
         typed = {n: in_file_units(x, symbol_unit(robot, n), robot.units) for n, x in numbers.items() if is_own}
-        if any(compare(robot, substitute(right, x), substitute(printed, x)).equal for x in (numbers, typed)):
+        if any(compare(robot, tree.substitute(right, x), tree.substitute(printed, x)).equal for x in (numbers, typed)):
             return Verdict(equal=True, exact=False)
-        right, printed = substitute(right, numbers), substitute(printed, numbers)
-    if robot.units.millimetres and compare(robot, multiply(number(1000), right), printed).equal:
+        right, printed = tree.substitute(right, numbers), tree.substitute(printed, numbers)
+    if robot.units.millimetres and compare(robot, tree.multiply(tree.number(1000), right), printed).equal:
         return Verdict(equal=True, exact=False)  # numbers of the page are in the units of the file
     return Verdict(equal=True, exact=False) if _within_rounding(robot, right, printed) else verdict
 
@@ -140,7 +126,7 @@ def compared(
     if not verdict.equal and any(has_branches(side, several) for side in sides):
         seen, numbers = branches(robot, *sides), dict(robot.parameters)
         if not seen.alike and numbers:  # the page has numbers where the file has symbols
-            one, other = (substitute(side, numbers) for side in sides)
+            one, other = (tree.substitute(side, numbers) for side in sides)
             seen = branches(robot, one, other)
         if only_points and not seen.points:
             if branches(robot, question.right, question.right).points:
@@ -163,11 +149,11 @@ def in_degrees(formula: Expression) -> Expression:
             isinstance(term, Number) and abs(term.value) >= RIGHT_ANGLE / 3 for term in terms
         ):
             turn = (Number(Fraction(1, 180)), Pi())
-            turned = (multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
-            return Call(formula.function, (add(*turned),))
+            turned = (tree.multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
+            return Call(formula.function, (tree.add(*turned),))
         case Call("sin" | "cos" | "tan"):
             return formula
-    return rebuilt(formula, in_degrees)
+    return tree.rebuilt(formula, in_degrees)
 
 
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
@@ -187,7 +173,7 @@ def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bo
     if digits not in ROUNDED:
         return False
     halves = {name: 0.5 * 10.0 ** (floor(log10(abs(value))) - digits + 1) for name, value in decimals.items()}
-    wanted = sorted({*names(right), *names(printed)})
+    wanted = sorted({*tree.names(right), *tree.names(printed)})
     points = 0
     for sample in samples(robot, wanted):
         values = {name: float(value) for name, value in (sample | decimals).items()}
@@ -213,7 +199,7 @@ def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expre
         name = f"(decimal {len(decimals)})"
         decimals[name] = e.value
         return Name(name)
-    return rebuilt(e, lambda part: _with_marked_decimals(part, decimals))
+    return tree.rebuilt(e, lambda part: _with_marked_decimals(part, decimals))
 
 
 def significant(value: Fraction) -> int:
@@ -335,7 +321,7 @@ def _difference_terms(question: Question) -> tuple[Expr, ...]:
     sign(qd1), as in Coulomb friction, counts as a symbol.
     """
     meanings: dict[str, Expression] = {}
-    whole = substitute(question.printed, question.definitions)
+    whole = tree.substitute(question.printed, question.definitions)
     printed, right = opaque(whole, meanings), opaque(question.right, meanings)
     try:
         domain = PolynomialDomain(question.robot, [printed, right], max_terms=MAX_DIFFERENCE_TERMS)

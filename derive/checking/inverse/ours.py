@@ -10,9 +10,8 @@ import sympy
 
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.findings import Shape, form_of
-from derive.checking.inverse.order import free_joints
 from derive.checking.inverse.poses import PoseNames, geometry_symbols
-from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, free_joints
 from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names

@@ -14,11 +14,14 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
+import numpy as np
+
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.errors import CheckError, Location, listed
-from derive.robot.expression import Call, Expression, Name, Number, children, linear_terms, names, rebuilt
+from derive.robot import expression as tree
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, names
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10  # plus-minus signs that one line may depend on
@@ -112,7 +115,7 @@ class PrintedInverse:
         """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = [joint.variable for joint in self.robot.joints]
         vector = [Fraction(0)] * len(variables)
-        for factor, term in linear_terms(e):
+        for factor, term in tree.linear_terms(e):
             if isinstance(term, Name) and term.name in self.sums:
                 whole = self.combination(self.sums[term.name])
                 vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
@@ -135,7 +138,7 @@ class PrintedInverse:
         if isinstance(e, Name | Call) and (found := self.meaning(e)):
             yield found
         elif not isinstance(e, Name):
-            for part in children(e):
+            for part in tree.children(e):
                 yield from self.needed(part)
 
     # -- values
@@ -285,7 +288,7 @@ def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -
 
 def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
     """An expression with calls of one function in the place of those of another."""
-    whole = rebuilt(e, lambda part: with_calls(part, old, new, swapped))
+    whole = tree.rebuilt(e, lambda part: with_calls(part, old, new, swapped))
     if isinstance(whole, Call) and whole.function == old:
         return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
     return whole
@@ -294,3 +297,74 @@ def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
 def count_calls(e: Expression, function: str) -> int:
     """How often a function is called."""
     return sum(isinstance(node, Call) and node.function == function for node in nodes(e))
+
+
+class Known:
+    """What is known of the joint variables: linear combinations, cosines and sines of some."""
+
+    def __init__(self, rows: Iterable[Vector]) -> None:
+        self._rows = list(rows)
+        self._functions: set[tuple[str, Vector]] = set()
+
+    def has(self, function: str, vector: Vector) -> bool:
+        """Whether it follows from what is known."""
+        if (function, vector) in self._functions:
+            return True
+        # a linear combination of known ones: the rank of the rows does not grow with it
+        rows = np.array([*self._rows, vector], dtype=float)
+        return bool(np.linalg.matrix_rank(rows) == (np.linalg.matrix_rank(rows[:-1]) if len(rows) > 1 else 0))
+
+    def add(self, function: str, vector: Vector) -> None:
+        """One thing more; cosine and sine together are the angle."""
+        self._functions.add((function, vector))
+        if not function or {("cos", vector), ("sin", vector)} <= self._functions:
+            self._rows.append(vector)
+
+
+def free_joints(printed: PrintedInverse) -> tuple[str, ...]:
+    """The joint variables that are taken as known: no line gives them, or only as a part of a sum."""
+    own = [vector for _, (_, vector) in _meanings(printed)]
+    units = _units(printed)
+    untouched = [name for j, name in enumerate(units) if not any(vector[j] for vector in own)]
+    alone = [name for name, unit in units.items() if unit not in own]
+    return tuple(untouched if not _ordered(printed, untouched)[1] else alone)
+
+
+def determined_joints(printed: PrintedInverse) -> tuple[str, ...]:
+    """The joint variables that the lines give."""
+    free = free_joints(printed)
+    known, left = _ordered(printed, free)
+    if left:
+        whole = listed(dict.fromkeys(line.quantity for line in left))
+        found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
+        where = left[0].formulas[0].location
+        raise CheckError(found, remedy="give one of them by the pose alone", location=where)
+    return tuple(name for name, unit in _units(printed).items() if name not in free and known.has("", unit))
+
+
+def _units(printed: PrintedInverse) -> dict[str, Vector]:
+    names = [joint.variable for joint in printed.robot.joints]
+    return {name: tuple(Fraction(int(other == name)) for other in names) for name in names}
+
+
+def _meanings(printed: PrintedInverse) -> list[tuple[PrintedLine, tuple[str, Vector]]]:
+    """Lines with what is known from them: an angle, a length or a sum, or a cosine, sine or tangent."""
+    return [(line, m) for line in printed.given if line.target and (m := printed.meaning(line.target))]
+
+
+def _ordered(printed: PrintedInverse, free: Sequence[str]) -> tuple[Known, list[PrintedLine]]:
+    """What is known at the end where some joint variables are, and the lines that need each other."""
+    units = _units(printed)
+    known, waiting = Known(units[name] for name in free), _meanings(printed)
+    while ready := [step for step in waiting if all(known.has(*need) for need in _needs(printed, step[0]))]:
+        for _, found in ready:
+            known.add(*found)
+        waiting = [step for step in waiting if step not in ready]
+    return known, [line for line, _ in waiting]
+
+
+def _needs(printed: PrintedInverse, line: PrintedLine) -> Iterator[tuple[str, Vector]]:
+    for part in (*printed.named_before(line), line):
+        for formula in part.formulas:
+            own = {formula.first: ZERO} if formula.first else {}
+            yield from printed.needed(tree.substitute(formula.expression, own))

@@ -15,21 +15,8 @@ from derive.checking.formulas.diagnosis import PAIRED
 from derive.checking.formulas.edits import Edit, Replacements, SlipKind, Spot, edits, spots
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine
 from derive.errors import CheckError
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Power,
-    Product,
-    Sum,
-    add,
-    multiply,
-    names,
-    negate,
-    number,
-    power,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Name, Number, Power, Product, Sum
 
 MAX_TRIED = 6_000  # changes that are tried for one line
 MAX_PAIRS = 6_000  # pairs of changes of one kind that are tried
@@ -63,12 +50,12 @@ class Repairer:
         angles = tuple(joint.variable for joint in printed.robot.joints if joint.is_revolute)
         tokens = [Call(f, (Name(angle),)) for angle in angles for f in ("cos", "sin")]
         lengths = [Name(name) for name in known if name not in angles]
-        squares = [power(length, 2) for length in lengths]
+        squares = [tree.power(length, 2) for length in lengths]
         self._may = Replacements(
             names=tuple(known),
             angles=angles,
-            factors=(*tokens, *lengths, *(power(length, -1) for length in lengths)),
-            terms=tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, negate(x))),
+            factors=(*tokens, *lengths, *(tree.power(length, -1) for length in lengths)),
+            terms=tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, tree.negate(x))),
         )
 
     def first(
@@ -99,8 +86,8 @@ class Repairer:
                 yield from _atan2(spot)
             if kind is SlipKind.SYMBOL and isinstance(spot.node, Number):
                 # a name read as a digit, 1 for l; the sign before it stays
-                sign = number(-1 if spot.node.value < 0 else 1)
-                meant = (multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
+                sign = tree.number(-1 if spot.node.value < 0 else 1)
+                meant = (tree.multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
                 yield from (Edit(kind, spot, name, spot.node, name) for name in meant)
             if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
                 yield from _squares(spot, spot.node.terms)
@@ -127,22 +114,22 @@ class Repairer:
 def _plus_minus(spot: Spot) -> Iterator[Edit]:
     """A plus-minus before a term, an argument, or a half turn more for the second solution."""
     node = spot.node
-    if not isinstance(node, Number) and not any(name[0] == SIGN for name in names(node)):
-        yield Edit(SlipKind.PLUS_MINUS, spot, multiply(MISSING, node), node, multiply(MISSING, node))
+    if not isinstance(node, Number) and not any(name[0] == SIGN for name in tree.names(node)):
+        yield Edit(SlipKind.PLUS_MINUS, spot, tree.multiply(MISSING, node), node, tree.multiply(MISSING, node))
     if isinstance(node, Product):
         for i, factor in enumerate(node.factors):
             if isinstance(factor, Call) and factor.function == "sqrt":
-                new = multiply(*node.factors[:i], multiply(MISSING, factor), *node.factors[i + 1 :])
-                yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, multiply(MISSING, factor))
+                new = tree.multiply(*node.factors[:i], tree.multiply(MISSING, factor), *node.factors[i + 1 :])
+                yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, tree.multiply(MISSING, factor))
 
 
 def _squares(spot: Spot, terms: Sequence[Expression]) -> Iterator[Edit]:
     """Neighbouring terms of a sum squared: what ``(a1 + a2)**2 - x**2`` was without its first exponent."""
     for i, j in combinations(range(min(len(terms), LONGEST_SUM) + 1), 2):
         if 1 < j - i < len(terms):
-            part = add(*terms[i:j])
-            square = power(part, 2)
-            yield Edit(SlipKind.EXPONENT, spot, add(*terms[:i], square, *terms[j:]), part, square)
+            part = tree.add(*terms[i:j])
+            square = tree.power(part, 2)
+            yield Edit(SlipKind.EXPONENT, spot, tree.add(*terms[:i], square, *terms[j:]), part, square)
 
 
 def _atan2(spot: Spot) -> Iterator[Edit]:
@@ -156,12 +143,12 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
     match spot.node.function:
         case "atan":
             above, below = _quotient(u)
-            ways = [(above, below), (negate(above), negate(below))]
-            ways += [(multiply(MISSING, above), below), (above, multiply(MISSING, below))]
+            ways = [(above, below), (tree.negate(above), tree.negate(below))]
+            ways += [(tree.multiply(MISSING, above), below), (above, tree.multiply(MISSING, below))]
         case "acos":
-            ways = [(multiply(MISSING, other), u), (other, u)]
+            ways = [(tree.multiply(MISSING, other), u), (other, u)]
         case "asin":
-            ways = [(u, multiply(MISSING, other)), (u, other)]
+            ways = [(u, tree.multiply(MISSING, other)), (u, other)]
     for y, x in ways:
         new = Call("atan2", (y, x))
         yield Edit(SlipKind.ATAN2, spot, new, spot.node, new)
@@ -170,10 +157,10 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
 def _quotient(e: Expression) -> tuple[Expression, Expression]:
     """Numerator and denominator."""
     factors = e.factors if isinstance(e, Product) else (e,)
-    below = [power(f.base, -f.exponent) for f in factors if isinstance(f, Power) and f.exponent < 0]
+    below = [tree.power(f.base, -f.exponent) for f in factors if isinstance(f, Power) and f.exponent < 0]
     above = [f for f in factors if not (isinstance(f, Power) and f.exponent < 0)]
     fraction = next((f.value for f in above if isinstance(f, Number)), None)
     if fraction is not None and fraction.denominator != 1:
-        above = [number(f.value.numerator) if isinstance(f, Number) else f for f in above]
-        below.append(number(fraction.denominator))
-    return multiply(*above), multiply(*below)
+        above = [tree.number(f.value.numerator) if isinstance(f, Number) else f for f in above]
+        below.append(tree.number(fraction.denominator))
+    return tree.multiply(*above), tree.multiply(*below)

@@ -11,12 +11,10 @@ from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import Finding, Outcome, judge
 from derive.checking.inverse.check import names_inverse
 from derive.checking.inverse.latex import gives_joints, latex_equations
-from derive.checking.inverse.order import determined_joints, free_joints
 from derive.checking.inverse.poses import places
-from derive.checking.inverse.printed import PrintedInverse, is_same, with_calls
-from derive.checking.inverse.reading import Vocabulary, assembled
+from derive.checking.inverse.printed import PrintedInverse, determined_joints, free_joints, is_same, with_calls
+from derive.checking.inverse.reading import Vocabulary, assembled, text_equations
 from derive.checking.inverse.repair import Repairer
-from derive.checking.inverse.text import text_equations
 from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, Location
 from derive.model.model import Model
