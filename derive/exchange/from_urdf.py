@@ -18,11 +18,10 @@ from flint import arb
 
 from derive.errors import DeriveError, RobotFileError, quoted
 from derive.exchange.arm import FRACTIONS, Arm, arm_of, joints_between
-from derive.exchange.carried_table import carried_table, placement_of, with_table
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
-from derive.exchange.robot_of_arm import robot_of_arm
+from derive.exchange.robot_of_arm import carried_table, placement_of, robot_of_arm, with_table
 from derive.exchange.source import ChainSource
 from derive.exchange.urdf import Origin, Urdf, UrdfJoint
 from derive.mechanics.space import DIGITS, decimal, exactly, length, plus

@@ -16,7 +16,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import accumulate, chain
+from itertools import accumulate, chain, takewhile
 
 from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
@@ -139,12 +139,11 @@ def _right(axis: int, quarters: int) -> Permutation:
 
 
 def _turn(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:
-    turns = (
+    return (
         ((one, zero, zero), (zero, c, -s), (zero, s, c)),
         ((c, zero, s), (zero, one, zero), (-s, zero, c)),
         ((c, -s, zero), (s, c, zero), (zero, zero, one)),
-    )
-    return turns[axis]
+    )[axis]
 
 
 def _image(turn: Permutation, axis: int) -> tuple[int, int]:
@@ -217,9 +216,8 @@ def _last(word: Sequence[Elementary]) -> tuple[_Split, list[Elementary]]:
     try:
         row = _split(word)
     except RobotFileError:
-        count = next((i for i, part in enumerate(word) if part.axis != Z), len(word))
-        along = word[:count]
-        return _Split(_sum(along, turns=True), _sum(along, turns=False)), list(word[count:])
+        along = list(takewhile(lambda part: part.axis == Z, word))
+        return _Split(_sum(along, turns=True), _sum(along, turns=False)), list(word[len(along) :])
     if row.alpha == ZERO:  # both axes are parallel
         row = replace(row, d=_plus(row.d, row.beyond), beyond=ZERO)
         if row.a == ZERO:
@@ -239,14 +237,9 @@ def _split(word: Sequence[Elementary]) -> _Split:
     twist, beyond = _signed(sign, _plus(twist, last)), _signed(sign, _plus(beyond, further))
     turning = {part.axis for part in parts if part.turns}
     lengths = {part.axis for part in parts if not part.turns}
-    if not turning:
-        normal = next(iter(lengths), 0 if axis == Z else 3 - Z - axis)
-        if lengths - {normal}:
-            raise _no_normal(word)
-    else:
-        normal = next(iter(turning))
-        if turning - {normal} or normal == Z or axis == normal:
-            raise _no_normal(word)
+    normal = next(iter(turning or lengths), 0 if axis == Z else 3 - Z - axis)
+    if (turning or lengths) - {normal} or (turning and normal in (Z, axis)):
+        raise _no_normal(word)
     # Rot(z, k pi/2) takes x to the normal; then Rot(x, m pi/2) Rot(z, n pi/2) is what is left of the right angles.
     angle, a = _sum(parts, turns=True), _sum([part for part in parts if part.axis == normal], turns=False)
     k, direction = normal, 1

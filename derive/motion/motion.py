@@ -22,8 +22,7 @@ from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, 
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
-from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import CarriedBody
+from derive.motion.torques.base_torques import BaseTorques, CarriedBody
 from derive.motion.torques.functions import LEAST_INTERVALS, Functions, check_numbers, kinematics_alone, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
@@ -88,7 +87,7 @@ class Motion:
         motion._samples_in(motion.duration)
         check_starts(plan.disturbances, plan.places, motion.values, motion.duration)
         if plan.control.period is not None:
-            from derive.motion.simulation.stages import period_of
+            from derive.motion.simulation.simulation import period_of
 
             period_of(plan, motion.values, motion.duration)
         if motion.base is not None:
@@ -391,8 +390,7 @@ class Motion:
         Raises:
             QuantityError: The robot has no dynamics, or a symbol without a number.
         """
-        from derive.motion.simulation.simulation import simulate
-        from derive.motion.simulation.stages import period_of, stages_of
+        from derive.motion.simulation.simulation import period_of, simulate, stages_of
 
         self._check_dynamics()
         plan, trajectory = self.plan, self.trajectory

@@ -16,7 +16,7 @@ from derive.exchange.common_normals import FAR
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.to_mjcf import LEAST
+from derive.exchange.to_xml import LEAST
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.possible import INERTIAS

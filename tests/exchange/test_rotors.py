@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from derive.exchange.body_chain import body_chain
-from derive.exchange.formats import exported
-from derive.exchange.rotors import lost_coupling, with_rotors
+from derive.exchange.formats import exported, lost_coupling, with_rotors
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import Motor

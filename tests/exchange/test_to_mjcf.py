@@ -8,7 +8,7 @@ import pytest
 
 from derive.exchange.body_chain import RigidBody
 from derive.exchange.formats import exported
-from derive.exchange.to_mjcf import LEAST, is_too_thin, mjcf_text
+from derive.exchange.to_xml import LEAST, is_too_thin, mjcf_text
 from derive.robot.description import Inertia, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot

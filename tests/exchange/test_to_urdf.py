@@ -11,13 +11,13 @@ from flint import arb
 from derive.errors import DeriveError, Location
 from derive.exchange.arm import arm_of
 from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaternion, roll_pitch_yaw
-from derive.exchange.carried_table import carried_table
 from derive.exchange.certificate import ball
 from derive.exchange.formats import FORMS, GIVEN, exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
 from derive.exchange.read_urdf import read_urdf
-from derive.exchange.to_urdf import rod
+from derive.exchange.robot_of_arm import carried_table
+from derive.exchange.to_xml import rod
 from derive.mechanics.space import WORLD, Frame, exactly, unit, vector
 from derive.robot.description import Convention
 from derive.robot.expression import Pi, multiply, number

@@ -70,8 +70,9 @@ def test_a_file_that_is_gone_reaches_no_more_than_what_imported_it(graph: dict[s
     ("changed", "test"),
     [
         ("derive/motion/paths/segments.py", "tests/motion/paths/test_segments.py"),
-        ("derive/motion/simulation/held.py", "tests/cli/test_plot_command.py"),  # over the commands, imported by name
-        ("derive/exchange/rotors.py", "tests/exchange/test_rotors.py"),
+        # over the commands, imported by name
+        ("derive/motion/simulation/stepping.py", "tests/cli/test_plot_command.py"),
+        ("derive/exchange/formats.py", "tests/exchange/test_rotors.py"),
         ("derive/robot/robot.py", "tests/handouts/test_paper.py"),
     ],
 )

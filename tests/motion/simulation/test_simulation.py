@@ -10,8 +10,7 @@ from scipy import integrate
 
 from derive.errors import RobotFileError, TargetError
 from derive.motion.motion import Motion
-from derive.motion.simulation.simulation import Run
-from derive.motion.simulation.stages import NEEDS, stages_of
+from derive.motion.simulation.simulation import NEEDS, Run, stages_of
 from derive.plans.profile import Profile
 from derive.plans.schema import Law
 from derive.plans.segments import Payload

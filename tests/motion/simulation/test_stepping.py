@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from derive.motion.motion import Motion
-from derive.motion.simulation import held
-from derive.motion.simulation.held import held_arm
-from derive.motion.simulation.simulation import Run
-from derive.motion.simulation.stages import NEEDS, Controller, stages_of
-from derive.motion.simulation.stepping import DIVERGED, Plant, smooth
+from derive.motion.simulation import stepping
+from derive.motion.simulation.simulation import NEEDS, Controller, Run, stages_of
+from derive.motion.simulation.stepping import DIVERGED, Plant, held_arm, smooth
 from derive.motion.simulation.sticking import exact, stepped
 from derive.motion.torques import functions
 from derive.motion.torques.functions import Functions
@@ -162,9 +160,9 @@ def test_few_evaluations_are_not_worth_a_compiler_and_without_one_there_is_none(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     robot = Motion.from_text(HELD.replace("name: arm", "name: another")).plan.robot
-    monkeypatch.setattr(held, "find_compiler", pytest.fail)
+    monkeypatch.setattr(stepping, "find_compiler", pytest.fail)
     assert held_arm(robot, {}, 1000) is None
-    monkeypatch.setattr(held, "find_compiler", lambda: None)
+    monkeypatch.setattr(stepping, "find_compiler", lambda: None)
     assert held_arm(robot, {}, 1e9) is None
 
 

@@ -10,8 +10,7 @@ from sympy import Rational, cos, sin
 
 from derive.arrays import Array
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.bodies import CarriedBody, OpenLink
+from derive.motion.torques.base_torques import BaseTorques, CarriedBody, OpenLink
 from derive.motion.torques.functions import loads
 from derive.plans.hermite import TIME
 from derive.plans.surroundings import BaseCurve

@@ -1,25 +1,115 @@
-"""A robot as MJCF, the format of MuJoCo.
-
-MuJoCo takes no moving body of which mass or a principal moment is nothing. A link that weighs nothing needs none: a
-body may have several joints, which move it one after the other, each about a line that stands in the body where
-all variables are zero. Nested bodies stand at O_1 Z_1 O_2 Z_2, with their places O and motions Z; since
-Z_1 O_2 = O_2 (O_2^-1 Z_1 O_2), that is one body at O_1 O_2 with the motions O_2^-1 Z_1 O_2, about the first axis as
-it is seen from the second link, and Z_2. With nothing between them, nothing else is left out.
-"""
+"""A robot as URDF, and as MJCF, the format of MuJoCo."""
 
 from dataclasses import dataclass
 from itertools import accumulate
+from math import atan2, hypot
 from typing import Any
+from xml.sax.saxutils import escape
 
 from flint import arb
 
-from derive.exchange.body_chain import BodyChain, RigidBody, Rotor, is_world, quaternion
+from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, is_world, quaternion, roll_pitch_yaw
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
-from derive.exchange.to_urdf import THICKNESS, rod
-from derive.mechanics.space import NOTHING, WORLD, Frame, times
+from derive.exchange.robot_of_arm import table_text
+from derive.exchange.urdf import SLIDE, UNLIMITED
+from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
+
+ROOT = "base_link"  # the world, which URDF takes as the root link
+TIP = "tool"  # the end effector
+THICKNESS = 0.06  # radius of the cylinders, of the longest link
+
+
+def urdf_text(arm: BodyChain, head: list[str]) -> str:
+    """The file as URDF."""
+    n = len(arm.segments)
+    named = [f"link{i}" for i in range(1, n + 1)]
+    root = ROOT if is_world(arm.base) else "link0"
+    taken = {segment.joint.label for segment in arm.segments}
+    base, flange, tool = (name + "_" * (name in taken) for name in ("base-joint", "flange-joint", "tool-joint"))
+    joints = [] if root == ROOT else [_fixed(base, ROOT, root, arm.base)]
+    for i, segment in enumerate(arm.segments):
+        joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
+    last = arm.segments[-1].dh
+    joints.append(_fixed(flange, named[-1], "flange", last))
+    joints.append(_fixed(tool, "flange", TIP, arm.tool))
+    radius = THICKNESS * arm.size
+    frames: list[dict[str, Any]] = [
+        {"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root, "flange", TIP))
+    ]
+    links: list[dict[str, Any]] = []
+    for name, segment in zip(named, arm.segments, strict=True):
+        inertial = None  # of what moves with a joint, in the joint's frame
+        if segment.body is not None:
+            body = segment.body.moved(segment.dh)
+            entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
+            inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
+        links.append({"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)})
+    return render(
+        "exchange/robot.urdf.jinja",
+        name=arm.robot.name,
+        head=head,
+        table=escape(table_text(arm.robot)),
+        links=[*frames[:-2], *links, *frames[-2:]],
+        joints=joints,
+        radius=f"{radius:.3g}",
+        thick=f"{1.4 * radius:.3g}",
+        height=f"{3 * radius:.3g}",
+    )
+
+
+def _origin(frame: Frame) -> dict[str, str]:
+    return {"xyz": texts(frame.origin), "rpy": texts(roll_pitch_yaw(frame))}
+
+
+def _fixed(name: str, parent: str, child: str, frame: Frame) -> dict[str, Any]:
+    return {"name": name, "type": "fixed", "parent": parent, "child": child, **_origin(frame), "axis": ""}
+
+
+def _joint(segment: ChainSegment, parent: str, child: str) -> dict[str, Any]:
+    """A joint that moves; effort and speed are mandatory where there are limits."""
+    joint, link = segment.joint, segment.link
+    limits = joint.limits or (None if joint.is_revolute else ())
+    kind = "prismatic" if not joint.is_revolute else "continuous" if limits is None else "revolute"
+    bounds: dict[str, str] = {}
+    if limits is not None:
+        ends = [text(ball(cell)) for cell in limits] or [f"-{SLIDE}", str(SLIDE)]
+        bounds |= dict(zip(("lower", "upper"), ends, strict=True))
+    for key, cell in (("effort", joint.torque), ("velocity", joint.speed)):
+        bounds[key] = str(UNLIMITED) if cell is None else text(ball(cell))
+    dynamics = {"damping": text(ball(link.viscous)), "friction": text(ball(link.signed[0]))}
+    return {
+        "name": xml_text(joint.label),
+        "type": kind,
+        "parent": parent,
+        "child": child,
+        **_origin(segment.origin),
+        "axis": f"0 0 {joint.sign}",
+        "limit": bounds,
+        "dynamics": dynamics if set(dynamics.values()) != {"0"} else {},
+    }
+
+
+def rod(end: Point, radius: float) -> dict[str, str] | None:
+    """The cylinder from a frame's origin to a point; None where it would be as short as thick."""
+    x, y, z = (float(c) for c in end)
+    reach = float(length(end))
+    if reach <= radius:
+        return None
+    middle = " ".join(f"{c / 2:.6g}" for c in (x, y, z))
+    turned = f"0 {atan2(hypot(x, y), z):.6g} {atan2(y, x):.6g}"
+    return {"xyz": middle, "rpy": turned, "length": f"{reach:.6g}", "to": " ".join(f"{c:.6g}" for c in (x, y, z))}
+
+
+# -- MJCF
+#
+# MuJoCo takes no moving body of which mass or a principal moment is nothing. A link that weighs nothing needs none: a
+# body may have several joints, which move it one after the other, each about a line that stands in the body where
+# all variables are zero. Nested bodies stand at O_1 Z_1 O_2 Z_2, with their places O and motions Z; since
+# Z_1 O_2 = O_2 (O_2^-1 Z_1 O_2), that is one body at O_1 O_2 with the motions O_2^-1 Z_1 O_2, about the first axis as
+# it is seen from the second link, and Z_2. With nothing between them, nothing else is left out.
 
 DENSITY = 1000  # of the cylinders that stand in for masses where a robot has none [kg/m^3]
 # Of masses and principal moments in the file: MuJoCo takes no less [kg, kg m^2]; and what is no distance [m].
@@ -32,7 +122,7 @@ EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
 def mjcf_text(arm: BodyChain, head: list[str]) -> str:
-    """The file."""
+    """The file as MJCF."""
     gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
     radius = THICKNESS * arm.size
     bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
@@ -129,14 +219,14 @@ def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]
         "name": f"link{written.joints.stop}",
         "pos": texts(place.origin),
         "quat": _turn(place),
-        "joints": [_joint(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
+        "joints": [_moved(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
         "inertial": None if written.body is None else _inertial(written.body),
         "rod": rod(last.end, radius),
         "first": shown if before else None,
     }
 
 
-def _joint(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
+def _moved(arm: BodyChain, i: int, axis: Frame) -> dict[str, Any]:
     """A joint about the z axis of a frame, which is given in that of the body."""
     segment = arm.segments[i]
     joint, link, rotor = segment.joint, segment.link, segment.rotor
