@@ -27,6 +27,7 @@ from derive.robot.expression import Call, Expression, Name, Sum, is_constant, na
 from derive.robot.names import velocity_name
 
 _POINTS = 2  # random points at which values are compared
+MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
 
@@ -70,7 +71,8 @@ class ByValue:
         table = value if isinstance(value, Table) else Table(((Entry(value),),))
         formulas = [entry.formula for entry in table.entries]
         used = {name for e in formulas for name in names(e)}
-        if any(entry.is_open or entry.unknown for entry in table.entries) or any(n.startswith(SIGN) for n in used):
+        is_open = any(entry.is_open or entry.unknown for entry in table.entries)
+        if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
         if not (names_of_pose(*formulas) or used & (self._joints | self._rates)) or all(map(_says_little, formulas)):
