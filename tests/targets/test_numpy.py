@@ -332,5 +332,5 @@ def test_code_stays_compact() -> None:
     joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
     robot = Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n")
     text = render_numpy(source_of(robot))["model_numpy.py"]
-    assert len(text) < 300_000
+    assert len(text) < 320_000
     assert load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)
