@@ -2,7 +2,8 @@ r"""What a formula is whose name is the author's own: the quantity of the robot 
 
 No list of names is long enough: ``p_\text{elbow}``, ``r_w``, ``K_1``, ``{}^T J_4``. At random points such a formula has
 the values of the way from one point to another in the axes of a frame, of an axis, a velocity, a column of a Jacobian
-or a part of an energy. This can only say that a formula is right: a wrong one has the values of nothing.
+or a part of an energy. This can only say that a formula is right: a wrong one has the values of nothing, or of
+another quantity, and is then named as that.
 """
 
 import random
@@ -27,7 +28,7 @@ from derive.robot.expression import Call, Expression, Name, Sum, is_constant, na
 from derive.robot.names import velocity_name
 
 _POINTS = 2  # random points at which values are compared
-MOST_JOINTS = 8  # of longer arms there are too many ways between points
+_MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
 
@@ -72,7 +73,7 @@ class ByValue:
         formulas = [entry.formula for entry in table.entries]
         used = {name for e in formulas for name in names(e)}
         is_open = any(entry.is_open or entry.unknown for entry in table.entries)
-        if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > MOST_JOINTS:
+        if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
         if not (names_of_pose(*formulas) or used & (self._joints | self._rates)) or all(map(_says_little, formulas)):

@@ -39,7 +39,8 @@ class SideReading(Comparing):
     def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
         """The verdict on a product of transforms; a wrong one where matrices of the text settle the frames."""
         frames = {frames_of(target, self.robot): target for name in named for target in name.targets}
-        frames |= {(0, self.robot.n): t for t in [*frames.values()] if t.quantity == "T"}  # noqa: B035
+        whole = [target for target in frames.values() if target.quantity == "T"]  # also without the base and the tool
+        frames |= dict.fromkeys([(0, self.robot.n)], whole[0]) if whole else {}
         right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
         if not side.factors or not named:
             return None
