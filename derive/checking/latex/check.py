@@ -14,7 +14,7 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Side
 from derive.checking.latex.conditions import explaining, ways
-from derive.checking.latex.equations import Sides
+from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.pieces import LatexPiece
@@ -125,6 +125,11 @@ class _Check(SideReading):
             found += filter(None, meant if all(meant) else ())
             reason = "which point x, y and z are is not certain"
             self.skipped += [] if all(meant) else [Skipped(one.location, reason, one.text) for one in wrong]
+        statics = [one for one in found if isinstance(one, Finding) and one.quantity.startswith("statics")]
+        if not any(one.verdict.equal for one in statics):
+            found = [one for one in found if one not in statics]
+            reason = "where the force acts, and in which axes, is not certain"
+            self.skipped += [Skipped(one.location, reason, one.text) for one in statics]
         judged = iter(poses.judged(claims, self.scope.readings, known, self._names_the_pose) if poses else ())
         for one in found:
             if isinstance(one, Finding):
@@ -321,7 +326,7 @@ class _Check(SideReading):
         pieces = self._claiming(index, equation)
         if not pieces:
             return
-        is_scalar_equation = not any(piece.matrices for piece in pieces)
+        is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)
         sides = [self.side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(target.turned for side in sides for target in side.targets)
@@ -351,7 +356,7 @@ class _Check(SideReading):
             weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
         chains = [side for side, _ in judged]
-        sides, others = ([side for side in group if side not in chains] for group in (sides, others))
+        sides, others, said = ([side for side in group if side not in chains] for group in (sides, others, said))
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
                 yield from self._unread(side, named, side is sides[-1])
@@ -382,6 +387,8 @@ class _Check(SideReading):
                         self._states(side.piece, part, ways(values), is_of_side=True)
         first, *others = sides
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        if not any(isinstance(s.value, Table) and len(s.value.entries) == 6 for s in sides):  # B_1 may be anything
+            named = [s for s in named if not all("screw" in target.quantity for target in s.targets)]
         if is_scalar:  # a length of the robot, not a vector with its letter
             named = [s for s in named if s is not first or not self._is_length(s)]
         named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how

@@ -287,7 +287,9 @@ class Comparing:
 
     def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
         """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""
-        rights = tuple(self._meant(name))
+        used = {word for entry in table.entries for word in names(entry.formula)}
+        has_force = not used.isdisjoint(self.meanings.forces)
+        rights = tuple(right for right in self._meant(name) if right.quantity.startswith("statics") == has_force)
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
         is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)
@@ -317,6 +319,10 @@ class Comparing:
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # two coordinates of an arm that moves in space may be those in the plane of its links
         is_flat = table.shape == (2, 1) and self._rises and all(r.columns == (4,) or r.quantity == "p" for r, _ in fits)
+        if fits and all("screw" in right.quantity for right, _ in fits):  # home may be another configuration
+            least = VAGUE if table.shape[0] * table.shape[1] > len(AXES) else 1
+            if all(right.likeness(fitting) < least for right, fitting in fits):
+                raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is no axis of ours at home")
         if name.left is None or not (name.left.is_vague or is_flat) or not fits:
             return
         # the angle of a planar arm has all joints

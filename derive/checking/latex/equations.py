@@ -32,6 +32,7 @@ _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*
 # A condition behind a comma that is no equation, such as 0 < \theta_3 < \pi or e \in \{1, -1\}.
 _RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
 _REMARK = re.compile(r"\(\s*\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}\s*\)\s*$")  # words in brackets behind a formula
+_LIST = re.compile(r"\s*[(\[](.*)[)\]]\s*(?:\^\s*\{?\s*(?:T|\\top|\\intercal)\s*\}?\s*)?", re.DOTALL)  # [0, 0, 1]^T
 _LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
@@ -178,7 +179,7 @@ def alternatives(sides: Sides) -> Iterator[Sides]:
         for cell, *_ in last.matrices[0].rows:
             yield (*sides[:-1], cell.part(0, len(_without_end(cell.text))))
         return
-    lists = [listed(side) for side in sides]
+    lists = [listed(side) if side.text.strip().startswith("(") else [] for side in sides]
     count = len(lists[0])
     if len(sides) > 1 and count > 1 and {*map(len, lists)} == {count} and re.search("[a-z]_|sqrt|arc|atan", last.text):
         yield from zip(*lists, strict=True)
@@ -187,11 +188,11 @@ def alternatives(sides: Sides) -> Iterator[Sides]:
 
 
 def listed(side: LatexPiece) -> list[LatexPiece]:
-    """What stands between the commas of a list in round brackets that is a whole side; nothing of another side."""
-    text = side.text
-    begin, end = text.find("(") + 1, text.rfind(")")
-    if text[:begin].strip() != "(" or text[end:].strip() != ")" or _depths(text, begin, end):
+    """What stands between the commas of a list in brackets that is a whole side; nothing of another side."""
+    text, match = side.text, _LIST.fullmatch(side.text)
+    if match is None or any(_depths(text, match.start(1), i) < 0 for i in range(*match.span(1))):
         return []
+    begin, end = match.span(1)
     commas = [i for i in range(begin, end) if text[i] == "," and not _depths(text, begin, i)]
     edges = [begin, *(edge for i in commas for edge in (i, i + 1)), end]
     return [side.part(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]

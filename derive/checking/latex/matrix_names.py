@@ -12,9 +12,11 @@ from itertools import islice, product
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, taken_apart
-from derive.checking.latex.matrices import Entry, Table
+from derive.checking.latex.matrices import Entry, Table, joined_blocks
 from derive.checking.latex.meanings import ALIKE, Meanings, at_a_point
-from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
+from derive.checking.latex.names import Symbol
+from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
+from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.targets import Target
 from derive.errors import CheckError
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -61,6 +63,9 @@ class MatrixNames:
 
     def values(self, piece: LatexPiece) -> Iterator[Table]:
         """The matrices that a formula with names of matrices may be."""
+        if piece.text.strip(AROUND) == MATRIX_MARK:
+            yield from self._of_blocks(piece)
+            return
         text, found = piece.text, dict[int, list[Table]]()
         for pattern, meaning in (
             (_ELEMENTARY, self._elementary),
@@ -82,6 +87,13 @@ class MatrixNames:
                     value = self._reader.value(rest, dict(zip(found, chosen, strict=True)))
                     if isinstance(value, Table):
                         yield value
+
+    def _of_blocks(self, piece: LatexPiece) -> Iterator[Table]:
+        """A matrix of formulas with names, each with the first of its values: [z_0 x (o_2 - o_0) ...; z_0 ...]."""
+        with suppress(CheckError):
+            rows = piece.matrices[0].rows
+            cells = [[next(self.values(cell), None) or self._reader.value(cell) for cell in row] for row in rows]
+            yield from [joined_blocks(cells)] if rows and all(rows) else ()
 
     def _elementary(self, match: re.Match[str], offset: int) -> list[Table]:
         """A turn as a matrix of four rows and of three; a shift as one of four."""
@@ -124,9 +136,14 @@ class MatrixNames:
         left = taken_apart(match[0].replace("[", "(").replace("]", ")"))
         if left is not None and left.head.lower() in AXES and left.sub and left.sub == left.before + left.sup:
             return [_table([[number(int(i == AXES[left.head.lower()]))] for i in (1, 2, 3)])]  # in its own frame
-        if left is None or (left.is_plain and self._reader.names.knows(left.flat)):
+        if left is None or (left.is_plain and self._is_formula(left.flat)):
             return []
-        return [table for target in self._meanings.targets(left) for table in self._of(target)]
+        return list(dict.fromkeys(table for target in self._meanings.targets(left) for table in self._of(target)))
+
+    def _is_formula(self, name: str) -> bool:
+        """Whether a name stands for one formula; a coordinate of some point may be an axis as well."""
+        names = self._reader.names
+        return names.knows(name) and not names_of_pose(names.meaning(Symbol(name, 0)))
 
     def _of(self, target: Target) -> list[Table]:
         if target not in self._tables:

@@ -16,15 +16,15 @@ from derive.checking.latex.left import AXES, FONT, Left, Reading, Turned, taken_
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
-from derive.checking.latex.quantities import OWN, own_quantity, slope
+from derive.checking.latex.quantities import OWN, force_named, own_quantity, slope, written
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import Expression, names
+from derive.robot.expression import Expression, Name, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
@@ -37,7 +37,8 @@ _OF_TIME = re.compile(
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial(?P<above>.*)\}\{\\partial\{?(?P<rate>\\dot)?\{?(?:\\(?:var)?[Tt]heta|[qd])\}?_?\{?(?P<label>[0-9]*)\}*\}"
 )
-_SIX_ROWS = ("J", "J_end", "J_dot", "twist")
+_TORQUES = ("tau", "Q", "u", "Gamma")
+_SIX_ROWS = ("J", "J_end", "J_space", "J_dot", "twist")
 ALIKE = 1e-4  # relative difference of two values at a point that rounded decimals may explain
 LARGEST_INVERSE = 3  # rows of a matrix that is inverted; transforms are inverted whatever their size
 
@@ -106,6 +107,7 @@ class Meanings:
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
+        self.forces = frozenset[str]()  # coordinates of a force or a moment on the end effector that the text names
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
         labels = [joint_label(joint.variable) for joint in self.robot.joints]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
@@ -128,6 +130,8 @@ class Meanings:
         found: dict[Target, None] = {}
         for target in candidates(left, self.robot.n, self._first, self.reading, tool=self.robot.tool is not None):
             name, _, place = target.quantity.partition("[")
+            for kind in ("statics", "statics_end") if self.forces and name == "tau" and left.head in _TORQUES else ():
+                found[replace(target, quantity=f"{kind}[{','.join(sorted(self.forces))}]")] = None
             if name in OWN or REGISTRY[name].is_of(self.robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
@@ -191,7 +195,8 @@ class Meanings:
         if not hasattr(value, "shape"):
             value = sympy.ImmutableMatrix([[value]])
             return Right(target.quantity + target.turned, self._turned(target, value), (0,), (0,))
-        whole = _whole(target.quantity, value)
+        is_statics = target.quantity.startswith("statics")  # shown without the forces that the text names
+        whole = _whole(target.quantity.partition("[")[0] if is_statics else target.quantity, value)
         rows = target.rows or tuple(range(1, value.shape[0] + 1))
         columns = target.columns or tuple(range(1, value.shape[1] + 1))
         part = value.extract([i - 1 for i in rows], [j - 1 for j in columns])
@@ -205,7 +210,7 @@ class Meanings:
             rows, columns = columns, rows
         elif whole.columns == (0,):
             columns = (0,)
-        return Right(target.quantity + target.turned, self._turned(target, part), rows, columns)
+        return Right(whole.quantity + target.turned, self._turned(target, part), rows, columns)
 
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
@@ -252,20 +257,15 @@ class Meanings:
             # [R p; 0 1]^-1 = [R^T -R^T p; 0 1], for planar transforms with a rotation of two rows
             size = sum(row < 4 for row in target.rows) or 3
             turn, place = part[:size, :size].T, part[:size, size:]
-            moved = (-turn * place).applyfunc(self._written)
+            moved = (-turn * place).applyfunc(partial(written, self._model))
             return sympy.ImmutableMatrix(turn.row_join(moved).col_join(part[size:, :]))
         if part.rows != part.cols or part.rows > LARGEST_INVERSE:
             raise QuantityError(f"inverse of {target.quantity}", allowed=f"allowed: up to {LARGEST_INVERSE} rows")
         # the inverse as adjugate over determinant, both reduced
-        determinant = self._written(part.det(method="berkowitz"))
+        determinant = written(self._model, part.det(method="berkowitz"))
         if determinant == 0:
             raise QuantityError(f"inverse of {target.quantity}, which is singular everywhere")
-        return part.adjugate().applyfunc(lambda entry: self._written(entry) / determinant)
-
-    def _written(self, expression: Expr) -> Expr:
-        """A sum of products as the model would write it, in factors."""
-        domain = self._model.domain
-        return self._model.form.determinant(domain.constant(expression_from_sympy(expression)))
+        return part.adjugate().applyfunc(lambda entry: written(self._model, entry) / determinant)
 
     def asked(self, quantity: str) -> Iterator[Right]:
         """What is asked about: an entry, or a quantity as a whole, or parts of it."""
@@ -293,6 +293,8 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         axis = "xyz".index((rate[1] or rate[2]).lower()) + 1
         right = meanings.right(Target("twist", (axis,)))
         return expression_from_sympy(right.value[0, 0]) if right else None
+    if (force := force_named(name)) in meanings.forces:
+        return Name(force)
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
     if name.endswith("'") and (entry := entry_named(meanings, None, name[:-1])):

@@ -32,7 +32,26 @@ OWN = (
     "tool",
     "end",
     "J_at",
+    "J_space",
+    "screw",
+    "body_screw",
+    "statics",
+    "statics_end",
 )
+
+
+_WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
+
+
+def force_named(word: str) -> str:
+    """The coordinate of a force or a moment on the end effector that a printed name is; empty where it is none."""
+    match = re.fullmatch("([fFMN])_?([xyz])", word)
+    return f"{'F' if match[1] in 'fF' else 'M'}_{match[2]}" if match else ""
+
+
+def written(model: Model, e: Expr) -> Expr:
+    """A sum of products as the model would write it."""
+    return model.form.determinant(model.domain.constant(expression_from_sympy(e)))
 
 
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
@@ -51,6 +70,17 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
         case "J_at", [frame]:  # of the origin of a frame
             q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in robot.joints])
             return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(q).col_join(jacobian[3:, :])
+        case "J_space", _:  # of the point of the end effector that is at the origin (Lynch and Park, section 5.1.1)
+            end = sympy.Matrix(model.quantity("T")[:3, 3])
+            columns = [jacobian[:3, k] + end.cross(jacobian[3:, k]) for k in range(model.n)]
+            linear = sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
+            return linear.col_join(jacobian[3:, :])
+        case (("statics" | "statics_end"), _):  # J^T F, of the forces and moments that the text names
+            whole = sympy.Matrix(model.quantity("J_end")) if "end" in name else jacobian
+            return whole.T * sympy.Matrix([sympy.Symbol(force) if force in name else 0 for force in _WRENCH])
+        case (("screw" | "body_screw"), [joint]):  # of a joint in the home position
+            whole = own_quantity(model, "J_space") if name[0] == "s" else model.quantity("J_end")
+            return sympy.Matrix(whole)[:, joint - 1].subs({sympy.Symbol(j.variable): 0 for j in robot.joints})
         case "end", [frame]:  # the end effector seen from a frame
             last = model.quantity(f"T[{frame},{model.n}]")
             return last * own_quantity(model, "tool") if robot.tool else last

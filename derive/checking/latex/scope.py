@@ -2,13 +2,14 @@ r"""What a LaTeX text says as a whole: its equations, the names that it defines,
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain, islice, product
 
+from derive.checking.inverse.latex import printed_words
 from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
@@ -17,6 +18,7 @@ from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
 from derive.checking.latex.names import Symbol, plus_minus
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Poses
+from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
 from derive.checking.latex.whole import chained, factors
@@ -79,7 +81,10 @@ class Scope:
         self.plain = LatexReader(self.robot, text, start)
         columns = self._named_columns() if document else {}
         self.meanings.columns = columns
-        self.poses = Poses(model, cleaned(text, has_time), columns) if document else None
+        plain = cleaned(text, has_time)
+        self.poses = Poses(model, plain, columns) if document else None
+        words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
+        self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
@@ -131,15 +136,24 @@ class Scope:
             for index, meaning in meanings:
                 yield name, index, meaning, next(s for s in self.equations[index] if (index, s.offset) in self.names)
 
-    def _lefts_and_tables(self, equation: Sides) -> tuple[list[Left], list[Table]]:
-        """The sides of an equation that name quantities, and those that are matrices which can be read."""
-        lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
-        tables = []
-        for side in equation:
-            with suppress(CheckError):
-                if side.matrices and isinstance(value := self._reads.value(side), Table):
-                    tables.append(value)
-        return [left for left in lefts if self.meanings.targets(left)], tables
+    @cached_property
+    def _printed(self) -> list[tuple[list[Left], list[Table]]]:
+        """Of each equation the sides that are names, and those that are matrices which can be read."""
+        found = []
+        for equation in self.equations:
+            lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+            tables: list[Table] = []
+            for side in equation if lefts else ():
+                with suppress(CheckError):
+                    tables += [value] if side.matrices and isinstance(value := self._reads.value(side), Table) else []
+            found.append((lefts, tables))
+        return found
+
+    def _pairs(self, is_wanted: Callable[[Left], object], *, each: bool = False) -> Iterator[tuple[Left, Table]]:
+        """The first quantity of a kind in an equation with the last matrix beside it, or each with each."""
+        for lefts, tables in self._printed:
+            wanted = [left for left in lefts if is_wanted(left) and self.meanings.targets(left)]
+            yield from product(wanted, tables) if each else product(wanted[:1], tables[-1:])
 
     def _settled_reading(self) -> Reading:
         """Which frame of a transform is the reference: what most matrices of the text need, else what is usual."""
@@ -147,54 +161,45 @@ class Scope:
         seen: Counter[Scripts] = Counter()
         self._vote_by_products(votes, seen)
         of_products = votes.copy()
-        for equation in self.equations:
-            lefts, tables = self._lefts_and_tables(equation)
-            for left, table in product([left for left in lefts if left.scripts][:1], tables[-1:]):
-                usual, turned = (
-                    max((right.fits(table) for right in self.rights_read(left, reading)), default=0.0)
-                    for reading in (frozenset[Scripts](), frozenset(Scripts))
-                )
-                assert left.scripts is not None
-                votes[left.scripts] += (turned > usual) - (turned < usual)
-                seen[left.scripts] += turned != usual
+        for left, table in self._pairs(lambda left: left.scripts):
+            readings = (frozenset[Scripts](), frozenset(Scripts))
+            usual, turned = (_best(self.rights_read(left, reading), table) for reading in readings)
+            assert left.scripts is not None
+            votes[left.scripts] += (turned > usual) - (turned < usual)
+            seen[left.scripts] += turned != usual
         self.settled = frozenset(scripts for scripts, vote in votes.items() if vote != of_products[scripts])
         turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
         for scripts in turned_round:
-            agreeing = (votes[scripts] + seen[scripts]) // 2
-            matrices = f"{agreeing} of {seen[scripts]} matri{'ces' if seen[scripts] > 1 else 'x'}"
-            self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({matrices})")
+            agreeing = _of_all((votes[scripts] + seen[scripts]) // 2, seen[scripts])
+            self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({agreeing})")
         return frozenset(turned_round)
 
     def _settle_world(self) -> None:
         """Whether frame 0 of the text is the world before a base: what most of its matrices need."""
-        votes = []
-        for equation in self.equations if self.robot.base != IDENTITY and self.document else ():
-            lefts, tables = self._lefts_and_tables(equation)
-            for left, table in product([left for left in lefts if left.head in "TAH"][:1], tables[-1:]):
-                fits = []
-                for self.meanings.counts_world in (False, True):
-                    rights = self.rights_read(left, self.meanings.reading)
-                    fits.append(max((right.fits(table) for right in rights), default=0.0))
-                votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
+        has_base, votes = self.robot.base != IDENTITY and self.document, list[int]()
+        for left, table in self._pairs(lambda left: left.head in "TAH") if has_base else ():
+            fits = []
+            for self.meanings.counts_world in (False, True):
+                fits.append(_best(self.rights_read(left, self.meanings.reading), table))
+            votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
         self.meanings.counts_world = sum(votes) > 0
         if self.meanings.counts_world:
-            agreeing = f"{votes.count(1)} of {len(votes)} matri{'ces' if len(votes) > 1 else 'x'}"
+            agreeing = _of_all(votes.count(1), len(votes))
             self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
 
     def _settled_rows(self) -> bool:
         """Whether whole Jacobians have the angular velocity above the linear one: what most of them need."""
-        votes = []
-        for equation in self.equations:
-            for left, table in product(*self._lefts_and_tables(equation)):
-                if left.head == "J" and table.shape[0] == 6:
-                    target = self.meanings.targets(left)[0]
-                    both = map(self.meanings.right, (target, replace(target, rows=(4, 5, 6, 1, 2, 3))))
-                    usual, turned = (right.fits(table) if right else 0.0 for right in both)
-                    votes.append((turned > usual) - (turned < usual))
-        if is_turned := sum(votes) > 0:
+        vote = 0
+        for left, table in self._pairs(lambda left: left.head == "J", each=True):
+            if table.shape[0] == 6:
+                wholes = [target for target in self.meanings.targets(left) if not target.rows]
+                orders = (wholes, [replace(target, rows=(4, 5, 6, 1, 2, 3)) for target in wholes])
+                usual, turned = (_best(filter(None, map(self.meanings.right, order)), table) for order in orders)
+                vote += (turned > usual) - (turned < usual)
+        if vote > 0:
             rows = "the rows of the angular velocity above those of the linear one"
             self.readings.append(f"Jacobians are read with {rows}")
-        return is_turned
+        return vote > 0
 
     def _base_letters(self) -> frozenset[str]:
         """A letter that is the reference of all matrices with scripts before them, and the frame of none."""
@@ -224,15 +229,14 @@ class Scope:
 
     def _settle_jacobian(self) -> None:
         """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
-        for equation in self.equations:
-            for left, table in product(*self._lefts_and_tables(equation)):
-                if left.head != "J" or left.sub or left.turned or left.dots:
-                    continue
-                rights = filter(None, map(self.meanings.right, self.meanings.targets(left)))
-                fits = any(right.likeness(fitting) > 0.5 for right in rights if (fitting := right.fitting(table)))
-                self.meanings.has_jacobian |= fits
-                if not fits and table.shape[0] == table.shape[1] <= LARGEST_DETERMINANT:
-                    self.meanings.jacobian = table
+        for left, table in self._pairs(lambda left: left.head == "J" and left.sub + left.turned == "", each=True):
+            if left.dots:
+                continue
+            rights = filter(None, map(self.meanings.right, self.meanings.targets(left)))
+            fits = any(right.likeness(fitting) > 0.5 for right in rights if (fitting := right.fitting(table)))
+            self.meanings.has_jacobian |= fits
+            if not fits and table.shape[0] == table.shape[1] <= LARGEST_DETERMINANT:
+                self.meanings.jacobian = table
 
     def _named_entries(self) -> Iterator[tuple[int, str, Left]]:
         r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
@@ -447,3 +451,11 @@ class Scope:
     def is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
         return left.is_plain and self.plain.names.knows(left.flat)
+
+
+def _best(rights: Iterable[Right], table: Table) -> float:
+    return max((right.fits(table) for right in rights), default=0.0)
+
+
+def _of_all(count: int, total: int) -> str:
+    return f"{count} of {total} matri{'ces' if total > 1 else 'x'}"

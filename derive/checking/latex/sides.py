@@ -67,7 +67,10 @@ class SideReading(Comparing):
 
     def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
         """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
-        if side.error is None or side.left is not None or not self.document:
+        is_read = side.error is None and not (
+            isinstance(side.value, Table) and any(e.unknown for e in side.value.entries)
+        )
+        if is_read or side.left is not None or not self.document:
             return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
@@ -129,7 +132,8 @@ class SideReading(Comparing):
             point = self._stands_for(left) if has_points and is_open else None
             if point is not None:
                 return Side(piece, left, (), point)
-            if targets and not self.scope.is_own(left):
+            is_screw = not has_points and any("screw" in target.quantity for target in targets)  # S_1 is a sine, too
+            if targets and (is_screw or not self.scope.is_own(left)):
                 return Side(piece, left, targets)
         try:
             return Side(piece, left, targets, self.reader.value(piece))
@@ -221,7 +225,7 @@ class SideReading(Comparing):
         entries = [e.formula for e in side.value.entries] if isinstance(side.value, Table) else [side.value]
         decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
         # a whole matrix of numbers for one that moves, such as that of the home position
-        moves = any(f.question is not None and not is_constant(f.question.right) for f in findings)
+        moves = any(f.question and not self._moving.isdisjoint(names(f.question.right)) for f in findings)
         still = frozenset() if self.conditions else self.parameters - self._moving
         is_still = all(e is not None and still.issuperset(names(e)) for e in entries)
         is_example = len(entries) > 1 and moves and is_still

@@ -67,7 +67,9 @@ def candidates(
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
-_VECTORS = frozenset(("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", *OF_LINK))
+_VECTORS = frozenset(
+    ("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", "statics", "statics_end", *OF_LINK)
+)
 _SCALARS = ("christoffel", "manipulability", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
@@ -195,8 +197,21 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     yield from (Target(f"{kind}[{link},{int(frame)}]", part) for kind in kinds for part in rows)
 
 
+_SPACE, _BODY = ("s", "S", "space", "spatial"), ("b", "B", "body")
+
+
+def _screws(left: Left, n: int) -> Iterator[Target]:
+    r"""Axes of the joints in the home position, as (omega, v) or (v, omega): ``\mathcal{S}_1``, ``\omega_1``."""
+    if not left.is_plain or not left.sub.isdigit() or not 0 < int(left.sub) <= n:
+        return
+    for kind, heads in (("screw", ("S", "xi", "s")), ("body_screw", ("B", "xi"))):
+        orders = ((4, 5, 6, 1, 2, 3), ()) if left.head in heads else ((4, 5, 6),) if left.head in ("omega", "w") else ()
+        yield from (Target(f"{kind}[{left.sub}]", rows) for rows in orders)
+
+
 def _jacobians(left: Left, n: int) -> Iterator[Target]:
     if left.head not in ("J", "j"):
+        yield from _screws(left, n)
         return
     if left.dots:
         if left.dots == 1 and not left.sub:
@@ -223,6 +238,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
     if sup and not in_end and sup not in _BASE:
         return
     names = ["J_end", "J"] if in_end else ["J"]
+    names += ["J_space"] if _SPACE.count(sub + sup) else ["J_end"] if _BODY.count(sub + sup) else []
     indices = _indices(sub, n) if not frames or sub == str(n) else ()
     if sub in ("w", "W", "wrist", "wc") and n > 3:
         at = (f"J_at[{k}]" for k in (n - 2, n - 1))
