@@ -8,9 +8,9 @@ another quantity, and is then named as that.
 
 import random
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from itertools import combinations, product
+from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
 import numpy.typing as npt
@@ -24,12 +24,13 @@ from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
-from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, substitute
-from derive.robot.names import velocity_name
+from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
+from derive.robot.names import own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
+_HALVINGS = 60  # of an interval in which a formula changes its sign
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
 
 Array = npt.NDArray[np.float64]
@@ -37,14 +38,15 @@ Named = tuple[str, Array]
 
 
 class _RandomValues(dict[str, float]):
-    """A random value for every name, always the same one."""
+    """A random value for every name, always the same one; of joints small ones, where printed lengths are positive."""
 
-    def __init__(self, point: int) -> None:
+    def __init__(self, point: int, joints: Iterable[str]) -> None:
         super().__init__()
-        self._point = point
+        self._point, self._joints = point, frozenset(joints)
 
     def __missing__(self, name: str) -> float:
-        self[name] = random.Random(f"{name} {self._point}").uniform(0.3, 1.7)
+        scale = 0.25 if name in self._joints else 1
+        self[name] = scale * random.Random(f"{name} {self._point}").uniform(0.3, 1.7)
         return self[name]
 
 
@@ -54,8 +56,8 @@ class ByValue:
     def __init__(self, model: Model, poses: Poses | None) -> None:
         self._model, self._robot = model, model.robot
         self._poses = poses
-        self._at = [_RandomValues(point) for point in range(_POINTS)]
         self._joints = {joint.variable for joint in self._robot.joints}
+        self._at = [_RandomValues(point, self._joints) for point in range(_POINTS)]
         self._rates = set(map(velocity_name, self._joints))
         self._known: dict[bool, dict[tuple[int, ...], tuple[list[str], Array]]] = {}
 
@@ -72,6 +74,8 @@ class ByValue:
         table = value if isinstance(value, Table) else Table(((Entry(value),),))
         formulas = [entry.formula for entry in table.entries]
         used = {name for e in formulas for name in names(e)}
+        if len(formulas) == 1 and (sign := next((n for n in used if n.startswith(SIGN)), "")):  # +-arccos, an angle
+            formulas, used = [substitute(formulas[0], {sign: number(1)})], used - {sign}
         is_open = any(entry.is_open or entry.unknown for entry in table.entries)
         if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
@@ -153,6 +157,7 @@ class ByValue:
             yield from self._dynamics()
         elif self._poses is not None:
             yield from self._angles()
+            yield from self._triangles(points)
 
     def _of_joints(self, name: Callable[[str], str]) -> Array:
         """A column of values that belong to the joints."""
@@ -165,6 +170,49 @@ class ByValue:
             label, angle = "+".join(variables[i:j]), values[:, i:j].sum(axis=1, keepdims=True)
             yield label, angle
             yield from ((f"{f.__name__}({label})", f(angle)) for f in (np.cos, np.sin, np.tan))
+
+    def _triangles(self, points: list[tuple[str, int, Array]]) -> Iterator[Named]:
+        """How ways are inclined, and the angles between those from one point, with their supplements."""
+        for (start, _, a), (stop, _, b) in permutations(points, 2):
+            x, y, z = (b - a)[:, :, :, None].swapaxes(0, 1)
+            yield f"inclination of {stop}-{start}", np.arctan2(z, np.hypot(x, y))
+            yield f"direction of {stop}-{start}", np.arctan2(y, x)
+        for name, _, at in points:
+            for (one, _, a), (other, _, b) in combinations((point for point in points if point[0] != name), 2):
+                ways = [way / np.linalg.norm(way, axis=1, keepdims=True).clip(_CLOSE) for way in (a - at, b - at)]
+                cosine = (ways[0] * ways[1]).sum(axis=1, keepdims=True)
+                angle, label = np.arccos(cosine.clip(-1, 1)), f"angle {one}, {name}, {other}"
+                yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
+
+    def is_singular(self, e: Expression) -> bool:
+        """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""
+        formulas = [expression_from_sympy(entry) for entry in self._model.quantity("J")]
+
+        def stretches(at: Mapping[str, float]) -> list[Array]:
+            whole = np.array([float_value(f, at) for f in formulas]).reshape(-1, self._model.n)
+            return [np.linalg.svd(part, compute_uv=False) for part in (whole, whole[:3])]
+
+        usual = [values[values > _CLOSE].size for values in stretches(self._at[0])]
+        lost: list[list[bool]] = []
+        with suppress(*NO_VALUE):
+            for root in self._roots(e):
+                lost.append([s[rank - 1] < _CLOSE for s, rank in zip(stretches(root), usual, strict=True) if rank])
+        return bool(lost) and any(map(all, zip(*lost, strict=True)))
+
+    def _roots(self, e: Expression) -> Iterator[Mapping[str, float]]:
+        """Points where a formula is zero, along each of its joint variables from a random point."""
+        for q in sorted(self._joints.intersection(names(e))):
+
+            def at(x: float, q: str = q) -> tuple[float, Mapping[str, float]]:
+                values = {name: self._at[0][name] for name in (*own_names(self._robot), *names(e))} | {q: x}
+                return float_value(e, values), values
+
+            for low, high in pairwise(np.linspace(-3.1, 3.2, 64)):
+                if at(low)[0] * at(high)[0] < 0:
+                    for _ in range(_HALVINGS):
+                        middle = (low + high) / 2
+                        low, high = (low, middle) if at(low)[0] * at(middle)[0] <= 0 else (middle, high)
+                    yield at(low)[1]
 
     def _dynamics(self) -> Iterator[Named]:
         """Inertias, torques and energies of the arm and of each link."""
@@ -197,7 +245,9 @@ def _says_little(e: Expression) -> bool:
     """Whether a formula is a number, a name, a sum of names or a function of one: an abbreviation."""
     if isinstance(e, Sum):
         return all(isinstance(term, Name) for term in e.terms)
-    return isinstance(e, Name) or (isinstance(e, Call) and not names_of_pose(e)) or is_constant(e)
+    if isinstance(e, Call):
+        return not names_of_pose(e) and all(map(_says_little, e.arguments))
+    return isinstance(e, Name) or is_constant(e)
 
 
 def _entries(name: str, a: Array) -> Iterator[Named]:

@@ -21,7 +21,7 @@ from derive.checking.formulas.branches import ARCS, ONLY_AT_POINTS, branches, ha
 from derive.checking.formulas.diagnosis import Question, Repair, diagnose
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
-from derive.errors import CheckError, DeriveError, Location, UnknownNameError
+from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare, samples
@@ -68,7 +68,7 @@ class Finding:
     repair: Repair | None = None  # what repairs it, where that was found with the comparison
     remark: Remark = NO_REMARK  # what the file says about it
     # The name that the robot does not know, where the formula has one: nothing can be decided.
-    unknown: UnknownNameError | None = None
+    unknown: CheckError | None = None
     same: bool = False  # whether it is known to have the form of the derived one
     some: bool = False  # whether it is right for some branches of a solution
     missing: tuple[str, ...] = ()  # names of the branches that are missing
@@ -218,7 +218,7 @@ def undecidable(
     place: tuple[int, int],
     role: Role,
     text: str,
-    unknown: UnknownNameError,
+    unknown: CheckError,
     erratum: bool,
     remark: Remark = NO_REMARK,
 ) -> Finding:

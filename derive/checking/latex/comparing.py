@@ -270,7 +270,7 @@ class Comparing:
     def _elsewhere(self, name: Side, table: Table) -> Finding | None:
         """That a vector or a coordinate is right, seen from another frame or origin."""
         left = name.left
-        if left is None:
+        if left is None or re.match("[0-9](?:to|rightarrow)", left.sub):  # from a point that is named
             return None
         found = self._by_value(table, name.piece.text, self._typed(name.piece), self.plain.location(name.piece.start))
         if left.head in _AXES_UNSAID and table.shape != (1, 1):

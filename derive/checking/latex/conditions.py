@@ -29,7 +29,7 @@ from derive.robot.expression import (
 )
 from derive.robot.expression import substitute as substituted
 
-REACH = 15  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
+REACH = 25  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 
 Values = Mapping[str, Expression]  # what stands for a name where a condition holds
 _MATHEMATICS = re.compile(r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\begin\{(\w+\*?)\}.*?\\end\{\1\}", re.DOTALL)

@@ -33,6 +33,7 @@ _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*
 _RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
 _REMARK = re.compile(r"\(\s*\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}\s*\)\s*$")  # words in brackets behind a formula
 _LIST = re.compile(r"\s*[(\[](.*)[)\]]\s*(?:\^\s*\{?\s*(?:T|\\top|\\intercal)\s*\}?\s*)?", re.DOTALL)  # [0, 0, 1]^T
+_SOLUTION = re.compile(r"arc|atan|acos|asin|sqrt|\^\s*\{?\s*-\s*1")
 _LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
 _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
@@ -179,6 +180,10 @@ def alternatives(sides: Sides) -> Iterator[Sides]:
         for cell, *_ in last.matrices[0].rows:
             yield (*sides[:-1], cell.part(0, len(_without_end(cell.text))))
         return
+    if len(sides) > 1 and (words := [*ALTERNATIVE.finditer(last.text)]) and _SOLUTION.search(last.text):
+        edges = [0, *(edge for word in words for edge in word.span()), len(last.text)]
+        yield from ((*sides[:-1], last.part(a, b)) for a, b in zip(edges[::2], edges[1::2], strict=True))
+        return
     lists = [listed(side) if side.text.strip().startswith("(") else [] for side in sides]
     count = len(lists[0])
     if len(sides) > 1 and count > 1 and {*map(len, lists)} == {count} and re.search("[a-z]_|sqrt|arc|atan", last.text):
@@ -264,7 +269,7 @@ def _joined(text: str, parts: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """Parts of one equation that stand on several lines, together."""
     found: list[tuple[int, int]] = []
     for begin, end in parts:
-        part = text[begin:end].strip(" \v\n\r")
+        part = re.sub(r"^(?:\\q?quad(?![A-Za-z])|[\s\v])+", "", text[begin:end].rstrip(" \v\n\r"))
         if not part:
             continue
         if found:

@@ -83,8 +83,9 @@ class LatexReader:
         signs: PlusMinus | None = None,
         *,
         cosine_first: bool | None = None,
+        foreign: frozenset[str] = frozenset(),
     ) -> None:
-        self.names = LatexNames(robot, abbreviations, entry, signs, cosine_first=cosine_first)
+        self.names = LatexNames(robot, abbreviations, entry, signs, cosine_first=cosine_first, foreign=foreign)
         self._text = text
         self._start = start
 
@@ -197,7 +198,9 @@ class LatexReader:
             return Entry(ZERO, text, cell.start, is_open=True)
         try:
             return Entry(self.formula(cell), text, cell.start)
-        except UnknownNameError as error:
+        except CheckError as error:
+            if self.names.signs is None and not isinstance(error, UnknownNameError):
+                raise
             return Entry(ZERO, text, cell.start, unknown=error)
 
     def _check_size(self, piece: LatexPiece) -> None:

@@ -245,7 +245,10 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         if not tables:
             return scale
         # formulas commute with the matrices, whose order stays; an entry without a factor keeps its text and place
-        product = reduce(Table.times, tables)
+        try:
+            product = reduce(Table.times, tables)
+        except CheckError:  # p x R f is p x (R f)
+            product = reduce(lambda behind, before: before.times(behind), reversed(tables))
         return product.changed(partial(multiply, scale)) if formulas else product
 
     def _matrix(self, data: str, children: Children) -> Expression | Table:

@@ -121,7 +121,8 @@ def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
     tight = "".join(FONT.sub("", text).split())
     if re.fullmatch(
-        r"\\sqrt\{(?:\\det|\|)[({]*J(?:\(\w+\))?J(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?(?:\(\w+\))?[)}|]*\}", tight
+        r"\\sqrt\{(?:\\det|\|)[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?J(?:_\{?\w+\}?)?(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?(?:\(\w+\))?[)}|]*\}",
+        tight,
     ):
         return Left("manipulability")
     if partial := _PARTIAL.fullmatch(tight):

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from derive.errors import CheckError, UnknownNameError
+from derive.errors import CheckError
 from derive.robot.expression import ZERO, Expression, add, multiply, negate
 
 LARGEST_DETERMINANT = 4  # rows of a determinant that is expanded; larger ones nobody prints
@@ -24,7 +24,7 @@ class Entry:
     text: str = ""  # as it is printed; empty where it is computed from what is printed
     offset: int = 0  # where it stands in the whole text
     is_open: bool = False  # whether it is left out, such as the stars of a matrix of which one entry matters
-    unknown: UnknownNameError | None = None  # the name that the robot does not know, if there is one
+    unknown: CheckError | None = None  # why it cannot be read, such as a name that the robot does not know
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,7 @@ _ELEMENTARY = re.compile(
     rf"\s*(?P<arguments>{_BRACKETS})?"
 )
 _UNIT = re.compile(
-    rf"\\(?:hat|widehat|vec|overrightarrow|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}?)?"
+    rf"\\(?:hat|widehat|vec|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK0])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}{{0,2}})?"
 )
 
 
@@ -121,8 +121,8 @@ class MatrixNames:
     def _unit(self, match: re.Match[str], _: int) -> list[Table]:
         """A unit vector in its own axes, and that of a frame in the base."""
         letter = match["axis"].lower()
-        axis = AXES.get(letter) or "ijk".index(letter) + 1
-        tables = [_table([[number(int(i == axis))] for i in (1, 2, 3)])]
+        axis = AXES.get(letter) or "0ijk".index(letter)
+        tables = [] if match["frame"] else [_table([[number(int(i == axis))] for i in (1, 2, 3)])]
         if match["frame"]:
             tables += self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,)))
         return tables

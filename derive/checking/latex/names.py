@@ -66,8 +66,10 @@ class LatexNames:
         signs: PlusMinus | None = None,
         *,
         cosine_first: bool | None = None,
+        foreign: frozenset[str] = frozenset(),
     ) -> None:
         self.robot, self.signs, self.entry = robot, signs, entry
+        self._foreign = foreign  # capitals that are other names than the robot's, for the text has both
         self.cosine_first = cosine_first  # whether Atan2 takes the cosine first; None if either will do
         self.abbreviations = dict(abbreviations or {})
         self.own = own_names(robot).union(self.abbreviations)
@@ -161,7 +163,7 @@ class LatexNames:
 
     def _name(self, text: str) -> str:
         """The robot's name, or the token, that is printed like this; the text itself where there is none."""
-        if text in self.own:
+        if text in self.own or text in self._foreign:
             return text
         if (match := _JOINT.fullmatch(text)) and (variable := self._variable(match[1], match[2])):
             return variable

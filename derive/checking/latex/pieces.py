@@ -167,7 +167,8 @@ def _holds_equations(plain: str, node: _Environment) -> bool:
     """Whether an array is a list of equations rather than a matrix."""
     inner = plain[node.begin[1] : node.end[0]]
     if node.name.endswith("cases"):  # an equals sign behind the mark of a row belongs to its condition
-        inner = "\n".join(row.partition("&")[0] if "&" in row else row for row in inner.split("\\\\"))
+        rows = (row.partition("&") for row in inner.split("\\\\"))
+        inner = "\n".join(first + (rest if RELATION.match(rest.lstrip()) else "") for first, _, rest in rows)
         return RELATION.search(inner) is not None
     for child in reversed(node.children):
         inner = inner[: child.begin[0] - node.begin[1]] + inner[child.end[1] - node.begin[1] :]

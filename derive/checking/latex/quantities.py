@@ -23,6 +23,7 @@ OWN = (
     *OF_LINK,
     "twist",
     "rates",
+    "accelerations",
     "centre",
     "lagrangian",
     "gravity",
@@ -64,6 +65,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return jacobian * rates
         case "rates", _:
             return rates
+        case "accelerations", _:
+            return sympy.Matrix([sympy.Symbol(acceleration_name(joint.variable)) for joint in robot.joints])
         case (kind, [link, frame]) if kind in OF_LINK:
             of_link = _of_link(model, kind, link)
             return model.frame(frame)[:3, :3].T * of_link if frame else of_link

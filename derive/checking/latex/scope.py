@@ -15,7 +15,7 @@ from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
-from derive.checking.latex.names import Symbol, plus_minus
+from derive.checking.latex.names import LatexNames, Symbol, plus_minus
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
@@ -44,7 +44,7 @@ _SUBTRACTED = re.compile(
 
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
 _FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
-_GRAVITY = re.compile(r"([+-])[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
+_GRAVITY = re.compile(r"([+-]|^(?=\\tau))(?:\\tau_?)?[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
@@ -78,12 +78,13 @@ class Scope:
         # what the text defines is read first: the order of Christoffel indices, then abbreviations
         orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
         self.meanings = Meanings(model)
-        self.plain = LatexReader(self.robot, text, start)
+        plain = cleaned(text, has_time)
+        words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
+        self._foreign = self._other_capitals(words)
+        self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
         columns = self._named_columns() if document else {}
         self.meanings.columns = columns
-        plain = cleaned(text, has_time)
         self.poses = Poses(model, plain, columns) if document else None
-        words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
@@ -120,6 +121,15 @@ class Scope:
             many = f"names joint {max(beyond)} in {len(beyond)} formulas, for {self.robot.name} with {n}"
             remedy = "give the robot that the document is about"
             raise CheckError(f"a document that {many}", remedy=remedy, location=self.start)
+
+    def _other_capitals(self, words: set[str]) -> frozenset[str]:
+        """Names with a capital, given or asked for by an equation, that a text tells from those with a small letter."""
+        small, names = words | own_names(self.robot), LatexNames(self.robot)
+        sides = (taken_apart(side.text) for e in self.equations if len(e) > 1 for side in e if not side.matrices)
+        found = {left.flat for left in sides if left is not None and left.is_plain}
+        return frozenset(
+            w for w in found if w != (other := w[0].lower() + w[1:]) and other in small and names.knows(other)
+        )
 
     def unused(self) -> Iterator[tuple[str, LatexPiece]]:
         """Names that no other formula uses, though what defines them may be wrong."""
@@ -374,7 +384,9 @@ class Scope:
             meanings[name] = ordered[0][1]
         entry = partial(entry_named, self.meanings, self.poses)
         order = self._cosine_first
-        return LatexReader(self.robot, self.text, self.start, meanings, entry, self._signs, cosine_first=order)
+        return LatexReader(
+            self.robot, self.text, self.start, meanings, entry, self._signs, cosine_first=order, foreign=self._foreign
+        )
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

@@ -101,7 +101,7 @@ class SideReading(Comparing):
             known = self.plain.names  # a_1^2 is a power of a symbol of the robot
             left = None if left.flat in known.own or (left.head in "dq" and known.knows(left.flat)) else left
         targets = self.meanings.targets(left) if left else ()
-        if may_name and left is not None and left.is_plain and left.flat in self.scope.definitions:
+        if may_name and has_points and left is not None and left.is_plain and left.flat in self.scope.definitions:
             targets = ()  # ... = h, where the text says what h is
         if has_points and left is not None and left.head in AXES:
             targets = tuple(filter(is_scalar, targets))
@@ -225,7 +225,8 @@ class SideReading(Comparing):
         entries = [e.formula for e in side.value.entries] if isinstance(side.value, Table) else [side.value]
         decimals = [e for e in entries if e is not None and is_constant(e) and e not in (ZERO, number(1), number(-1))]
         # a whole matrix of numbers for one that moves, such as that of the home position
-        moves = any(f.question and not self._moving.isdisjoint(names(f.question.right)) for f in findings)
+        rights = [f.question.right for f in findings if f.question and "screw" not in f.quantity]
+        moves = not all(map(is_constant, rights))
         still = frozenset() if self.conditions else self.parameters - self._moving
         is_still = all(e is not None and still.issuperset(names(e)) for e in entries)
         is_example = len(entries) > 1 and moves and is_still

@@ -43,7 +43,7 @@ def candidates(
     left: Left, n: int, first: int = 1, reading: Reading = frozenset(), *, tool: bool = False
 ) -> tuple[Target, ...]:
     """What a left side may mean, the likeliest first; the frame behind the last one is that of a tool."""
-    if left.is_of_parameters:
+    if left.is_of_parameters and left.head != "J":
         return ()
     if left.scripts in reading:  # the two frames in each other's place
         match left.scripts:
@@ -90,6 +90,8 @@ def _named(left: Left) -> Iterator[Target]:
     if left.head in euler and not left.sub + left.sup + left.before:
         index = euler.index(left.head) + 1
         yield from (Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
+    if left.head in euler and left.sub in angles:
+        yield Target("rpy", (angles.index(left.sub) + 1,))
     if left.head == "phi" and left.sub in ("RPY", "rpy"):
         yield Target("rpy")
     if left.head == "phi" and left.sub.casefold() == "zyz":
@@ -132,6 +134,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
             yield Target(quantity)
         elif len(indices) == (1 if is_vector else 2) and not quantity.startswith("regressor"):
             yield Target(quantity, indices[:1], indices[1:])
+    if left.head == "tau" and left.sub in ("g", "G"):
+        yield Target("g")
     if left.head in "gG" and left.sub in ("", "0") and not left.dots + len(left.factor + left.arguments):
         yield Target("gravity")
     energy = _ENERGIES.get(left.head if left.sub == "tot" else left.flat, "")
@@ -160,6 +164,10 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
     ):
         at = (Target(f"T[0,{point[2]}]", (1, 2, 3), (4,)), Target(f"centre[{point[2]}]"))[bool(point[1]) :]
         yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
+    if left.head == "omega" and left.sub in AXES and not left.dots and left.sup + left.before in ("", *_BASE):
+        yield Target("twist", (AXES[left.sub] + 3,))
+    if left.head in ("q", "theta") and left.dots == 2 and not left.sub + left.sup + left.arguments:
+        yield Target("accelerations")
     if left.head in ("q", "theta") and left.dots == 1 and not left.sub + left.sup + left.arguments:
         yield Target("rates")
 
@@ -215,7 +223,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         return
     if left.dots:
         if left.dots == 1 and not left.sub:
-            yield Target("J_dot")
+            yield from (Target("J_dot", rows) for rows in ((), (1, 2), (1, 2, 3), (1, 2, 6)))
         return
     sub, sup = re.sub("(?<=[A-Za-z]),", "", left.sub), left.sup or left.before  # J_{v,c_1}
     # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
@@ -247,7 +255,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         for name in names:
             yield from (Target(name), Target(name, (1, 2)), Target(name, (1, 2, 3)), Target(name, (1, 2, 6)))
     if sub in _LINEAR:
-        yield from (Target(name, rows) for name in names for rows in ((1, 2, 3), (1, 2)))
+        yield from (Target(name, rows) for name in names for rows in ((1, 2, 3), (1, 2), (1, 2, 6)))
     if sub in _ANGULAR:
         yield from (Target(name, rows) for name in names for rows in ((4, 5, 6), (6,)))
     if sub in ("A", "a", "RPY", "rpy"):
@@ -266,6 +274,11 @@ def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
         if rows:
             yield Target("J", rows, (int(match[2]),))
             yield Target(f"J{'v' if rows == (1, 2, 3) else 'w'}_com[{match[2]}]")
+    if (match := re.fullmatch(r"([A-Za-z]+)([1-3])([1-9])", sub)) and int(match[3]) <= n:
+        offset = 3 * (match[1] in _ANGULAR)
+        yield from (
+            (Target("J", (int(match[2]) + offset,), (int(match[3]),)),) if match[1] in (*_LINEAR, *_ANGULAR) else ()
+        )
     if len(indices) == 1:
         yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
     if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:
@@ -274,12 +287,13 @@ def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
             yield Target("J", (pair[0] + 3,), pair[1:])
 
 
+_OF_ONE_ANGLE = re.compile(r"[({]+-?\\?(?:var)?(?:theta|phi|q|alpha)_?\{?[1-9]?\}?[)}]+")  # R(\theta_1), a turn
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3}  # of a rotation
 
 
 def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     """Transforms, rotations, positions, and their entries."""
-    if left.dots or left.primes or left.factor:
+    if left.dots or left.primes or left.factor or (n > 1 and _OF_ONE_ANGLE.fullmatch(left.arguments) and not left.sub):
         return
     head, pair = left.head, _indices(left.sub, 4)
     plain = not (left.sup or left.before or left.before_sub)

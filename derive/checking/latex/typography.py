@@ -81,6 +81,13 @@ _CLAMPED = re.compile(
     r"\((?P<kept>(?:[^()]|\([^()]*\))*?),\s*-\s*1\s*,\s*1\s*\)"
 )
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
+_WAY = re.compile(  # the way from one point to another
+    r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"
+)
+_NEARLY = re.compile(r"\\approx(?=\s*-?\s*[01]\s*\$)")  # C_5 \approx 1, a condition
+_SIGNED_WORD = re.compile(
+    r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*(?P<word>a(?:rc)?(?:cos|sin|tan))\s*\}"
+)
 _FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(
@@ -99,6 +106,12 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
     text = without_comments(text.translate(_SAME))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
+    text = text.replace("\\wedge ", "\\times ")
+    text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
+    text = text.replace("\\overrightarrow", "\\vec".ljust(15))
+    text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
+    text = _SIGNED_WORD.sub(_signed_word, text)
+    text = _NEARLY.sub(lambda m: "=".ljust(len(m[0])), text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = _CLAMPED.sub(_within, text)
@@ -136,6 +149,15 @@ def blank(text: str) -> str:
 def _marked(match: re.Match[str], name: str, dots: int) -> str:
     """A name with the mark of its derivative, as long as before."""
     return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
+
+
+def _signed_word(match: re.Match[str]) -> str:
+    """An arc function in roman letters with its sign in front: pm acos."""
+    return (
+        f"{match['sign'] or match['middle'] or ''}\\{match['word'].replace('arc', 'a').replace('a', 'arc', 1)}".ljust(
+            len(match[0])
+        )
+    )
 
 
 def _within(match: re.Match[str]) -> str:

@@ -27,6 +27,10 @@ _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
 _ONE = rf"(?:\{{\s*\}})?\s*{_SCRIPTS}{_LETTER}{_TIGHT}(?:\([^()]*\))?"
 _FACTOR = re.compile(rf"\s*(?:\\cdot|\\times|\*|(?:\\[,;:! ]\s*)+)?\s*((?:\(\s*{_ONE}\s*\)\s*{_SCRIPTS})|(?:{_ONE}))")
+_INNER = r"(?:[^{}]|\{[^{}]*\})*"
+_BRACED = re.compile(
+    rf"\{{\s*(?P<seen>[_^]{_INNER}[TAHR]{_INNER})\}}|(?<![A-Za-z_^])\{{\s*(?P<plain>{_LETTER}\s*[_^]{_INNER})\}}"
+)
 _FRAMES = re.compile(r"(?P<kind>[AT]|base|tool|end)(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
 _COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
 _NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
@@ -131,6 +135,8 @@ def _changes(a: npt.NDArray[np.float64]) -> Iterator[tuple[str, npt.NDArray[np.f
 def factors(text: str) -> tuple[Left, ...]:
     """The transforms that stand side by side in a product; none where it is something else."""
     found: list[Left] = []
+    # {A_1}^{-1} T_6 in brackets of its own; behind {^0_1T^{-1}} other scripts begin
+    text = _BRACED.sub(lambda m: f" {m['seen']} " if m["seen"] else f"({m['plain']})", text)
     position, text = 0, text.strip()
     while match := _FACTOR.match(text, position):
         left = taken_apart(re.sub(r"\{\s*\}", "", match[1]))
