@@ -186,8 +186,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
         if not tips(urdf):
             _ancestry(carrying, next(iter(urdf.bodies)))  # raises: every link carries another
         if not ends:
-            remedy = "give a robot with a joint that moves"
-            raise RobotFileError(f"{urdf.source}: no joint moves", remedy=remedy)
+            raise RobotFileError(f"{urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(ends) > 1:
             found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
             raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
@@ -278,10 +277,8 @@ class _Tree:
         seen, waiting = {link}, [(link, frame)]
         while waiting:
             name, at = waiting.pop()
-            body = self._bodies[name]
-            if body is not None:
-                axes = at.then(frame_at(body.origin, self._snap))
-                found.append(Mass(body.mass, axes, body.inertia, name))
+            if (body := self._bodies[name]) is not None:
+                found.append(Mass(body.mass, at.then(frame_at(body.origin, self._snap)), body.inertia, name))
             for joint, upwards in self._beside.get(name, ()):
                 other = joint.parent if upwards else joint.child
                 if other not in seen:
@@ -315,6 +312,5 @@ def _check_kind(joint: UrdfJoint) -> None:
 
 def _direction(joint: UrdfJoint, snap: Fraction) -> Point:
     """Of the axis, with components that were meant for zero as zero."""
-    direction = unit(vector(joint.axis))
-    clean = [c if abs(c) > real(snap) else arb(0) for c in direction]
-    return unit((clean[0], clean[1], clean[2]))
+    x, y, z = (c if abs(c) > real(snap) else arb(0) for c in unit(vector(joint.axis)))
+    return unit((x, y, z))

@@ -14,7 +14,7 @@ from flint import arb
 
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
-from derive.mechanics.vectors import cross, dot
+from derive.mechanics.vectors import cross, dot, matmul, transpose
 from derive.robot.description import INERTIA, Convention, Inertia, Joint, Link
 from derive.robot.expression import ZERO, number
 from derive.robot.remarks import ROUNDING
@@ -63,14 +63,8 @@ class RigidBody:
     def moved(self, frame: Frame) -> RigidBody:
         """The same body seen from outside."""
         axes = (frame.x, frame.y, frame.z)
-        rows = [
-            tuple(
-                sum((axes[k][i] * self.inertia[k][m] * axes[m][j] for k in range(3) for m in range(3)), arb(0))
-                for j in range(3)
-            )
-            for i in range(3)
-        ]
-        return RigidBody(self.mass, frame.point(self.com), (rows[0], rows[1], rows[2]))
+        inertia = matmul(matmul(transpose(axes), self.inertia), axes)
+        return RigidBody(self.mass, frame.point(self.com), inertia)
 
     def about(self, point: Point) -> list[list[Real]]:
         """The tensor about a point (Steiner)."""

@@ -57,8 +57,7 @@ def certify(arm: Arm, robot: Description) -> Certificate:
         axes, end = screws(robot, rigid)
         position = length(plus(arm.end.origin, end.origin, -1))
         rotation = _apart(arm.end, end)
-        beyond = arb(0)
-        place = arm.end.origin
+        beyond, place = arb(0), arm.end.origin
         for axis, line in reversed(list(zip(arm.axes, axes, strict=True))):
             # Of two unit vectors that are close, |a - b| <= angle <= pi/2 |a - b|.
             angle = arb.pi() / 2 * length(plus(axis.line.direction, line.direction, -1))

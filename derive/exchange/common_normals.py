@@ -241,18 +241,14 @@ def _frame_cost(outer: Frame, inner: Frame) -> float:
     return BASE_CELL * (places + float(turned))
 
 
-def _step_costs(
-    column: np.ndarray, following: np.ndarray, standard: bool, loose: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _step_costs(column: np.ndarray, following: np.ndarray, standard: bool, loose: float) -> tuple[np.ndarray, ...]:
     """Of each pair of frames: the numbers of their row, infinite where x is no common normal; sizes of d and a."""
     o0, x0, z0 = column[:, :, None, :]
     o1, x1, z1 = following[:, None, :, :]
-    x, turning = (x1, z0) if standard else (x0, z1)
-    apart = o1 - o0
+    apart, (x, turning) = o1 - o0, (x1, z0) if standard else (x0, z1)
     # x is perpendicular to the z that it meets, and (o' - o) . (x x z) = 0: both z meet the line along x.
     wrong = np.abs((x * turning).sum(-1)) > loose
-    far = 1 + np.abs(apart).sum(-1)
-    wrong = wrong | (np.abs((apart * np.cross(x, turning)).sum(-1)) > loose * far)
+    wrong |= np.abs((apart * np.cross(x, turning)).sum(-1)) > loose * (1 + np.abs(apart).sum(-1))
     d, a = (apart * turning).sum(-1), (apart * x).sum(-1)
     sin_theta, cos_theta = (np.cross(x0, x1) * turning).sum(-1), (x0 * x1).sum(-1)
     sin_alpha, cos_alpha = (np.cross(z0, z1) * x).sum(-1), (z0 * z1).sum(-1)

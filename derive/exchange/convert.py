@@ -80,16 +80,11 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
 
 def moves(conversion: Conversion) -> list[str]:
     """Which factors have moved between the table and its ends, in words."""
-    n, leaving, entering = conversion.source.n, conversion.leaving, conversion.entering
-    to_modified = conversion.source.convention is Convention.STANDARD
-    goes = (f"of row {n} is in the tool now", "of row 1 is in the base now")
-    comes = ("row 1 has", f"row {n} has")
-    lines = [] if leaving.is_one else [f"{_factor_text(leaving)} {goes[not to_modified]}"]
-    if not entering.is_one:
-        lines.append(
-            f"{comes[not to_modified]} {_factor_text(entering)} out of the {'base' if to_modified else 'tool'}"
-        )
-    return lines
+    leaving, entering = conversion.leaving, conversion.entering
+    ends = (("row 1", "base"), (f"row {conversion.source.n}", "tool"))
+    (first, before), (last, behind) = ends if conversion.source.convention is Convention.STANDARD else ends[::-1]
+    lines = [] if leaving.is_one else [f"{_factor_text(leaving)} of {last} is in the {behind} now"]
+    return lines if entering.is_one else [*lines, f"{first} has {_factor_text(entering)} out of the {before}"]
 
 
 def _factor_text(factor: Factor) -> str:

@@ -42,17 +42,15 @@ Written = tuple[BodyChain, tuple[str, ...]]
 
 
 def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted: str) -> Written:
-    """The arm as a format says it, which may say the inertia of some rotors otherwise; None for links alone.
-
-    Other rotors may be divided then; the mass of each is part of the link that carries it.
-    """
+    """The arm as a format says it, which may say the inertia of some rotors otherwise; None for links alone."""
+    # Other rotors may be divided then; the mass of each is part of the link that carries it.
     said = [i for i, s in enumerate(arm.segments) if s.rotor is not None and is_said and is_said(s.rotor)]
     inside = 0.0 if is_said else INSIDE
     chosen: tuple[int, ...] = ()
     found = _chosen(_placed(arm, said, chosen), wanted, inside)
-    for i, segment in enumerate(arm.segments):
+    for i, segment in enumerate(arm.segments if is_said else ()):
         rotor = segment.rotor
-        if not is_said or i in said or rotor is None or segment.body is None or not segment.joint.is_revolute:
+        if i in said or rotor is None or segment.body is None or not segment.joint.is_revolute:
             continue
         # It must turn with the joints before its own, in a way that bodies could say.
         if not (rotor.is_coupled and rotor.reflected > _share(segment)):
@@ -192,8 +190,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
-        arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
-        written = arm
+        written = arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
         if not form.has_rotors:
             written, changes = with_rotors(arm, form.says, inertia)
         remarks = (*changes, *_remarks(arm, written, form, reversed_joints))
@@ -213,10 +210,8 @@ def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_jo
     if any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
         yield "rotors are part of the links that carry them, as far as they do not spin"
     if reversed_joints:
-        yield (
-            f"{form.program} takes reversed joints for poses alone: the axes of {', '.join(reversed_joints)} are "
-            "turned around, by pi in the alpha on either side"
-        )
+        around = f"the axes of {', '.join(reversed_joints)} are turned around, by pi in the alpha on either side"
+        yield f"{form.program} takes reversed joints for poses alone: {around}"
     pairs = zip(arm.segments, written.segments, strict=True)
     if divided := [one.joint.variable for one, other in pairs if one.rotor is not None and other.rotor is None]:
         yield f"the rotor of {', '.join(divided)} is divided between the links beside the joint, and its armature"

@@ -198,9 +198,8 @@ class _Chain:
         if carried is not None:
             arm, placement = arm_of(self.urdf, self.written.base, self.written.tip, snap), placement_of(carried)
             description = with_table(self._described(arm, placement, snap), carried)
-            return _Table(arm, placement, description, certify(self.written, description)), [
-                "the table is the one that the URDF carries with it"
-            ]
+            remarks = ["the table is the one that the URDF carries with it"]
+            return _Table(arm, placement, description, certify(self.written, description)), remarks
         plain = self._table(snap)
         far = plain.placement.far
         cut = cut_off(self.urdf, self.written.base, self.written.tip, snap)
@@ -235,13 +234,11 @@ class _Chain:
         self, table: _Table, far: Sequence[tuple[int, bool]], cut: CutOff, taken: bool
     ) -> Iterator[str]:
         """What was done with axes that are almost parallel, and which snap makes them so at what cost."""
-        told = [(i, parallel or not table.is_far) for i, parallel in far]
-        yield from (
-            slanted(self.written, i, parallel) for i, parallel in told if not parallel or slant(self.written, i) > ALIKE
-        )
+        told = [(i, slant(self.written, i), parallel or not table.is_far) for i, parallel in far]
+        yield from (slanted(self.written, i, parallel) for i, sine, parallel in told if not parallel or sine > ALIKE)
         if cut:
             yield named(cut, taken)
-        kept = [slant(self.written, i) for i, parallel in told if not parallel]
+        kept = [sine for _, sine, parallel in told if not parallel]
         if kept and (wider := snap_for(max(kept))) <= MOST_SNAP:
             with suppress(RobotFileError):
                 other = self._table(wider)
@@ -358,17 +355,13 @@ def slanted(arm: Arm, i: int, taken: bool) -> str:
     """What was done with an axis that is almost parallel to the one before, as a sentence."""
     before, axis = arm.axes[i - 1], arm.axes[i]
     away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
-    said = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
-    done = "taken as parallel" if taken else "kept"
-    return (
-        f"{said} are {slant(arm, i):.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away: {done}"
-    )
+    joints = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
+    said = f"{joints} are {slant(arm, i):.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away"
+    return f"{said}: {'taken as parallel' if taken else 'kept'}"
 
 
 def named(cut: CutOff, taken: bool) -> str:
     """What was done with angles that somebody cut off, as a sentence."""
-    told = [
-        f"{float(angle):.12g} (joint {joint.name}, line {joint.location.line})" for joint, angle in cut[:MOST_NAMED]
-    ]
+    told = [f"{float(angle):.12g} (joint {at.name}, line {at.location.line})" for at, angle in cut[:MOST_NAMED]]
     more = ", ..." if len(cut) > MOST_NAMED else ""
     return f"{', '.join(told)}{more}: {'taken for' if taken else 'almost'} fractions of pi"

@@ -115,9 +115,8 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     has_types = root is not None and root.getroottree().docinfo.internalDTD is not None
     if has_types or (errors and b"<!DOCTYPE" in data):
         place = Location(source, data[: max(data.find(b"<!DOCTYPE"), 0)].count(b"\n") + 1)
-        raise RobotFileError(
-            "a document type definition is not accepted", remedy="write the file without DOCTYPE", location=place
-        )
+        found = "a document type definition is not accepted"
+        raise RobotFileError(found, remedy="write the file without DOCTYPE", location=place)
     if root is None or errors:
         found = " ".join(errors[0].message.split())[:120] if errors else "an empty file"
         place = Location(source, max(errors[0].line, 1), max(errors[0].column, 1)) if errors else Location(source)
@@ -279,11 +278,10 @@ class _UrdfReader:
         )
         bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
         if kind in ("revolute", "prismatic") and not bounded:
-            said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
-            self.note(element, said)
-        damping, friction = (
-            None if dynamics is None else self.number(dynamics, key) for key in ("damping", "friction")
-        )
+            self.note(
+                element, f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
+            )
+        dry, viscous = (None if dynamics is None else self.number(dynamics, key) for key in ("friction", "damping"))
         return UrdfJoint(
             name=name,
             type=kind,
@@ -294,8 +292,8 @@ class _UrdfReader:
             limits=(lower or Fraction(0), upper or Fraction(0)) if bounded else None,
             effort=effort,
             velocity=velocity,
-            damping=damping or Fraction(0),
-            friction=friction or Fraction(0),
+            damping=viscous or Fraction(0),
+            friction=dry or Fraction(0),
             mimics=None if mimic is None else mimic.get("joint", ""),
             location=self.place(element),
         )

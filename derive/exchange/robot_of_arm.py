@@ -164,9 +164,9 @@ def carried_table(urdf: Urdf, arm: Arm, convention: Convention | None) -> Robot 
         if convention not in (None, table.convention) or kinds != [(a.is_revolute, a.joint.name) for a in arm.axes]:
             return None
         certificate = certify(arm, table)
+        return table if certificate.position < SAME and certificate.rotation < SAME else None
     except DeriveError:
         return None
-    return table if certificate.position < SAME and certificate.rotation < SAME else None
 
 
 def placement_of(table: Robot) -> Placement:
@@ -185,15 +185,10 @@ def placement_of(table: Robot) -> Placement:
 def table_text(robot: Robot) -> str:
     """A robot file of what a URDF has no words for: table, slides without limits, gravity, motors, uneven friction."""
     joints = tuple(replace(joint, speed=None, torque=None) for joint in robot.joints)
-    links = tuple(
-        Link(
-            armature=link.armature, motor=link.motor, coulomb=link.coulomb if isinstance(link.coulomb, tuple) else ZERO
-        )
-        for link in robot.links
-    )
-    return robot_text(
-        Description(robot.name, "", robot.convention, joints, robot.base, robot.tool, robot.gravity, links)
-    )
+    ways = [(link, link.coulomb if isinstance(link.coulomb, tuple) else ZERO) for link in robot.links]
+    links = tuple(Link(armature=link.armature, motor=link.motor, coulomb=coulomb) for link, coulomb in ways)
+    ends = (robot.base, robot.tool, robot.gravity)
+    return robot_text(Description(robot.name, "", robot.convention, joints, *ends, links))
 
 
 def _friction(link: Link, own: Link) -> Expression | Ways:

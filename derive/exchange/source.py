@@ -114,8 +114,7 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
         raise TargetError(found, remedy=install_extra("exchange")) from None
     said = io.StringIO()
     xacrodoc.packages.reset()
-    folders = [str(Path(text).resolve()) for text in packages if "=" not in text]
-    xacrodoc.packages.look_in(folders)
+    xacrodoc.packages.look_in([str(Path(text).resolve()) for text in packages if "=" not in text])
     xacrodoc.packages.update_package_cache(_by_name(packages))
     whole, asked, place = path.resolve(), _Asked(arguments), Location(str(path))
     refused: list[str] = []
@@ -166,8 +165,7 @@ def guarded() -> Iterator[list[str]]:
     refused: list[str] = []
 
     def _checked(evaluator: Callable[..., Any], expression: str, *context: Any) -> Any:
-        name = forbidden(expression)
-        if name is not None:
+        if (name := forbidden(expression)) is not None:
             refused.append(name)
             raise ValueError(f"an expression uses {name}")
         return evaluator(expression, *context)

@@ -24,22 +24,17 @@ THICKNESS = 0.06  # radius of the cylinders, of the longest link
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as URDF."""
-    n = len(arm.segments)
-    named = [f"link{i}" for i in range(1, n + 1)]
+    named = [f"link{i}" for i in range(1, len(arm.segments) + 1)]
     root = ROOT if is_world(arm.base) else "link0"
     taken = {segment.joint.label for segment in arm.segments}
     base, flange, tool = (name + "_" * (name in taken) for name in ("base-joint", "flange-joint", "tool-joint"))
     joints = [] if root == ROOT else [_fixed(base, ROOT, root, arm.base)]
     for i, segment in enumerate(arm.segments):
         joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
-    last = arm.segments[-1].dh
-    joints.append(_fixed(flange, named[-1], "flange", last))
+    joints.append(_fixed(flange, named[-1], "flange", arm.segments[-1].dh))
     joints.append(_fixed(tool, "flange", TIP, arm.tool))
     radius = THICKNESS * arm.size
-    frames: list[dict[str, Any]] = [
-        {"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root, "flange", TIP))
-    ]
-    links: list[dict[str, Any]] = []
+    links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
     for name, segment in zip(named, arm.segments, strict=True):
         inertial = None  # of what moves with a joint, in the joint's frame
         if segment.body is not None:
@@ -47,12 +42,13 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
             entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
             inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
         links.append({"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)})
+    links += [{"name": name, "is_frame": True} for name in ("flange", TIP)]
     return render(
         "exchange/robot.urdf.jinja",
         name=arm.robot.name,
         head=head,
         table=escape(table_text(arm.robot)),
-        links=[*frames[:-2], *links, *frames[-2:]],
+        links=links,
         joints=joints,
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
@@ -255,16 +251,14 @@ def is_too_thin(body: RigidBody) -> bool:
 
 
 def _inertial(body: RigidBody) -> dict[str, str]:
-    """Mass, place and tensor by its principal moments: MuJoCo does not see that axes are turned by less than 1e-6.
-
-    Neither in a tensor nor in a frame beside that of the body, so that such axes change places.
-    """
+    """Mass, place and tensor by its principal moments."""
     (a, b, c), axes = body.principal
     if not body.is_possible:
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
     # At least LEAST each, and c <= a + b, which MuJoCo checks.
     a, b = max(a, LEAST), max(b, LEAST)
     moments = [a, b, min(max(c, LEAST), a + b)]
+    # MuJoCo sees no turn of axes below 1e-6, in a tensor or in a frame beside that of the body: they change places.
     if axes.x[0] + axes.y[1] + axes.z[2] > BESIDE:
         moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)

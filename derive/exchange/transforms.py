@@ -71,8 +71,7 @@ def robot_of_transforms(text: str, name: str, convention: Convention = Conventio
     """
     product = tuple(_read(text))
     comment = f"The product {' '.join(text.split())}, as a table with the same T (proven)."
-    table = _table(product, name)
-    robot = Robot.from_text(robot_text(table, [comment]), f"{name}.yaml")
+    robot = Robot.from_text(robot_text(_table(product, name), [comment]), f"{name}.yaml")
     if convention is not robot.convention:
         robot = converted(robot, convention).robot
         robot = Robot.from_text(robot_text(robot, [comment]), f"{name}.yaml")
@@ -134,8 +133,7 @@ RIGHT = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosine and sine of 0, 1, 2 and 3 r
 
 
 def _right(axis: int, quarters: int) -> Permutation:
-    c, s = RIGHT[quarters % 4]
-    return _turn(axis, c, s, 0, 1)
+    return _turn(axis, *RIGHT[quarters % 4], 0, 1)
 
 
 def _turn(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:

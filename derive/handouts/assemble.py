@@ -40,17 +40,17 @@ CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew",
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
     chosen = options or robot.handout
-    text = text_for(chosen.language)
     try:
         poses = RobotPoses(robot)
     except DeriveError:
         poses = None
-    return Context(ModelEntries(Model(robot)), chosen, text, __version__, poses)
+    return Context(ModelEntries(Model(robot)), chosen, text_for(chosen.language), __version__, poses)
 
 
 def section_of(context: Context, name: str) -> Section | None:
     """One part; None where the robot has nothing to show there."""
     _ = context.text
+    links = _("Jacobians of links and motors") if has_rotors(context.robot) else _("Jacobians of links")
     parts: dict[str, tuple[str, Callable[[Context], Iterable[Block]]]] = {  # heading, and what makes the content
         "figure": (_("The arm"), arm),
         "table": (_("Denavit-Hartenberg table"), dh_table),
@@ -63,10 +63,7 @@ def section_of(context: Context, name: str) -> Section | None:
         "jacobian": (_("Geometric Jacobian"), jacobian),
         "singularities": (_("Singularities"), singularities),
         "inverse": (_("Inverse kinematics"), inverse),
-        "link-jacobians": (
-            _("Jacobians of links and motors") if has_rotors(context.robot) else _("Jacobians of links"),
-            link_jacobians,
-        ),
+        "link-jacobians": (links, link_jacobians),
         "energies": (_("Energies"), energies),
         "inertia": (_("Inertia matrix"), inertia),
         "christoffel": (_("Christoffel symbols"), christoffel),

@@ -37,8 +37,7 @@ class _Question:
     @property
     def points(self) -> int:
         """What the answers are worth."""
-        symbols = sum(map(_symbols, self.formulas))
-        return max(1, min(_MOST_POINTS, math.ceil(symbols / _SYMBOLS_OF_A_POINT)))
+        return max(1, min(_MOST_POINTS, math.ceil(sum(map(_symbols, self.formulas)) / _SYMBOLS_OF_A_POINT)))
 
     def blank(self, text: Text) -> Blank:
         """The question with room for its answers."""

@@ -49,9 +49,8 @@ _LETTER = 8.0  # a bold letter [pt]
 def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str = "") -> str:
     """LaTeX of a part or a quantity, without a document around it."""
     if width and _WIDTH.fullmatch(width) is None:
-        raise QuantityError(
-            f"width {quoted(width)}", allowed="allowed: a number with pt, mm, cm, in or em, such as 84mm"
-        )
+        allowed = "allowed: a number with pt, mm, cm, in or em, such as 84mm"
+        raise QuantityError(f"width {quoted(width)}", allowed=allowed)
     name, context = " ".join(name.split()), context_of(robot, options)
     section = section_of(context, name) if name in PARTS else _quantity(context, name)
     if section is None:
@@ -78,9 +77,8 @@ def _quantity(context: Context, name: str) -> Section:
     if row.name == "inverse" and entry is None:
         blocks = tuple(formulas(context))
         if not blocks:
-            raise QuantityError(
-                f"formulas for {name} of {context.robot.name}", allowed="allowed: arms that have a closed form"
-            )
+            found = f"formulas for {name} of {context.robot.name}"
+            raise QuantityError(found, allowed="allowed: arms that have a closed form")
         return Section("", "", blocks)
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
     match row.name if entry is None and not indices else "":
@@ -182,8 +180,7 @@ def fragment(section: Section, text: Text, *, name: str, robot: str, version: st
 
 
 def _macro(macro: str, **values: object) -> str:
-    source: str = getattr(macros("fragment.tex.jinja"), macro)(**values)
-    return source
+    return str(getattr(macros("fragment.tex.jinja"), macro)(**values))
 
 
 def _words(text: str) -> str:
@@ -221,8 +218,7 @@ def _formula(block: SheetFormula, _: Text) -> Iterator[str]:
     if lines:
         is_alone = len(whole_equations(lines)) == 1 and matrix_equation(lines[0]) is not None
         entries = [entry for entry in block.entries() if "\\begin" not in entry.latex] if is_alone else []
-        named = [f"{entry.name} = {entry.latex}" for entry in entries]
-        yield _rows(lines, _, named)
+        yield _rows(lines, _, [f"{entry.name} = {entry.latex}" for entry in entries])
     if block.omitted:
         yield _macro("paragraph", text=_words(omitted_words(block, _)))
         yield _rows(block.omitted, _)

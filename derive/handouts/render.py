@@ -118,12 +118,10 @@ def _arm(context: Context) -> Viewer | None:
     asked = robot if dragged is None else replace(robot, inverse=dragged.task)
     program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
     normal = plane_normal([arm_scene(robot, context.poses.frames(context.poses.zero))])
-    notation = context.notation
-    return viewer(robot, program, assumed, context.text, notation=notation, dragged=dragged, normal=normal)
+    return viewer(robot, program, assumed, context.text, notation=context.notation, dragged=dragged, normal=normal)
 
 
 def generated_sheet(robot: Robot) -> dict[str, str]:
     """The sheet of a generated folder, as the robot file asks for it."""
     context = context_of(robot)
-    sheet = within(document(context), robot.handout.pages, context.text)
-    return {"sheet.tex": latex(sheet, context.text)}
+    return {"sheet.tex": latex(within(document(context), robot.handout.pages, context.text), context.text)}

@@ -86,12 +86,9 @@ class Walker:
         return Increments(np.array([*rows[:-1], q]), *sizes)
 
     def _anew(self, q: Array, target: Array, bound: float) -> tuple[Array, int, int]:
-        """From farther and farther aside down the square of the distance to the target (Levenberg and Marquardt).
-
-        Where it ends, in how many steps and attempts; none where no one arrives.
-        """
+        """Where it ends from aside, down the square of the distance (Levenberg and Marquardt); steps and attempts."""
         random = np.random.default_rng(0)
-        # From 2^-9 to 2^2 rad or m aside.
+        # From farther and farther aside, 2^-9 to 2^2 rad or m.
         for attempt in range(1, ANEW + 1):
             found = q + random.normal(scale=2.0 ** (attempt - 10), size=q.size)
             off, damping, steps = self._off(target, found), 1e-2, 0
@@ -116,10 +113,8 @@ class Walker:
         return np.concatenate([target[:3, 3] - pose[:3, 3], rotation_vector(target[:3, :3] @ pose[:3, :3].T)])
 
     def _pseudoinverse(self, q: Array, rows: int, most: float = np.inf) -> tuple[Array, float]:
-        """J^+ of the first rows, damped near singular configurations, and how near one is.
-
-        Corrections damp by no more than the distance that is left: they converge faster and faster where J is regular.
-        """
+        """J^+ of the first rows, damped near singular configurations, and how near one is."""
+        # Corrections damp by no more than the distance that is left: they converge ever faster where J is regular.
         # J = U S V^T; J^+ with s/(s^2 + d^2) for 1/s, where d^2 = d0^2 (1 - (s/s0)^2) below s0 and zero above.
         left, values, right = np.linalg.svd(self._functions("jacobian", q)[:rows], full_matrices=False)
         kept = slice(0, self._ranks[rows])

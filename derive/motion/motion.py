@@ -168,10 +168,8 @@ class Motion:
         moving = self.plan.base
         if moving is None:
             return None
-        x, y, z, *angles = (
-            self._followed(formula, f"base, {name}", self.duration)
-            for name, formula in zip(PATHS, (*moving.place, *moving.angles), strict=True)
-        )
+        named = zip(PATHS, (*moving.place, *moving.angles), strict=True)
+        x, y, z, *angles = (self._followed(formula, f"base, {name}", self.duration) for name, formula in named)
         return BaseCurve.of((x, y, z), tuple(angles))
 
     def _followed(self, formula: Expression, what: str, duration: float) -> Expr:
@@ -400,8 +398,7 @@ class Motion:
         return simulate(stages, start, self.times, period, sticks=sticks, jumps=trajectory.jumps)
 
     def _exact(self, values: tuple[Expression, ...]) -> tuple[Expr, ...]:
-        robot = self.plan.robot
-        numbers = {**dict(robot.parameters), **self.plan.values}
+        numbers = {**dict(self.plan.robot.parameters), **self.plan.values}
         known = {name: expression_to_sympy(value) for name, value in numbers.items()}
         return tuple(expression_to_sympy(value).subs(known) for value in values)
 

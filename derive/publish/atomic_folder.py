@@ -104,10 +104,8 @@ def heal(parent: Path) -> None:
 
 
 def _recover(parent: Path) -> None:
-    """Puts back what a killed build left half-way, and removes the temporary folders of the dead.
-
-    Without working locks nobody can tell the dead from the living, and temporary folders stay.
-    """
+    """Puts back what a killed build left half-way, and removes the temporary folders of the dead."""
+    # Without working locks nobody can tell the dead from the living, and temporary folders stay.
     for path in sorted(parent.iterdir()):
         if path.is_symlink() or not path.is_dir():
             continue
@@ -173,10 +171,8 @@ def _write_new(path: Path, data: bytes) -> None:
 
 
 def _take_place(staging: Path, target: Path) -> None:
-    """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing.
-
-    Where folders cannot be exchanged, two renames do it, and a kill between them is healed by the next build.
-    """
+    """Gives the new folder the target's name; afterwards ``staging`` is the old one, or nothing."""
+    # Where folders cannot be exchanged, two renames do it, and a kill between them is healed by the next build.
     if not os.path.lexists(target):
         staging.rename(target)
     elif not exchange(staging, target):
@@ -206,8 +202,7 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
     if manifest.get("robot") != robot_name:
         raise _refusal(target, f"belongs to the robot {manifest.get('robot')!r}", "choose another --out")
     wanted = {place.as_posix() for name in files for place in (PurePosixPath(name), *PurePosixPath(name).parents)}
-    taken = sorted(wanted & set(_users_files(target)))
-    if taken:
+    if taken := sorted(wanted & set(_users_files(target))):
         raise _refusal(target / taken[0], f"is not listed in {MANIFEST}, but a build would write it", "move it away")
 
 

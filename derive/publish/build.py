@@ -135,7 +135,7 @@ def build_robot(
             return BuildResult(robot.name, target, files, True, {}, None, time.perf_counter() - started)
         require_replaceable(target, robot.name, ())  # before the work is done
         libraries = library_names(chosen)
-        compiler = _compiler_for(libraries, targets_named(targets), target) if libraries else None
+        compiler = _compiler_for(targets_named(targets), target) if libraries else None
         tell(robot.name, "derive")
         try:
             with (
@@ -156,7 +156,7 @@ def build_robot(
         return BuildResult(robot.name, target, files, False, rendered.operations, report, time.perf_counter() - started)
 
 
-def _compiler_for(libraries: Sequence[str], asked: Sequence[Target], folder: Path) -> Command:
+def _compiler_for(asked: Sequence[Target], folder: Path) -> Command:
     """The C compiler; where only libraries of an earlier build need it, its lack is told with a way round it."""
     try:
         return require_compiler()
@@ -212,11 +212,9 @@ def _finished(
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Collect no cycles of references while a robot is rendered and verified.
-
-    The search makes millions of small objects and hardly a cycle, as do generated modules that are called: collecting
-    them takes a sixth of the time. What is in no cycle is freed as ever.
-    """
+    """Collect no cycles of references while a robot is rendered and verified."""
+    # The search makes millions of small objects and hardly a cycle, as do generated modules that are called: collecting
+    # them takes a sixth of the time. What is in no cycle is freed as ever.
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -234,10 +232,8 @@ def check_robot(
     *,
     only: bool = False,
 ) -> CheckResult:
-    """Compares the folder of a robot with what a build would write, byte by byte; writes nothing.
-
-    Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
-    """
+    """Compares the folder of a robot with what a build would write, byte by byte; writes nothing."""
+    # Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
     target = folder_of(robot, out)
     chosen = targets_named(targets, written_targets(target), only=only)
     wanted = render_robot(robot, chosen, effort).files
@@ -331,12 +327,11 @@ def _run(
             _tell(done[-1], progress)
         return done
     results = _in_processes(work, robots, jobs, progress)
-    lost = [index for index in range(len(robots)) if index not in results]
-    for index in lost:  # a process died: each robot that it may have been gets one of its own
+    killed = DeriveError("the process that built it was killed")
+    for index in [index for index in range(len(robots)) if index not in results]:
+        # A process died: each robot that it may have been gets one of its own.
         alone = _in_processes(work, [robots[index]], 1, progress)
-        results[index] = alone.get(0) or BuildFailure(
-            robots[index].name, DeriveError("the process that built it was killed")
-        )
+        results[index] = alone.get(0) or BuildFailure(robots[index].name, killed)
     return [results[index] for index in range(len(robots))]
 
 

@@ -16,9 +16,7 @@ GENERATOR = "derive"
 LARGEST = 10_000_000  # bytes of a manifest that is read at all
 
 
-def manifest_text(
-    source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort = Effort.FULL
-) -> str:
+def manifest_text(source: Source, targets: Collection[Target], files: Mapping[str, bytes], effort: Effort) -> str:
     """The manifest of a build."""
     robot = source.robot
     content = {
@@ -71,9 +69,7 @@ def _names(manifest: Mapping[str, Any], key: str) -> tuple[str, ...]:
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else ()
 
 
-def is_current(
-    folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort = Effort.FULL
-) -> bool:
+def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort) -> bool:
     """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
     manifest = read_manifest(folder)
     if manifest is None:

@@ -104,9 +104,8 @@ def _encoded(texts: Mapping[str, str]) -> dict[str, bytes]:
 def source_of(robot: Robot, targets: Sequence[Target], effort: Effort = Effort.FULL) -> Source:
     """What the targets are rendered from."""
     names = (PACKAGE, *(name for target in targets for name in target.names(robot)), MANIFEST)
-    return Source(
-        robot, build_program(robot, effort, inverse=True, spread=in_two_processes), __version__, tuple(sorted(names))
-    )
+    program = build_program(robot, effort, inverse=True, spread=in_two_processes)
+    return Source(robot, program, __version__, tuple(sorted(names)))
 
 
 def library_names(targets: Iterable[Target]) -> tuple[str, ...]:
@@ -148,12 +147,10 @@ def _compile(compiler: Command, source: Path, library: Path) -> None:
 
 @contextmanager
 def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
-    """Do some work beside what follows.
-
-    It is done in a copy of this process, which ends with it. Where processes cannot be copied safely, where there is
-    but one core, in a process that shares its work already, and if anything goes wrong over there, it is done here
-    once its result is asked for: with the same result and the same errors.
-    """
+    """Do some work beside what follows, in a copy of this process, which ends with it."""
+    # Where processes cannot be copied safely, where there is but one core, in a process that shares its work already,
+    # and if anything goes wrong over there, it is done here once its result is asked for: with the same result and the
+    # same errors.
 
     def _here() -> R:
         return work(*arguments, **options)
@@ -192,11 +189,9 @@ def in_another_process(work: Callable[P, R], *arguments: P.args, **options: P.kw
 
 
 def _is_worthwhile() -> bool:
-    """Whether there is a second core, and a copy is safe.
-
-    A copy of a process with threads may wait for ever for a lock that one of them held: no thread may run, neither of
-    Python nor of a library. Only Linux tells.
-    """
+    """Whether there is a second core, and a copy is safe."""
+    # A copy of a process with threads may wait for ever for a lock that one of them held: no thread may run, neither of
+    # Python nor of a library. Only Linux tells.
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:
         threads = len(os.listdir("/proc/self/task"))

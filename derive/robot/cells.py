@@ -85,14 +85,10 @@ def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expressi
     """The configuration [rad or m] by numbers or cells that a user types beside the file, in the units of the file."""
     texts = [value if isinstance(value, str) else str(float(value)) for value in q]
     if len(texts) != robot.n:
-        variables = ", ".join(joint.variable for joint in robot.joints)
-        raise DeriveError(
-            f"{robot.n} joint values are needed, {len(texts)} given",
-            allowed=f"allowed: one value for each of {variables}",
-        )
-    return tuple(
-        joint_value(robot, joint, typed, joint.variable) for joint, typed in zip(robot.joints, texts, strict=True)
-    )
+        allowed = f"allowed: one value for each of {', '.join(joint.variable for joint in robot.joints)}"
+        raise DeriveError(f"{robot.n} joint values are needed, {len(texts)} given", allowed=allowed)
+    pairs = zip(robot.joints, texts, strict=True)
+    return tuple(joint_value(robot, joint, typed, joint.variable) for joint, typed in pairs)
 
 
 def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) -> Expression:
@@ -119,9 +115,8 @@ def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) 
     except ExpressionError as error:
         raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None
     except MixedUnitsError:
-        raise DeriveError(
-            f"pi in the {value}, but angles of this robot file are in degrees", remedy="write 90 for pi/2"
-        ) from None
+        found = f"pi in the {value}, but angles of this robot file are in degrees"
+        raise DeriveError(found, remedy="write 90 for pi/2") from None
 
 
 def typed_point(
@@ -208,12 +203,9 @@ class Cells:
             raise self._mixed_units(path) from None
 
     def _mixed_units(self, path: KeyPath) -> RobotFileError:
-        return self.document.error(
-            path,
-            "pi in an angle cell, but this file's angles are in degrees",
-            "allowed: plain numbers in degrees, and names",
-            "write 90 for pi/2, or remove angle: deg",
-        )
+        found = "pi in an angle cell, but this file's angles are in degrees"
+        allowed, remedy = "allowed: plain numbers in degrees, and names", "write 90 for pi/2, or remove angle: deg"
+        return self.document.error(path, found, allowed, remedy)
 
     def raw(self, path: KeyPath, default: Expression = ZERO) -> Expression:
         """The expression as written, before units."""
@@ -252,8 +244,6 @@ def check_symbol(document: Document, path: KeyPath, name: str) -> None:
     if name in RESERVED_NAMES or name.casefold() in NOT_SYMBOLS:
         raise document.error(path, f"'{name}' cannot be a symbol", "it has a meaning of its own", "use another name")
     if _SYMBOL.fullmatch(name) is None:
-        raise document.error(
-            path,
-            f"{quoted(name)} is not a name",
-            f"allowed: a letter A-Z or a-z, then letters, digits and _, at most {FILE_LIMITS.name_length} characters",
-        )
+        length = f"at most {FILE_LIMITS.name_length} characters"
+        allowed = f"allowed: a letter A-Z or a-z, then letters, digits and _, {length}"
+        raise document.error(path, f"{quoted(name)} is not a name", allowed)

@@ -199,10 +199,8 @@ def linear_terms(expression: Expression) -> tuple[tuple[Fraction, Expression], .
 
 
 def expanded_terms(expression: Expression, stop: int) -> int:
-    """Upper bound of the number of terms after multiplying out, found without doing it.
-
-    A power of a sum of t terms has ``comb(t + e - 1, e)`` terms; denominators and arguments of functions count too.
-    """
+    """Upper bound of the number of terms after multiplying out, found without doing it."""
+    # Denominators and arguments of functions count too.
     match expression:
         case Sum(terms):
             count = sum(expanded_terms(term, stop) for term in terms)

@@ -49,10 +49,8 @@ _TAKEN = {
 
 
 def robot_file_bytes(path_or_name: str | Path) -> bytes:
-    """Contents of a robot file, or of the file of a robot of the catalogue.
-
-    A text that is exactly a catalogue name means the catalogue; write ``./name`` for a file of that name.
-    """
+    """Contents of a robot file, or of the file of a robot of the catalogue."""
+    # A text that is exactly a catalogue name means the catalogue; users write ./name for a file of that name.
     text = str(path_or_name)
     if text in catalogue_names():
         return catalogue_text(text).encode()
@@ -127,11 +125,9 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         comments=tuple(line[1:].strip() for line in head),
     )
     if units.parameters:
-        numbers = Cells(document, units)
-        drawn = tuple(
-            (name, numbers.symbol(("figure", "values", name), robot, name)) for name, _ in robot.figure.values
-        )
-        given = tuple((name, numbers.symbol(("parameters", name), robot, name)) for name, _ in parameters)
+        read = Cells(document, units).symbol
+        drawn = tuple((name, read(("figure", "values", name), robot, name)) for name, _ in robot.figure.values)
+        given = tuple((name, read(("parameters", name), robot, name)) for name, _ in parameters)
         robot = replace(robot, parameters=given, figure=replace(robot.figure, values=drawn))
     validate(document, cells, robot)
     found = (*remarks_on(document, robot), *remarks_on_bodies(document, robot))
@@ -164,12 +160,9 @@ def _name(document: Document) -> str:
         plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode("ascii").lower()
         words = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[: FILE_LIMITS.name_length - 6]
         suggestion = words if _NAME.fullmatch(words) else f"robot-{words}".strip("-")
-        raise document.error(
-            ("name",),
-            f"{quoted(name)} is not a robot name",
-            f"allowed: a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters",
-            f"write for instance {suggestion}; the title may be any text",
-        )
+        allowed = f"allowed: a-z, 0-9 and -, at most {FILE_LIMITS.name_length} characters"
+        remedy = f"write for instance {suggestion}; the title may be any text"
+        raise document.error(("name",), f"{quoted(name)} is not a robot name", allowed, remedy)
     if not is_robot_name(name):
         found = f"'{name}' cannot be the name of a Python package"
         raise document.error(("name",), found, remedy=f"write for instance {name}-robot")

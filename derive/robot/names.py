@@ -58,10 +58,8 @@ def file_symbols(robot: Description) -> tuple[str, ...]:
 
 
 def without_lost_symbols(before: Description, after: Some) -> Some:
-    """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has.
-
-    Where a symbol has no clear unit any more, a file can give their numbers in SI units alone.
-    """
+    """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has."""
+    # Where a symbol has no clear unit any more, a file can give their numbers in SI units alone.
     lost = {*file_symbols(before)} - {*file_symbols(after)}
     values = tuple(pair for pair in after.figure.values if pair[0] not in lost)
     return replace(

@@ -85,8 +85,7 @@ def tokenize(text: str, start: Location, limits: Limits) -> tuple[Token, ...]:
     tokens: list[Token] = []
     offset = 0
     while offset < len(text):
-        space = _SPACE.match(text, offset)
-        if space:
+        if space := _SPACE.match(text, offset):
             offset = space.end()
             continue
         match = _TOKEN.match(text, offset)
@@ -122,13 +121,9 @@ class _Parser:
     """Recursive descent, one method per rule; depth is counted, so that Python's limit is never reached."""
 
     def __init__(self, text: str, location: Location, functions: frozenset[str], limits: Limits) -> None:
-        self._text = text
-        self._start = location
-        self._functions = functions
-        self._limits = limits
+        self._text, self._start, self._functions, self._limits = text, location, functions, limits
         self._tokens = tokenize(text, location, limits)
-        self._position = 0
-        self._depth = 0
+        self._position = self._depth = 0
 
     def parse(self) -> Expression:
         if not self._text.strip():
@@ -138,11 +133,8 @@ class _Parser:
             raise self._unexpected(self._next)
         # Multiplying out is what costs later: bounded here, without doing it.
         if tree.expanded_terms(expression, self._limits.expanded_terms) > self._limits.expanded_terms:
-            raise self._error(
-                "expression has too many terms when multiplied out",
-                self._tokens[0],
-                f"at most {self._limits.expanded_terms} terms; introduce a parameter for part of it",
-            )
+            remedy = f"at most {self._limits.expanded_terms} terms; introduce a parameter for part of it"
+            raise self._error("expression has too many terms when multiplied out", self._tokens[0], remedy)
         return expression
 
     @property
@@ -300,11 +292,8 @@ class _Parser:
 
     def _error(self, found: str, token: Token, remedy: str) -> ExpressionError:
         whole = self._text.strip() in ("", token.text)
-        return ExpressionError(
-            found if whole else f"{found} in {quoted(self._text)}",
-            remedy=remedy,
-            location=place(self._text, token.offset, self._start),
-        )
+        found = found if whole else f"{found} in {quoted(self._text)}"
+        return ExpressionError(found, remedy=remedy, location=place(self._text, token.offset, self._start))
 
 
 def _bits(value: Fraction) -> int:

@@ -73,12 +73,9 @@ def read_handout(document: Document) -> HandoutOptions:
     path: KeyPath = ("handout", "language")
     language = document.scalar(path)
     if language is not None and LANGUAGE.fullmatch(language.text) is None:
-        raise document.error(
-            path,
-            f"{quoted(language.text)} is not a language code",
-            "allowed: two lower-case letters, with a country if need be",
-            "write for instance en, it, pt or pt_BR",
-        )
+        found = f"{quoted(language.text)} is not a language code"
+        allowed = "allowed: two lower-case letters, with a country if need be"
+        raise document.error(path, found, allowed, "write for instance en, it, pt or pt_BR")
     usual = {option.name: getattr(default.notation, option.name) for option in fields(NotationOptions)}
     letters = {name: _chosen(("handout", "notation", name), choice) for name, choice in usual.items()}
     path, pages = ("handout", "pages"), default.pages
@@ -87,9 +84,8 @@ def read_handout(document: Document) -> HandoutOptions:
             pages = handout.chosen_pages(limit.text)
         except QuantityError as error:
             raise document.error(path, error.found, error.allowed) from None
-    return HandoutOptions(
-        parts, derivation, language.text if language else default.language, NotationOptions(**letters), pages
-    )
+    code = language.text if language else default.language
+    return HandoutOptions(parts, derivation, code, NotationOptions(**letters), pages)
 
 
 def _parts(document: Document) -> tuple[str, ...]:
@@ -103,9 +99,8 @@ def _parts(document: Document) -> tuple[str, ...]:
         raise document.error(path, "no parts", allowed, "leave parts out to have the usual ones")
     for index, name in enumerate(chosen):
         if name not in handout.PARTS:
-            raise document.error(
-                (*path, index), f"unknown part {quoted(name)}", allowed, near_miss(name, handout.PARTS)
-            )
+            remedy = near_miss(name, handout.PARTS)
+            raise document.error((*path, index), f"unknown part {quoted(name)}", allowed, remedy)
         if name in chosen[:index]:
             raise document.error((*path, index), f"'{name}' twice", remedy="remove one")
     return tuple(part for part in handout.PARTS if part in chosen)

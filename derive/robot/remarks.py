@@ -93,11 +93,8 @@ def _sizes(robot: Description) -> Iterator[tuple[KeyPath, tuple[str, str]]]:
 def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str] | None:
     """What is found and what to write, where the plain number in an angle is hardly meant as it stands."""
     parameter, motion = path[-2] in ("parameters", "values"), "limits" in path or path[:2] == ("figure", "q")
-    plain = (
-        tree.multiply(tree.number(c), term)
-        for c, term in tree.linear_terms(angle)
-        if is_constant(term) and not tree.contains_pi(term)
-    )
+    known = ((c, term) for c, term in tree.linear_terms(angle) if is_constant(term) and not tree.contains_pi(term))
+    plain = (tree.multiply(tree.number(c), term) for c, term in known)
     try:
         value = evaluate(tree.add(*plain), {})
     except ArithmeticError:
@@ -109,32 +106,26 @@ def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str]
         decimals = len(shown.partition(".")[2])
         if not near or motion or decimals < DEGREE_DECIMALS:
             return None
-        return (
-            f"{shown} is nearly {exact}, but angles of this file are in degrees",
-            f"if radians are meant write {15 * twelfths}",
-        )
+        found = f"{shown} is nearly {exact}, but angles of this file are in degrees"
+        return found, f"if radians are meant write {15 * twelfths}"
     if near and not motion:
         return f"{shown} rad is nearly {exact}, but not exactly", f"did you mean {exact}?"
     if abs(value) <= tau * (TURNS_OF_A_JOINT if motion else 1) * (1 + NEAR):
         return None
     in_radians = tree.multiple_of_pi(Fraction(shown) / 180) if "e" not in shown else f"{shown}*pi/180"
-    return (
-        f"{shown} rad is more than {'two turns' if motion else 'a turn'}",
-        f"if degrees are meant write {in_radians}{_PARAMETERS if parameter else _UNITS}",
-    )
+    found = f"{shown} rad is more than {'two turns' if motion else 'a turn'}"
+    return found, f"if degrees are meant write {in_radians}{_PARAMETERS if parameter else _UNITS}"
 
 
 ROUNDING = Fraction(1, 10**9)  # part of the largest principal moment that rounding may have taken from A + B - C
 REMEDY = "derive export --inertia possible finds consistent inertias with the same torques"
 
-Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]  # xx, yy, zz, xy, xz, yz
+# xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
+Tensor = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
 
 
 def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, ...]:
-    """Which links of a robot file have a tensor of numbers that no body has.
-
-    A tensor with one diagonal entry alone, not negative, is that of a planar arm and not meant to be whole.
-    """
+    """Which links of a robot file have a tensor of numbers that no body has."""
     try:
         lacks = impossible_links(robot, parameter_values(robot))
     except ArithmeticError:
@@ -170,19 +161,14 @@ def impossible_links(robot: Description, values: Mapping[str, Fraction | float])
 
 
 def lack_of(tensor: Tensor) -> float:
-    """`missing_moment` but of planar bodies, which have one moment."""
+    """`missing_moment` but of planar bodies, which have one moment: their tensors are not meant to be whole."""
     is_planar = sum(moment != 0 for moment in tensor[:3]) < 2 and min(tensor[:3]) >= 0
     return 0.0 if is_planar else missing_moment(tensor)
 
 
 def missing_moment(tensor: Tensor) -> float:
-    """By how much the largest principal moment is beyond the sum of the others; 0 where a body has the tensor.
-
-    Whether it is, is decided exactly, by the principal minors of the second moments.
-
-    Args:
-        tensor: xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
-    """
+    """By how much the largest principal moment is beyond the sum of the others; 0 where a body has the tensor."""
+    # Whether it is, is decided exactly, by the principal minors of the second moments.
     # Second moments about the centre of mass: S = tr(I)/2 - I, with diagonal tr(I)/2 - I_xx, ... and entries -I_xy, ...
     xx, yy, zz, xy, xz, yz = tensor
     half, slack = (xx + yy + zz) / 2, ROUNDING * max(map(abs, tensor))

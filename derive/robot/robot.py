@@ -72,15 +72,11 @@ class Robot(Description):
     def _table(self) -> list[tuple[str, ...]]:
         """Number, type, the four cells in the order of the convention, and limits of each joint, as text."""
         order = ("theta", "d", "a", "alpha") if self.convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
-        return [
-            (
-                str(i),
-                joint.type.value,
-                *map(joint.row.__getitem__, order),
-                " to ".join(map(to_text, joint.limits or ())),
-            )
-            for i, joint in enumerate((joint_in_file_units(joint, self.units) for joint in self.joints), 1)
-        ]
+        rows = []
+        for i, joint in enumerate((joint_in_file_units(joint, self.units) for joint in self.joints), 1):
+            limits = " to ".join(map(to_text, joint.limits or ()))
+            rows.append((str(i), joint.type.value, *map(joint.row.__getitem__, order), limits))
+        return rows
 
     @property
     def _heading(self) -> str:

@@ -41,5 +41,4 @@ def number_text(value: Fraction, *, decimals: bool, digits: int | None = DIGITS)
     found = shown(value, decimals=decimals and abs(value) not in _QUARTERS, digits=digits)
     if isinstance(found, Fraction):
         return str(found)
-    exponent = found.adjusted()
-    return f"{found:f}" if -4 <= exponent < (digits or DIGITS) else f"{found:e}".replace("e+", "e")
+    return f"{found:f}" if -4 <= found.adjusted() < (digits or DIGITS) else f"{found:e}".replace("e+", "e")

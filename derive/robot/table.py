@@ -30,11 +30,9 @@ def read_joints(document: Document, cells: Cells) -> tuple[Joint, ...]:
         name = given.text if given else f"q{row + 1}"
         check_symbol(document, path, name)
         if name in found:
-            raise document.error(
-                path if given else path[:-1],
-                f"variable '{name}' belongs to row {found[name] + 1} already",
-                remedy="give every joint its own variable: q: ...",
-            )
+            said = f"variable '{name}' belongs to row {found[name] + 1} already"
+            remedy = "give every joint its own variable: q: ..."
+            raise document.error(path if given else path[:-1], said, remedy=remedy)
         found[name] = row
     joints = tuple(_Row(document, cells, tuple(found), row).read() for row in range(rows))
     for row, joint in enumerate(joints):
@@ -49,10 +47,8 @@ class _Row:
     """One row of the table: which cell moves, its sign, and the constant rest."""
 
     def __init__(self, document: Document, cells: Cells, variables: tuple[str, ...], row: int) -> None:
-        self._document = document
-        self._cells = cells
-        self._variables = frozenset(variables)
-        self._variable = variables[row]
+        self._document, self._cells = document, cells
+        self._variables, self._variable = frozenset(variables), variables[row]
         self._path: KeyPath = ("joints", row)
         self._type = JointType(document.text(*self._path, "type"))
         self._moving, self._fixed = ("theta", "d") if self._type is JointType.REVOLUTE else ("d", "theta")
@@ -97,6 +93,7 @@ class _Row:
         own = Name(self._variable)
         path = (*self._path, self._moving)
         expression = self._cells.raw(path, own)
+        shown = quoted(to_text(expression))
         coefficient = Fraction(0)  # cell = coefficient q + rest
         rest: list[Expression] = []
         for factor, term in tree.linear_terms(expression):
@@ -106,18 +103,13 @@ class _Row:
             elif moved is None:
                 rest.append(tree.multiply(tree.number(factor), term))
             elif moved == self._variable:
-                raise self._document.error(
-                    path,
-                    f"{quoted(to_text(expression))} is not {moved} plus a constant",
-                    f"allowed: {moved}, -{moved}, with a constant added",
-                )
+                allowed = f"allowed: {moved}, -{moved}, with a constant added"
+                raise self._document.error(path, f"{shown} is not {moved} plus a constant", allowed)
             else:
-                raise self._document.error(
-                    path,
-                    f"variable '{moved}' of another joint in {quoted(to_text(expression))}",
-                    f"allowed: the row's own variable '{self._variable}'",
-                    "coupled joints are not supported; write the coupling into the motion, not into the table",
-                )
+                found = f"variable '{moved}' of another joint in {shown}"
+                allowed = f"allowed: the row's own variable '{self._variable}'"
+                remedy = "coupled joints are not supported; write the coupling into the motion, not into the table"
+                raise self._document.error(path, found, allowed, remedy)
         if abs(coefficient) != 1:
             raise self._wrong_factor(coefficient, expression)
         return int(coefficient), tree.add(*rest)
@@ -217,12 +209,9 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
         return ()
     rows = document.length(("links",))
     if rows != joints:
-        raise document.error(
-            ("links",),
-            f"{rows} {'row' if rows == 1 else 'rows'} for {joints} joints",
-            f"allowed: exactly {joints}",
-            "write one row per joint; a massless link is {mass: 0}",
-        )
+        found = f"{rows} {'row' if rows == 1 else 'rows'} for {joints} joints"
+        remedy = "write one row per joint; a massless link is {mass: 0}"
+        raise document.error(("links",), found, f"allowed: exactly {joints}", remedy)
     links = []
     for path in (("links", row) for row in range(rows)):
         mass = cells.plain((*path, "mass"))
@@ -240,25 +229,17 @@ def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...
 
 
 def read_gravity(document: Document, cells: Cells) -> Vector | None:
-    """Acceleration of gravity.
-
-    A file with links and without ``gravity`` means ``[0, 0, -g]``: z points up, and ``g`` is a symbol like any other.
-    Read it after everything else, because that default is refused where ``g`` means something else.
-
-    Returns:
-        The vector in the world frame [m/s^2]; None where there are neither gravity nor links.
-    """
+    """Acceleration of gravity in the world frame [m/s^2]; None where there are neither gravity nor links."""
+    # A file with links and without gravity means [0, 0, -g]: z points up, and g is a symbol like any other. It is read
+    # after everything else, because that default is refused where g means something else.
     if document.find(("gravity",)) is not None:
         x, y, z = (cells.plain(("gravity", index)) for index in range(3))
         return x, y, z
     if document.find(("links",)) is None:
         return None
     if DEFAULT_GRAVITY_SYMBOL in cells.first_use:
-        raise document.error(
-            ("links",),
-            "links without gravity, and the name 'g' is used for something else",
-            "allowed: gravity: [gx, gy, gz]",
-            "write the vector, for instance gravity: [0, 0, -9.81]",
-        )
+        found = "links without gravity, and the name 'g' is used for something else"
+        remedy = "write the vector, for instance gravity: [0, 0, -9.81]"
+        raise document.error(("links",), found, "allowed: gravity: [gx, gy, gz]", remedy)
     cells.first_use[DEFAULT_GRAVITY_SYMBOL] = document.location(("links",))
     return ZERO, ZERO, tree.negate(Name(DEFAULT_GRAVITY_SYMBOL))

@@ -18,11 +18,9 @@ _ROUNDING = 1e-12  # what is left of the sine of a twist, or of a length [m], th
 
 
 def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
-    """The rows, from 0, of the task of the robot file, in the world, or of what moves of a part, in joint frame 1.
-
-    The natural task is all that moves if that has at most as many rows as the arm has joints, else the position; of a
-    wrist it is the orientation.
-    """
+    """The rows, from 0, of the task of the robot file, in the world, or of what moves of a part, in joint frame 1."""
+    # The natural task is all that moves if that has at most as many rows as the arm has joints, else the position; of
+    # a wrist it is the orientation.
     if part == "all" and robot.inverse.task != POSE:
         return tuple(sorted({row for word in robot.inverse.task for row in _TURNS.get(word, ("xyz".find(word),))}))
     inner = robot.joints[:-1] if robot.convention is Convention.STANDARD else robot.joints[1:]

@@ -93,10 +93,8 @@ def symbolic_factors(term: Expression) -> list[Expression]:
 
 
 def symbol_unit(robot: Description, name: str) -> Unit:
-    """What a symbol is a number of, `Unit.SI` also where the units of the file make no difference.
-
-    A term ``2*cos(beta)*a1`` of a length cell says that a1 is a length; products of symbols say nothing.
-    """
+    """What a symbol is a number of, `Unit.SI` also where the units of the file make no difference."""
+    # A term 2*cos(beta)*a1 of a length cell says that a1 is a length; products of symbols say nothing.
     # alone: what the symbol is where it stands by itself; others: what it could be in products, where none tells
     alone, others = set[Unit](), set[Unit]()
     for path, cell in located_expressions(robot):

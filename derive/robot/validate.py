@@ -43,8 +43,7 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
     for index, link in enumerate(robot.links):
         masses = {("mass",): link.mass} | ({("motor", "mass"): link.motor.mass} if link.motor else {})
         for key, mass in masses.items():
-            value = _value(mass, values)
-            if value is not None and value < 0:
+            if (value := _value(mass, values)) is not None and value < 0:
                 found, path = f"negative mass {value:g}", ("links", index, *key)
                 raise document.error(path, found, "allowed: zero or more", "correct the sign")
         for k, cell in enumerate(link.dry if isinstance(link.coulomb, tuple) else ()):
@@ -123,12 +122,8 @@ def _check_possible(document: Document, path: KeyPath, expression: Expression, v
                 return
         except ArithmeticError:
             continue
-    raise document.error(
-        path,
-        "no real value, whatever its names stand for",
-        _REAL,
-        "look for a division by zero or the root of a negative number",
-    )
+    remedy = "look for a division by zero or the root of a negative number"
+    raise document.error(path, "no real value, whatever its names stand for", _REAL, remedy)
 
 
 def _check_limits(document: Document, row: int, robot: Description, values: Mapping[str, float]) -> None:

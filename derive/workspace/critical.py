@@ -147,11 +147,9 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
 
 
 def _bridges(segments: Array, gap: float) -> Array:
-    """Small crosses where a curve turns back, or is nearest to or farthest from the axis.
-
-    There it touches another curve, and both are known in points only, which leaves a gap. Lines that lead nowhere
-    bound no cell, so that a cross does no harm elsewhere.
-    """
+    """Small crosses where a curve turns back, or is nearest to or farthest from the axis."""
+    # There it touches another curve, and both are known in points only, which leaves a gap. Lines that lead nowhere
+    # bound no cell, so that a cross does no harm elsewhere.
     # Ends of segments by their rounded places: two at an inner point of a curve.
     ends, place = np.unique(np.round(segments.reshape(-1, 2) / (1e-6 * gap)), axis=0, return_inverse=True)
     place = place.reshape(-1, 2)
@@ -223,11 +221,9 @@ def _image(plane: PlaneMap, ends: Array) -> Array:
 
 
 def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = (False, False)) -> Array:
-    """The curves on which a function of two variables is zero, as short lines.
-
-    The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
-    four, which closes every crossing: (2 variables, lines, 2 ends).
-    """
+    """The curves on which a function of two variables is zero, as short lines: (2 variables, lines, 2 ends)."""
+    # The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
+    # four, which closes every crossing.
     values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
     # Grid lines whose ends have different signs, in both directions; joints that turn all around close the grid.
     above = np.array(values >= 0.0)
@@ -252,9 +248,8 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
         number_along[-1] = number_along[0]
     # The zeros on the four sides of each cell by their numbers, -1 for none, joined in pairs.
     sides = (number_across[:, :-1], number_across[:, 1:], number_along[:-1], number_along[1:])
-    joined = [
-        np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in combinations([side.ravel() for side in sides], 2)
-    ]
+    pairs = combinations([side.ravel() for side in sides], 2)
+    joined = [np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in pairs]
     return ((low + high) / 2)[:, np.concatenate(joined)]
 
 

@@ -82,8 +82,7 @@ class ArmPoint:
     @cached_property
     def axis(self) -> tuple[Array, Array]:
         """Rotation and origin in the world of a frame whose z is the axis of symmetry: the first joint that turns."""
-        joint = next((i for i, way in enumerate(self.ranges) if way.revolute), 0)
-        frame = self.poses.frame_of_axis(joint)
+        frame = self.poses.frame_of_axis(next((i for i, way in enumerate(self.ranges) if way.revolute), 0))
         return np.array(frame.rotation, dtype=float), np.array(frame.position, dtype=float)
 
     @cached_property
@@ -111,8 +110,7 @@ class ArmPoint:
         everything = tuple(range(len(self.ranges)))
         _, columns = self.motion(self.random(_PROBES, everything), everything)
         # Of all derivatives at random configurations none but rounding: the joint does not move the point.
-        strength = np.abs(columns).max(axis=(0, 2))
-        return tuple(int(k) for k in np.flatnonzero(strength > _DEPENDS * self.size))
+        return tuple(int(k) for k in np.flatnonzero(np.abs(columns).max(axis=(0, 2)) > _DEPENDS * self.size))
 
     def random(self, count: int, joints: Sequence[int], seed: int = 0, limits: float = 0.0) -> Array:
         """Configurations between the limits, the same for the same seed, (joints, count) [rad or m]."""
@@ -225,9 +223,8 @@ class PlaneMap:
         damping = np.full(q.shape[1], 1e-3 * self.point.size**2)
         active = np.arange(q.shape[1])
         for _ in range(_STEPS):
-            active = active[
-                (error[active] > (1e-12 * self.point.size) ** 2) & (damping[active] < _STIFF * self.point.size**2)
-            ]
+            far = error[active] > (1e-12 * self.point.size) ** 2
+            active = active[far & (damping[active] < _STIFF * self.point.size**2)]
             if not len(active):
                 break
             at, missing = q[:, active], miss[:, active]

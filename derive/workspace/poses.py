@@ -120,11 +120,9 @@ class RobotPoses:
         return [*frames, frames[-1] @ self._chain.tool]
 
     def end_point(self, q: Sequence[Any], place: Sequence[float], joints: Sequence[int] = ()) -> list[list[Any]]:
-        """Where a point of the end effector is in the world, then its derivatives by the variables of some joints.
-
-        A vector goes through the constant frames of the joints, from the tool inwards; most of their entries are zero,
-        so that this is cheaper than frames. Joint positions are numbers, or arrays of one shape.
-        """
+        """Where a point of the end effector is in the world, then its derivatives by the variables of some joints."""
+        # A vector goes through the constant frames of the joints, from the tool inwards; most of their entries are
+        # zero, so that this is cheaper than frames. Joint positions are numbers, or arrays of one shape.
         point, slopes = _placed(self._chain.tool, place), dict[int, list[Any]]()
         for index in reversed(range(len(q))):
             row, joint, value = self._chain.joints[index], self.robot.joints[index], q[index]

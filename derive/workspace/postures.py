@@ -56,8 +56,7 @@ class Postures:
 
     @cached_property
     def _poses_tried(self) -> Array:
-        robot = self.reach.inverse.robot
-        return NumericChain.of(robot, self._values).pose_and_jacobian(self._tried)[0]
+        return NumericChain.of(self.reach.inverse.robot, self._values).pose_and_jacobian(self._tried)[0]
 
     def poses(self, places: Array) -> Array:
         """Poses whose point is at places (3, k) in the frame of the axis [m], all of one orientation."""

@@ -84,10 +84,8 @@ class _Cells:
         return reached
 
     def settle(self) -> None:
-        """Tries at each node outside what is best at its neighbours, until no distance shrinks.
-
-        Where two kinds of postures meet, all that a node remembers may be of the kind that ends at a limit before it.
-        """
+        """Tries at each node outside what is best at its neighbours, until no distance shrinks."""
+        # Where two kinds of postures meet, all that a node remembers may be of the kind that ends at a limit before it.
         outside = ~self.reached & (self.distance < _LAYERS * self.width)
         fresh = outside
         while fresh.any():
@@ -158,8 +156,7 @@ def _spread(cells: _Cells) -> None:
     cells.visit(np.stack(np.nonzero(sampled & ~cells.reached)))
     for layer in range(_LAYERS):
         while True:
-            area = _grown(cells.reached, layer + 1)
-            todo = np.stack(np.nonzero(area & np.isinf(cells.distance)))
+            todo = np.stack(np.nonzero(_grown(cells.reached, layer + 1) & np.isinf(cells.distance)))
             # The area grows as long as neighbours are reached; then its border is tried from configurations far away.
             if todo.shape[1] and cells.visit(todo).any():
                 continue

@@ -202,8 +202,7 @@ def dexterous(region: Region, radius: float, revolves: bool) -> Region:
     left = package.unary_union(parts).buffer(-radius, quad_segs=_ROUND)
     for polygon in package.get_parts(whole):
         for ring in polygon.interiors:
-            hole = package.Polygon(ring)
-            left = left.difference(_around(_whole(hole, revolves), radius))
+            left = left.difference(_around(_whole(package.Polygon(ring), revolves), radius))
     return left.intersection(package.box(0.0, -1e9, 1e9, 1e9)) if revolves else left
 
 

@@ -114,11 +114,9 @@ def find_wrist(point: ArmPoint) -> Wrist | None:
 
 
 def _turns_everywhere(point: ArmPoint) -> bool:
-    """Whether the last three joints reach every orientation.
-
-    (q4, q5, q6) and (q4 + pi, -q5, q6 + pi) are one orientation: the outer joints turn all around and the middle one
-    half, or the middle one and an outer one turn all around and the other one half.
-    """
+    """Whether the last three joints reach every orientation."""
+    # (q4, q5, q6) and (q4 + pi, -q5, q6 + pi) are one orientation: the outer joints turn all around and the middle one
+    # half, or the middle one and an outer one turn all around and the other one half.
     first, middle, last = range(len(point.ranges) - 3, len(point.ranges))
     low, high = point.ranges[middle].lower, point.ranges[middle].upper
     angles = []

@@ -93,8 +93,7 @@ class _Stage:
         faces, outlines = solid_faces(self.scene, self.scale, sizes)
         self.paper.items.extend(paint(faces, self.view))
         for line in outlines:
-            flat = self.view.project(line)[:, :2]
-            self.paper.line([(float(x), float(y)) for x, y in flat], weight=0.8)
+            self.paper.line([(float(x), float(y)) for x, y in self.view.project(line)[:, :2]], weight=0.8)
         # Arrows first, the longest at the back, then names of x and z: y follows from them.
         arrows = []
         for axis in sorted(self.scene.axes, key=lambda axis: (-sizes.arrow[axis.letter], axis.frames)):
@@ -143,9 +142,8 @@ class _Stage:
         a, b = _beside(start, offset), _beside(end, offset)
         self.paper.arrow(a, b, DIMENSION, 0.45, both=True)
         outward = (math.copysign(1.0, offset) * nx, math.copysign(1.0, offset) * ny)
-        places = around(
-            ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), outward, 6.0 + 4.0 * abs(outward[0]), label_width(latex)
-        )
+        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+        places = around(middle, outward, 6.0 + 4.0 * abs(outward[0]), label_width(latex))
         self.paper.label(latex, places, DIMENSION)
 
 
@@ -209,16 +207,14 @@ def branches_drawing(
     if len(groups) < 2:
         return None
     # Of one configuration: an arm whose places lie in a plane normal to its first axis is seen along that axis.
-    scene = scenes[0]
-    heights = (scene.places - scene.places[0]) @ scene.joints[0].direction
-    is_flat = all(abs(heights) < _SAME * scene.size)
-    view = view_along(scene.joints[0].direction, scene.up) if is_flat else arm_view(scene)
+    scene, axis = scenes[0], scenes[0].joints[0].direction
+    is_flat = all(abs((scene.places - scene.places[0]) @ axis) < _SAME * scene.size)
+    view = view_along(axis, scene.up) if is_flat else arm_view(scene)
     flat = [[view.flat(point) for point in lines[group[0]]] for group in groups]
     low, high = (f(np.array([point for line in flat for point in line]), axis=0) for f in (np.min, np.max))
     # Many lines are two drawings side by side, each with a half of them (rounded up), at one scale.
     half = -(-len(groups) // 2) if len(groups) > _MOST else len(groups)
-    width = _WIDTH if half == len(groups) else _HALF
-    rooms = zip((width, _TALLEST), high - low, strict=True)
+    rooms = zip((_WIDTH if half == len(groups) else _HALF, _TALLEST), high - low, strict=True)
     scale = min((room - 2 * _ARROWS_ROOM) / extent for room, extent in rooms if extent)
     paper = Paper()
     for first in range(0, len(groups), half):
@@ -228,7 +224,7 @@ def branches_drawing(
         dots = [[view.flat(joint.anchor * scale) for joint in scenes[groups[k][0]].joints] for k in chosen]
         texts = [",".join(names[branch] for branch in groups[k]) for k in chosen]
         _draw_arms(paper, shown, [[(x + aside, y) for x, y in own] for own in dots], texts)
-        _draw_ends(paper, view, scenes[0], frames[0][-1], scale, aside)
+        _draw_ends(paper, view, scenes[0], np.array(frames[0][-1]), scale, aside)
     return moved(paper.items, 3.0, title)
 
 
@@ -253,14 +249,11 @@ def _draw_arms(
         paper.label(text, around(place, direction, 9.0, label_width(text)), COLORS[index % len(COLORS)])
 
 
-def _draw_ends(
-    paper: Paper, view: View, scene: Scene, end: Sequence[Sequence[float]], scale: float, aside: float
-) -> None:
+def _draw_ends(paper: Paper, view: View, scene: Scene, pose: Array, scale: float, aside: float) -> None:
     """The ground below the base, and the axes of the pose that all reach."""
     x, y = view.flat(scene.places[0] * scale)
     x += aside
     paper.draw(Path(((x - 12, y - 5), (x + 12, y - 5)), stroke=DIMENSION, width=1.2))
-    pose = np.array(end)
     for letter in (0, 2):
         ends = (pose[:3, 3] * scale, pose[:3, 3] * scale + _ARROW * pose[:3, letter])
         start, tip = ((u + aside, v) for u, v in map(view.flat, ends))

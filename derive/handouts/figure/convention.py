@@ -102,5 +102,4 @@ def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -
 def _turned(vector: Array, axis: Array, angle: float) -> Array:
     """A vector turned about a unit axis (Rodrigues)."""
     along = axis * (axis @ vector)
-    turned: Array = along + math.cos(angle) * (vector - along) + math.sin(angle) * np.cross(axis, vector)
-    return turned
+    return np.asarray(along + math.cos(angle) * (vector - along) + math.sin(angle) * np.cross(axis, vector))

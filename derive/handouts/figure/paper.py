@@ -134,8 +134,7 @@ def _samples(start: Point, end: Point) -> Array:
     """Points of a line, (k, 2)."""
     a, b = np.array(start), np.array(end)
     count = max(2, int(np.hypot(*(b - a)) / _STEP) + 1)
-    samples: Array = a + (b - a) * np.linspace(0.0, 1.0, count)[:, None]
-    return samples
+    return np.asarray(a + (b - a) * np.linspace(0.0, 1.0, count)[:, None])
 
 
 def _shared_area(a: _Box, b: _Box) -> float:
@@ -145,9 +144,6 @@ def _shared_area(a: _Box, b: _Box) -> float:
 
 
 def _mapped(item: Item, factor: float, dx: float, dy: float) -> Item:
-    def _placed(point: Point) -> Point:
-        return (round(factor * point[0] + dx, 2), round(factor * point[1] + dy, 2))
-
-    if isinstance(item, Label):
-        return replace(item, at=_placed(item.at))
-    return replace(item, points=tuple(_placed(point) for point in item.points))
+    points = (item.at,) if isinstance(item, Label) else item.points
+    placed = tuple((round(factor * x + dx, 2), round(factor * y + dy, 2)) for x, y in points)
+    return replace(item, at=placed[0]) if isinstance(item, Label) else replace(item, points=placed)

@@ -49,8 +49,7 @@ class View:
 
     def project(self, points: Any) -> Array:
         """Right, up and depth (larger is nearer) of points or directions."""
-        projected: Array = np.asarray(points, dtype=float) @ self.rows.T
-        return projected
+        return np.asarray(np.asarray(points, dtype=float) @ self.rows.T)
 
     def flat(self, point: Array) -> Point:
         """Where a point is on the page."""

@@ -123,10 +123,8 @@ def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[fl
 
 
 def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[LinkSegment]]:
-    """Joints and parts of links, from the frames alone: the offset d is what lies along z between two of them.
-
-    A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
-    """
+    """Joints and parts of links, from the frames alone: the offset d is what lies along z between two of them."""
+    # A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
     joints, parts = [], []
     is_standard = robot.convention is Convention.STANDARD
     for row, joint in enumerate(robot.joints):

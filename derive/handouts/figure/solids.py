@@ -107,8 +107,7 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
         lines += [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
     hand, hand_lines = _hand(scene, scale, sizes, centers[-1])
     foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
-    thick = scene.base_axis * 4.0 * sizes.factor
-    pedestal = prism(foot - thick, foot, 15.0 * sizes.factor, BASE, sides=28)
+    pedestal = prism(foot - scene.base_axis * 4.0 * sizes.factor, foot, 15.0 * sizes.factor, BASE, sides=28)
     rim = pedestal[-1].corners[1]
     return [*faces, *hand, *pedestal], [*lines, *hand_lines, np.concatenate([rim, rim[:1]])]
 
@@ -120,10 +119,8 @@ def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
     centers: list[Array] = []
     for joint in scene.joints:
         start, end = joint.anchor * scale, joint.offset_end * scale
-        options = [start]
-        if _length(end - start) > 2.5 * length:
-            options.append((start + end) / 2)
-        options += [start + joint.direction * shift * length for shift in _SHIFTS]
+        middle = [(start + end) / 2] if _length(end - start) > 2.5 * length else []
+        options = [start, *middle, *(start + joint.direction * shift * length for shift in _SHIFTS)]
         gaps = [min((_length(o - c) for c in centers), default=1e9) for o in options]
         free = [k for k, gap in enumerate(gaps) if gap > 1.05 * length]
         centers.append(options[free[0] if free else int(np.argmax(np.round(gaps, 6)))])
@@ -136,18 +133,14 @@ def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[F
     k = sizes.factor
     end, along, across = scene.end * scale, scene.approach, scene.opening
     ahead = float((last - end) @ along)
-    beside = _length(last - end - ahead * along)
-    covered = ahead + sizes.cylinder[1] / 2 if ahead > 0 and beside < 1.0 else 0.0
+    covered = ahead + sizes.cylinder[1] / 2 if ahead > 0 and _length(last - end - ahead * along) < 1.0 else 0.0
     palm = end + (covered + 5.0 * k) * along
     tips = end + (covered + 17.0 * k) * along
     lines = [np.stack([end, palm])]
     for side in (-1.0, 1.0):
         shoulder = palm + side * 7.0 * k * across
         lines += [np.stack([palm, shoulder]), np.stack([shoulder, tips + side * 7.0 * k * across])]
-    faces: list[Faces] = []
-    for line in lines:
-        faces += [_tube(line[0], line[1], 1.5 * k, HAND), _ball(line[1], 1.5 * k, HAND)]
-    return faces, lines
+    return [face for a, b in lines for face in (_tube(a, b, 1.5 * k, HAND), _ball(b, 1.5 * k, HAND))], lines
 
 
 def _perpendicular(axis: Array) -> tuple[Array, Array]:
@@ -168,8 +161,7 @@ def _length(vector: Array) -> float:
 def _sides(start: Array, end: Array, radius: float, across: tuple[Array, Array]) -> list[Array]:
     """Four lines along a cylinder."""
     u, v = across
-    sides = (radius * u, -radius * u, radius * v, -radius * v)
-    return [np.stack([start + side, end + side]) for side in sides]
+    return [np.stack([start + side, end + side]) for side in (radius * u, -radius * u, radius * v, -radius * v)]
 
 
 def _tube(start: Array, end: Array, radius: float, color: Color, piece: float = 8.0) -> Faces:

@@ -60,15 +60,13 @@ def _panel(axes: Any, view: WorkspaceView) -> None:
     bounds = view.reachable.region.bounds if not len(view.path) else (*view.path.min(axis=0), *view.path.max(axis=0))
     left, low, right, high = bounds
     margin = _MARGIN * max(right - left, high - low)
-    if margin < _ONE_POINT:
-        margin = 0.5
+    margin = margin if margin >= _ONE_POINT else 0.5
     if view.picture is Picture.SECTION and left < 0.5 * right:
         axes.axvline(0.0, color="0.35", linewidth=0.5, linestyle=(0, (8, 2, 1.5, 2)))
         left = 0.0
     axes.set(xlim=(left - margin, right + margin), ylim=(low - margin, high + margin))
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel(_AXES[view.picture][0])
-    axes.set_ylabel(_AXES[view.picture][1])
+    axes.set(xlabel=_AXES[view.picture][0], ylabel=_AXES[view.picture][1])
     axes.set_title(str(view.picture), fontsize=9.0)
     axes.grid(visible=True, color="0.9", linewidth=0.4)
     axes.set_axisbelow(True)
@@ -81,9 +79,8 @@ def _fill(axes: Any, region: Region, picture: Picture, color: Any, edge: Any, na
     from matplotlib.path import Path
 
     package = shapely()
-    rings = [
-        ring for part in package.get_parts(region) if not part.is_empty for ring in (part.exterior, *part.interiors)
-    ]
+    parts = [part for part in package.get_parts(region) if not part.is_empty]
+    rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
     if not rings:
         return
     corners = [np.asarray(ring.coords) for ring in rings]

@@ -130,9 +130,8 @@ def _svg_paint(attribute: str, color: Color, solid: bool = False) -> str:
     if max(color) == 0.0:
         return f'{attribute}="currentColor"'
     code = "#" + "".join(f"{round(255 * part):02x}" for part in color)
-    if solid:
-        return f'{attribute}="{code}"'
-    return f'{attribute}="{code}" style="{attribute}:color-mix(in srgb,{code} 65%,currentColor)"'
+    mixed = "" if solid else f' style="{attribute}:color-mix(in srgb,{code} 65%,currentColor)"'
+    return f'{attribute}="{code}"{mixed}'
 
 
 def _xml_text(text: str) -> str:
@@ -186,8 +185,7 @@ def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
 
         figure = Figure(figsize=(scale * drawing.width / POINTS_PER_INCH, scale * drawing.height / POINTS_PER_INCH))
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-        axes.set_xlim(0.0, drawing.width)
-        axes.set_ylim(0.0, drawing.height)
+        axes.set(xlim=(0.0, drawing.width), ylim=(0.0, drawing.height))
         axes.set_axis_off()
         for order, item in enumerate(drawing.items):
             if isinstance(item, Path):

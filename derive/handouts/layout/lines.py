@@ -116,8 +116,7 @@ def pack(boxes: Iterable[Box], width: float = LINE_WIDTH) -> list[str]:
 
 def matrix(rows: Sequence[Sequence[Box]]) -> Box:
     """A matrix in brackets, with the width that it takes."""
-    columns = zip(*rows, strict=True)
-    width = sum(max(cell.width for cell in column) for column in columns)
+    width = sum(max(cell.width for cell in column) for column in zip(*rows, strict=True))
     width += _COLUMN_GAP * (len(rows[0]) - 1) + _DELIMITERS
     body = " ".join(matrix_rows([[cell.tex.strip() for cell in row] for row in rows]))
     return Box(f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}", width)

@@ -102,8 +102,7 @@ class Layouter:
         if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
             boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
             height, width = (range(1, size + 1) for size in quantity.shape)
-            mirrored = {(j, i): box for (i, j), box in boxes.items()} if symmetric else {}
-            filled = mirrored | boxes
+            filled = ({(j, i): box for (i, j), box in boxes.items()} if symmetric else {}) | boxes
             box = concatenate(symbol, EQUALS, matrix([[filled.get((i, j), ZERO) for j in width] for i in height]))
             if fits(box, len(height)):
                 values = tuple((item.name, item.write()) for item in items.values() if item.terms)
@@ -177,10 +176,7 @@ def _within(sizes: Sequence[int], longest: int, total: int) -> list[int]:
 
 
 def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Definition], list[Any]]:
-    """Definitions of brackets that several places share, each using earlier symbols only, and the entries in them.
-
-    The symbols are called ``_1``, ``_2``, ..., which no name of a user can be.
-    """
+    """Definitions of brackets that several places share, each using earlier symbols only, and the entries in them."""
     uses: Counter[Any] = Counter()
     for expression in expressions:
         _count_brackets(expression, uses, root=True)
@@ -195,7 +191,7 @@ def _with_shared_brackets_named(expressions: Sequence[Any]) -> tuple[list[Defini
     names: dict[Any, Any] = {}
     definitions = []
     for index, bracket in enumerate(shared, 1):
-        symbol = sympy.Symbol(f"_{index}")
+        symbol = sympy.Symbol(f"_{index}")  # which no name of a user can be
         definitions.append((symbol, _in_names(bracket, names)))
         names[bracket] = symbol
     return definitions, [_in_names(expression, names) for expression in expressions]
@@ -225,22 +221,18 @@ def _count_brackets(expression: Any, uses: Counter[Any], root: bool) -> None:
 
 def _depth(expression: Any) -> int:
     """Levels of sums; a bracket is deeper than the brackets in it."""
-    inner = max((_depth(argument) for argument in expression.args), default=0)
-    return inner + bool(expression.is_Add)
+    return max((_depth(argument) for argument in expression.args), default=0) + bool(expression.is_Add)
 
 
 def _in_names(expression: Any, names: dict[Any, Any], *, root: bool = True) -> Any:
     """The expression with symbols for the brackets inside it; a sum at the root stays."""
-    if not names:
+    if not names or not expression.args:
         return expression
-    if expression in names and not (root and expression.is_Add):
+    stays = root and expression.is_Add
+    if expression in names and not stays:
         return names[expression]
-    if not expression.args:
-        return expression
     arguments = tuple(_in_names(argument, names, root=False) for argument in expression.args)
-    if not (root and expression.is_Add) and all(
-        new is old for new, old in zip(arguments, expression.args, strict=True)
-    ):
+    if not stays and all(new is old for new, old in zip(arguments, expression.args, strict=True)):
         return expression
     if expression.is_Add or expression.is_Mul:  # unevaluated: SymPy would distribute numbers over the names' sums
         return expression.func(*arguments, evaluate=False)

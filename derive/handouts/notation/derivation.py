@@ -78,9 +78,7 @@ def derivation_parts(found: InverseKinematics) -> dict[str, Any]:
         "definitions": {write(line.symbol): write(line.value) for line in found.definitions},
         "sums": {write(name): write(total) for total, name in found.sums.items()},
         "steps": steps,
-        "solutions": [
-            {"name": one.name, "signs": {str(k): v for k, v in one.signs.items()}} for one in found.solutions
-        ],
+        "solutions": [{"name": s.name, "signs": {str(k): v for k, v in s.signs.items()}} for s in found.solutions],
     }
 
 
@@ -95,9 +93,8 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
     totals = {name: f" = {write(total)}" for total, name in found.sums.items()}
     for number, step in enumerate(found.steps, 1):
         lines += ["", f"{number}. {write(step.unknown)}{totals.get(step.unknown, '')}: {reason(found, step)}"]
-        lines += [
-            f"     {_equation(e, write)}" for e in step.equations if PrintedLine(e.left, e.right) not in step.lines
-        ]
+        others = (e for e in step.equations if PrintedLine(e.left, e.right) not in step.lines)
+        lines += [f"     {_equation(e, write)}" for e in others]
         lines += [f"   {formula(line, write)}" for line in step.lines]
         if step.kind is NodeKind.CONIC:
             lines.append(f"   of the fourth degree in tan({write(step.unknown)}/2): at most {step.branches} values")
@@ -207,9 +204,8 @@ def product_text(robot: Robot, origin: Origin) -> str:
     base = [] if origin.has_base or robot.base == IDENTITY else ["base^-1"]
     tool = [] if origin.has_tool or robot.tool == IDENTITY else ["tool^-1"]
     text = " ".join((*before, *base, "T", *tool, *after))
-    if origin.inverse:
-        return f"({text})^-1" if " " in text else "T^-1"
-    return text
+    inverse = f"({text})^-1" if " " in text else "T^-1"
+    return inverse if origin.inverse else text
 
 
 def formula(line: PrintedLine, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:
@@ -267,18 +263,14 @@ def workspace_text(reach: Reach, write: Print) -> list[str]:
         return [f"no bound on the position alone ({how}; {why})", "the boundary: derive plot --workspace"]
     lines = ["reachable region, if no joint has limits:"]
     for bound in reach.bounds:
-        numbers = reach.numbers(bound)
-        size = ""
-        if numbers is not None and bound.has_symbols:
-            size = f" ({' to '.join(f'{float(x):.4g}' for x in numbers if x is not None)} m)"
-        lines.append(
-            f"   {comparison(bound, write, ' <= ')}{size}: {shape(reach, bound)}, {write(bound.unknown)} is real"
-        )
+        numbers = reach.numbers(bound) if bound.has_symbols else None
+        size = f" ({' to '.join(f'{float(x):.4g}' for x in numbers if x is not None)} m)" if numbers else ""
+        what = f"{shape(reach, bound)}, {write(bound.unknown)} is real"
+        lines.append(f"   {comparison(bound, write, ' <= ')}{size}: {what}")
     if reach.names:
         lines += ["where", *(f"   {formula(line, write)}" for line in reach.names)]
     if reach.is_whole:
-        signs = any(line.signs for line in reach.names)
-        lines.append(f"{'up to ' * signs}{count} inside")
+        lines.append(f"{'up to ' * any(line.signs for line in reach.names)}{count} inside")
     else:
         lines.append(f"and where {variables or 'all joints'} can be real, which depends on more than the position")
     return lines

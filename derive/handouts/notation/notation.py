@@ -187,8 +187,7 @@ class Order:
             return (_TRIGONOMETRIC, joints, name if plain else f"{angle} {name}")
         if not base.is_Add:
             return (_OTHER, (), str(base))
-        moves = all(rank >= 2 for rank, _ in positions)
-        return (_VELOCITY if moves else _BRACKET, (), "")
+        return (_VELOCITY if all(rank >= 2 for rank, _ in positions) else _BRACKET, (), "")
 
 
 def is_below(exponent: Any) -> bool:

@@ -85,8 +85,7 @@ def monospace(text: str) -> Box:
 
 def operator(name: str) -> Box:
     """A function's name such as cos, with the thin space that follows."""
-    known = name in {"cos", "sin", "tan"}
-    tex = f"\\{name} " if known else f"\\operatorname{{{name}}}"
+    tex = f"\\{name} " if name in {"cos", "sin", "tan"} else f"\\operatorname{{{name}}}"
     return Box(tex, upright(name).width + 2 * 1.7)
 
 

@@ -117,19 +117,15 @@ class LatexPrinter:
         return value < 0, row or [TexPiece(italic("1"), depth=depth)]
 
     def _factors(self, powers: list[Power], depth: int) -> Iterator[Pieces]:
-        r"""Each power; where functions are written in full and a factor follows, the argument ends with a bracket.
-
-        ``\cos \theta_{1}\dot{\theta}_{1}`` could be the cosine of the product.
-        """
+        """Each power; where functions are written in full and a factor follows, the argument ends with a bracket."""
+        # \cos \theta_{1}\dot{\theta}_{1} could be the cosine of the product.
         for (base, exponent), following in zip(powers, (*powers[1:], None), strict=False):
             alone = following is None or (following[0].is_Function and following[0].func.__name__ in _CIRCULAR)
             yield self._power(base, exponent, depth, closed=not alone and not self.notation.abbreviates)
 
     def _leading(self, value: Fraction, powers: list[Power]) -> tuple[Box, list[Power]]:
-        """The number, the quotient of parameters or both in front of a product, and the powers that remain.
-
-        Numbers and parameters stand over each other if there is a denominator and both sides are short.
-        """
+        """The number, the quotient of parameters or both in front of a product, and the powers that remain."""
+        # Numbers and parameters stand over each other if there is a denominator and both sides are short.
         # below: what divides; constants: roots and pi, which stand with the number
         below = [(base, -exponent) for base, exponent in powers if is_below(exponent)]
         constants = [p for p in powers if (p[0].is_Number or p[0].is_NumberSymbol) and not is_below(p[1])]
@@ -139,15 +135,10 @@ class LatexPrinter:
         angle = any(base.is_NumberSymbol for base, _ in powers)  # multiples of pi are never decimals
         as_decimal = not angle and "frac" not in self._magnitude(value).tex
         if below or not (value.denominator == 1 or as_decimal):
-            above = list(constants)
-            if below:  # there is something for parameters to stand over
-                positions = self.notation.positions
-                names = {name for name, (rank, _) in positions.items() if rank == 0}
-                above = [
-                    p
-                    for p in powers
-                    if p in constants or (p[0].is_Symbol and p[0].name in names and not is_below(p[1]))
-                ]
+            positions = self.notation.positions.items() if below else ()  # something for parameters to stand over
+            names = {name for name, (rank, _) in positions if rank == 0}
+            parameters = [p for p in powers if p[0].is_Symbol and p[0].name in names and not is_below(p[1])]
+            above = [p for p in powers if p in constants or p in parameters]
             numerator, denominator = self._side(value.numerator, above), self._side(value.denominator, below)
             # One fraction, of which sines, rates and brackets stay behind; a wide one is written with negative powers.
             if max(numerator.width, denominator.width) <= WIDEST_FRACTION:
@@ -184,9 +175,8 @@ class LatexPrinter:
         if base.is_Function:
             return self._function(base, raised, depth, closed)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
-            raise TargetError(
-                f"no LaTeX for {base}", allowed="allowed: exact numbers, pi, symbols and functions of the grammar"
-            )
+            allowed = "allowed: exact numbers, pi, symbols and functions of the grammar"
+            raise TargetError(f"no LaTeX for {base}", allowed=allowed)
         return _bracket(self._sum(base, depth + 1), raised, depth)
 
     def _function(self, call: Any, exponent: Box, depth: int, closed: bool) -> Pieces:

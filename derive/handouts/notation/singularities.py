@@ -29,15 +29,14 @@ def singularities_lines(found: Singularities, name: str, form: str, write: Write
 
 def singularities_parts(found: Singularities, write: Write) -> dict[str, Any]:
     """The same for JSON."""
+    condition = f"det({found.square}) = 0" if found.square else f"the rank of J is less than {found.rank or 'usual'}"
     families = [
         [{"zero": write(c.expression), "values": list(map(write, c.values)), "certain": c.is_certain} for c in family]
         for family in found.families
     ]
     return {
         "determinant": write(found.determinant) if found.blocks else None,
-        "condition": f"det({found.square}) = 0"
-        if found.square
-        else f"the rank of J is less than {found.rank or 'usual'}",
+        "condition": condition,
         "task": list(found.task),
         "rank": found.rank,
         "families": families,
@@ -69,11 +68,8 @@ def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None
         posture = f" ({factor.posture.value})" if factor.posture else ""
         lines.append(f"   {number}. {write(factor.expression)}{posture}")
     pairs = zip(found.inverse.solutions, found.signs, strict=bool(found.signs))
-    listed_signs = [
-        f"   {' '.join('+' if sign > 0 else '-' for sign in signs)}  {solution.name}"
-        for solution, signs in pairs
-        if signs is not None
-    ]
+    signed = [(solution.name, signs) for solution, signs in pairs if signs is not None]
+    listed_signs = [f"   {' '.join('+' if sign > 0 else '-' for sign in signs)}  {name}" for name, signs in signed]
     if 1 < len(listed_signs) <= _MANY and len(listed_signs) == len(found.signs):
         lines += ["signs of these in each solution:" if len(found.factors) > 1 else "its sign in each solution:"]
         lines += listed_signs
@@ -91,18 +87,14 @@ def _crossing(found: Aspects, joints: list[str], digits: int | None) -> list[str
     poses = len(found.solutions)
     if found.crossing is not None:
         width = max(8, *map(len, joints))
-        columns = [
-            [f"{value:.{digits}g}" if digits else repr(value) for value in place]
-            for place in found.crossing.path.tolist()
-        ]
-        rows = zip(
-            joints, *([cell.rjust(max(8, *map(len, cells))) for cell in cells] for cells in columns), strict=True
-        )
+        places = found.crossing.path.tolist()
+        columns = [[f"{value:.{digits}g}" if digits else repr(value) for value in place] for place in places]
+        aligned = ([cell.rjust(max(8, *map(len, cells))) for cell in cells] for cells in columns)
         least = f"{100 * found.crossing.clearance:.2g} % of its largest value"
         return [
             "cuspidal: it changes posture without meeting a singularity. On the way from one solution of a pose to",
             f"another one, along straight lines from column to column, det J is never less than {least}:",
-            *(f"   {name:<{width}}  {'  '.join(row)}" for name, *row in rows),
+            *(f"   {name:<{width}}  {'  '.join(row)}" for name, *row in zip(joints, *aligned, strict=True)),
         ]
     if found.shared:
         return [

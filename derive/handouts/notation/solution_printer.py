@@ -84,16 +84,11 @@ class SignLatexPrinter(LatexPrinter):
 
     def __init__(self, notation: Notation, found: InverseKinematics, widest: float = WIDEST_QUOTIENT) -> None:
         self._widest = widest
-        sign = Glyph(Box("\\pm ", 8.0))
-        signs = {symbol.name: sign for line in found.lines for symbol in line.signs}
+        signs = {symbol.name: Glyph(Box("\\pm ", 8.0)) for line in found.lines for symbol in line.signs}
         # ``q23`` with the letter that the joint variables have.
         letter = next((notation.glyph(v).head for v in notation.labels), None)
-        sums = {}
-        for name in (symbol.name for symbol in found.sums.values()):
-            labels = re.sub(r"^\D*", "", name)
-            sums[name] = notation.glyph(name)
-            if labels and letter is not None:
-                sums[name] = Glyph(letter, Box(labels, 5.0 * len(labels)))
+        labels = {symbol.name: re.sub(r"^\D*", "", symbol.name) for symbol in found.sums.values()}
+        sums = {name: Glyph(letter, Box(k, 5.0 * len(k))) for name, k in labels.items() if k and letter}
         super().__init__(notation.with_terms({**signs, **sums}))
         self._order = SolutionOrder(notation, pose_names(found))
 

@@ -94,11 +94,9 @@ def variable_glyphs(robot: Robot, names: Iterable[str], options: NotationOptions
     """The joint variables that are written with another letter than in the robot file."""
     names = tuple(names)
     chosen: dict[str, Glyph] = {}
+    turning, sliding = _REVOLUTE_LETTERS.get(options.angle), _PRISMATIC_LETTERS.get(options.prismatic)
     for joint in robot.joints:
-        letters = (
-            _REVOLUTE_LETTERS.get(options.angle) if joint.is_revolute else _PRISMATIC_LETTERS.get(options.prismatic)
-        )
-        label = joint_label(joint.variable)
+        letters, label = turning if joint.is_revolute else sliding, joint_label(joint.variable)
         if letters and label:
             chosen[joint.variable] = Glyph(letters, italic(label))
     while True:  # giving one glyph up may bring back a name that clashes with another in turn

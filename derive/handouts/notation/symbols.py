@@ -53,9 +53,7 @@ class Symbols:
     def christoffel(self, i: int | str, j: int | str, k: int | str) -> Box:
         """The Christoffel symbol c_{i,jk} of the first kind."""
         indices = f"{i},{j}{self._comma}{k}"
-        if self._gamma:
-            return script(greek("Gamma"), italic(indices))
-        return self._free("c", indices)
+        return script(greek("Gamma"), italic(indices)) if self._gamma else self._free("c", indices)
 
     def term(self, group: int, index: int) -> Box:
         """A named intermediate term."""
@@ -67,17 +65,13 @@ class Symbols:
 
     def _free(self, letter: str, indices: str) -> Box:
         plain = script(italic(letter), italic(indices))
-        if plain.tex not in self._taken:
-            return plain
-        return script(bracketed(bold(letter.upper())), italic(indices))
+        return script(bracketed(bold(letter.upper())), italic(indices)) if plain.tex in self._taken else plain
 
 
 class Group:
-    """Which letter the named intermediate terms of each quantity have: a number for each, all different on one sheet.
+    """Which letter the named intermediate terms of each quantity have: a number for each, all different on a sheet."""
 
-    Small numbers get a letter of their own, larger ones a letter with two indices, see `Symbols.term`.
-    """
-
+    # Small numbers get a letter of their own, larger ones a letter with two indices, see `Symbols.term`.
     # The quantities; g and tau have the same, for they stand in different parts.
     T, J, B, CHRISTOFFEL, C, N, TORQUE, POTENTIAL = range(8)
     _FIRST_FRAME = 8

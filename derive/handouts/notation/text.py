@@ -82,9 +82,7 @@ class TextPrinter(PlainPrinter):
         function, angle = expression.func.__name__, expression.args[0]
         terms = angle.args if angle.is_Add else (angle,)
         labels = [self._labels.get(str(term), "") for term in terms]
-        if all(labels):
-            return str(function[0] + "".join(sorted(labels)))
-        return f"{function}({self._print(angle)})"
+        return str(function[0] + "".join(sorted(labels))) if all(labels) else f"{function}({self._print(angle)})"
 
     _print_sin = _print_cos
 

@@ -113,9 +113,9 @@ class Playback:
     def configuration(self) -> dict[str, object]:
         """What the script knows of it, as plain data."""
         grids: list[_Grid] = []
-        tracks = [_joined(track, grids) for track in self.tracks]
+        place = self.quantities.index
         return {
-            "tracks": tracks,
+            "tracks": [_joined(track, grids) for track in self.tracks],
             "grids": grids,
             "segments": [[each.name, each.start, each.payload, each.load] for each in self.segments],
             "basis": {str(k): rows for k, rows in self.basis.items()},
@@ -124,9 +124,7 @@ class Playback:
             "base": self.base or None,
             "baseRates": self.base_rates or None,
             "bounds": [self.bounds.get(name) for name in self.quantities],
-            "exceeded": [
-                [self.quantities.index(item.quantity), item.joint, item.time, item.value] for item in self.exceeded
-            ],
+            "exceeded": [[place(item.quantity), item.joint, item.time, item.value] for item in self.exceeded],
             "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
 
@@ -185,7 +183,6 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         for revolute, (title, unit) in of_kind.items()
         if revolute in kinds
     ]
-    columns = [html_text(title) for title, _ in quantities]
     joints = [
         {
             "label": row["label"],
@@ -201,7 +198,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         "speeds": [(speed, html_text(text.number(f"{speed:g}")), speed == 1.0) for speed in SPEEDS],
         "duration": repr(playback.duration),
         "plots": plots,
-        "columns": columns,
+        "columns": [html_text(title) for title, _ in quantities],
         "joints": joints,
         "notes": html_text(" ".join(_notes(text, playback))),
     }
@@ -209,8 +206,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
 
 def _quantities(_: Text) -> dict[str, tuple[str, dict[bool, tuple[str, str]]]]:
     """What is plotted: a name, and for joints that turn and those that slide a title and a unit."""
-    position, velocity, acceleration = _("Position"), _("Velocity"), _("Acceleration")
-    error = _("Error")
+    position, velocity, acceleration, error = _("Position"), _("Velocity"), _("Acceleration"), _("Error")
     return {
         "position": (position, {True: (_("Angles"), "rad"), False: (_("Displacements"), "m")}),
         "speed": (velocity, {True: (velocity, "rad/s"), False: (velocity, "m/s")}),
@@ -233,8 +229,7 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
         if not run.reached:
             yield _("The simulation diverges after %(time)s s.", time=_.number(f"{run.times[-1]:.4g}"))
     if playback.places:
-        count = str(playback.places)
-        yield _("The page joins %(count)s places of this long motion by cubic polynomials.", count=count)
+        yield _("The page joins %(count)s places of this long motion by cubic polynomials.", count=playback.places)
     if playback.bounds:
         yield _("Dotted lines are limits; they stand where the motion comes near them.")
 

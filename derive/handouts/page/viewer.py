@@ -116,10 +116,8 @@ def viewer(
     )
     assumed = ""  # what is drawn for symbols without a number
     if values:
-        pairs = (
-            f"{html_symbol(notation.glyph(name).box.tex)} = {text.number(f'{value:.4g}')}"
-            for name, value in values.items()
-        )
+        symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
+        pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
         message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
         assumed = html_text(message).replace("@values@", text.listing(pairs))
     rows = _rows(robot, notation, ways)
@@ -147,10 +145,7 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
 
 
 def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
-    """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link.
-
-    It starts at the configuration of the figure, else at zero or half way out.
-    """
+    """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link."""
     given = robot.figure.q or (None,) * robot.n
     lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
     longest = float(f"{max(lengths) or 1.0:.2g}")
@@ -160,9 +155,9 @@ def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
         with suppress(ArithmeticError):  # limits that are no numbers do not count
             lower, upper = (evaluate(limit, numbers) for limit in joint.limits) if joint.limits else (low, high)
             low, high = (lower, upper) if lower < upper else (low, high)
+        # It starts at the configuration of the figure, else at zero or half way out.
         wanted = 0.0 if joint.is_revolute and low <= 0.0 <= high else (low + high) / 2
-        if cell is not None:
-            wanted = evaluate(cell, numbers)
+        wanted = wanted if cell is None else evaluate(cell, numbers)
         ways.append(Travel(joint.is_revolute, low, high, min(max(wanted, low), high)))
     return tuple(ways)
 

@@ -153,10 +153,8 @@ class BlockWriter:
         """A text with its mathematics and its code."""
         parts = []
         for kind, part in spans(text):
-            if kind is SpanKind.MATHEMATICS:
-                parts.append(formula(part))
-            else:
-                parts.append(f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part))
+            plain = f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part)
+            parts.append(formula(part) if kind is SpanKind.MATHEMATICS else plain)
         return "".join(parts)
 
     def blocks(self, blocks: Iterable[Block]) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
-from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, script
+from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.kinematics import transforms
 from derive.handouts.parts.table import BASE, TOOL, end_lines, link_equations, table_rows
@@ -88,12 +88,8 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
 
 
 def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
-    n, inverse = context.robot.n, Box("-1", 8.0)
-    first, last = _factor("X", 0), _factor("X", n)
-    if context.is_standard:
-        first = script(bold("X"), italic("0"), inverse)
-    else:
-        last = script(bold("X"), italic(str(n)), inverse)
+    before, behind = (Box("-1", 8.0), EMPTY) if context.is_standard else (EMPTY, Box("-1", 8.0))
+    first, last = script(bold("X"), italic("0"), before), script(bold("X"), italic(str(context.robot.n)), behind)
     if has_base:
         yield concatenate(NEW_BASE, EQUALS, BASE, first)
     if has_tool:

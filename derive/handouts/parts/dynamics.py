@@ -98,9 +98,7 @@ def energies(context: Context) -> Iterator[Block]:
     yield context.paragraph("The kinetic energy is the sum of those of the links.")
     yield textbook("kinetic_energy", rotors=rotors, armatures=armatures)
     if rotors:
-        yield context.paragraph(
-            "A rotor turns with the link that carries it, and spins about its axis $\\mathbf{z}_{m_i}$."
-        )
+        yield Paragraph(_("A rotor turns with the link that carries it, and spins about its axis $\\mathbf{z}_{m_i}$."))
         yield textbook("rotor_energy")
     if armatures:
         yield context.paragraph("The armatures $I_{a_i}$ are inertias of rotors seen from the joint.")

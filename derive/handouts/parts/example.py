@@ -77,9 +77,8 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
         yield context.paragraph("At the configuration of the figure:")
     else:
         yield context.paragraph("At a configuration without symmetry, within the limits:")
-    variables = []
-    for joint, cell in zip(robot.joints, chosen.cells, strict=True):
-        variables.append(Equation(context.notation.glyph(joint.variable).box, data.position(joint, cell)))
+    pairs = zip(robot.joints, chosen.cells, strict=True)
+    variables = (Equation(data.notation.glyph(j.variable).box, data.position(j, cell)) for j, cell in pairs)
     yield Rows(tuple(equation_lines(variables)))
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
@@ -90,12 +89,9 @@ def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expre
     if assumed:
         yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
         angle = EMPTY if context.notation.degrees else _RADIAN  # degrees have their circle
+        units = ((name, cell, _METRE if isinstance(cell, Number) else angle) for name, cell in assumed.items())
         lines = equation_lines(
-            Equation(
-                data.notation.glyph(name).box,
-                (*data.angle(cell), TexPiece(_METRE if isinstance(cell, Number) else angle)),
-            )
-            for name, cell in assumed.items()
+            Equation(data.notation.glyph(name).box, (*data.angle(cell), TexPiece(unit))) for name, cell, unit in units
         )
         yield Rows(tuple(lines))
 

@@ -54,9 +54,8 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
     yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
     if poses.assumed:
-        yield context.paragraph(
-            "Numbers assumed for the drawing only: %(values)s.", values=stated_values(context, poses.assumed)
-        )
+        values = stated_values(context, poses.assumed)
+        yield context.paragraph("Numbers assumed for the drawing only: %(values)s.", values=values)
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:

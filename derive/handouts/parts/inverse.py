@@ -29,6 +29,7 @@ LONGEST_SUM = 80.0  # lines of formulas on paper beyond which the part leaves th
 # Of all equations of an arm; longer ones are not even written, which takes longer than a sheet should.
 MOST_TERMS = 200
 MOST_BRANCHES = 16  # in the table of branches
+Factors = Sequence[SingularFactor]  # of det J
 
 
 def inverse(context: Context) -> Iterator[Block]:
@@ -40,8 +41,7 @@ def inverse(context: Context) -> Iterator[Block]:
         return
     found = context.entries.model.inverse
     if task != found.graph.task:
-        asked = replace(context.robot, inverse=InverseOptions(task))
-        found = Model(asked).inverse
+        found = Model(replace(context.robot, inverse=InverseOptions(task))).inverse
     part = _InversePart(context, found)
     yield from part.given()
     if not found.graph.is_closed:
@@ -197,9 +197,7 @@ class _InversePart:
             )
         if not found.definitions:
             if wrist:
-                yield self.context.paragraph(
-                    "Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex
-                )
+                yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))
             return
         names = {str(line.symbol) for line in found.definitions}
         if wrist and len(names) <= 3:
@@ -257,9 +255,7 @@ class _InversePart:
             size=node.formulas[0].payload.solution.eliminations[0].eigenvalues,
         )
 
-    def _step(
-        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
-    ) -> Iterator[Block]:
+    def _step(self, step: PrintedStep, merged: Factors, free: Factors) -> Iterator[Block]:
         _, unknown = self.context.text, self._math(step.unknown)
         if step.kind is NodeKind.SUM:
             words = _("%(unknown)s follows from the angles already found:", unknown=unknown)
@@ -280,9 +276,7 @@ class _InversePart:
         if remarks := " ".join(self._remarks(step, merged, free)):
             yield Paragraph(remarks, is_answer=True)
 
-    def _remarks(
-        self, step: PrintedStep, merged: Sequence[SingularFactor], free: Sequence[SingularFactor]
-    ) -> Iterator[str]:
+    def _remarks(self, step: PrintedStep, merged: Factors, free: Factors) -> Iterator[str]:
         """When a step has real values, where they are one, and where it has infinitely many."""
         _, unknown = self.context.text, self._math(step.unknown)
         if step.kind is NodeKind.CONIC:
@@ -344,14 +338,11 @@ class _InversePart:
         postures = [branch_name(_, notation, words_alone(solution.name)) for solution in solutions]
         signs = [[f"${'+' if solution.signs[sign] > 0 else '-'}$" for sign in columns] for solution in solutions]
         has_names = any(postures)
-        rows = [
-            (str(number), *([posture] if has_names else []), *own)
-            for number, (posture, own) in enumerate(zip(postures, signs, strict=True), 1)
-        ]
+        pairs = enumerate(zip(postures, signs, strict=True), 1)
+        rows = [(str(number), *([posture] if has_names else []), *own) for number, (posture, own) in pairs]
         words = _("The signs in the formulas of the joints lead to these branches:")
         if any(len(line.alternatives) > 1 for step in self.found.steps for line in step.lines):
             words = _("The signs in the formulas lead to these branches; + denotes the first of two values:")
         yield Paragraph(words, is_answer=True)
-        heads = [_("Posture")] if has_names else []
-        heads += [self._math(unknown) for unknown in columns.values()]
+        heads = [*([_("Posture")] if has_names else []), *map(self._math, columns.values())]
         yield Table((_("Branch"), *heads), tuple(rows), is_answer=True)

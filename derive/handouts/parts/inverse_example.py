@@ -51,9 +51,8 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     if poses is None:
         return
     assumed = tuple((name, Number(Fraction(str(value)))) for name, value, _unit in poses.assumed)
-    robot = replace(
-        context.robot, figure=replace(context.robot.figure, values=(*context.robot.figure.values, *assumed))
-    )
+    figure = context.robot.figure
+    robot = replace(context.robot, figure=replace(figure, values=(*figure.values, *assumed)))
     numbers = {sympy.Symbol(name): float(value) for name, value in poses.values.items()}
     try:
         # the configuration of the figure, or a generic one; then the generic one alone
@@ -77,10 +76,8 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     yield from _results(context, solutions)
     if len(solutions) > 1:
         frames = [poses.frames(solution.q) for solution in solutions]
-        numbers_of = [str(solution.number) for solution in solutions]
         title = _("The arm in all configurations that reach one pose")
-        drawing = branches_drawing(context.robot, frames, numbers_of, title)
-        if drawing is not None:
+        if drawing := branches_drawing(context.robot, frames, [str(each.number) for each in solutions], title):
             caption = _("The arm in these configurations, drawn over each other; numbers are those of the table.")
             yield Figure(drawing, caption, is_answer=True)
 
@@ -101,24 +98,21 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
         values = found.values_at(parameters, given)
         for number, solution in enumerate(found.solutions, 1):
             by_formulas = solution.numbers(values)
-            if by_formulas is not None and found.error(values, {**given, **by_formulas}) < CLOSE:
-                whole = {**given, **by_formulas}
-                kept = (
-                    _in_one_turn(float(whole[symbol])) if joint.is_revolute else float(whole[symbol])
-                    for symbol, joint in zip(variables, found.robot.joints, strict=True)
-                )
-                solutions.append(Found(number, tuple(kept)))
+            if by_formulas is not None and found.error(values, whole := {**given, **by_formulas}) < CLOSE:
+                kept = _in_one_turn(found.robot.joints, [float(whole[symbol]) for symbol in variables])
+                solutions.append(Found(number, kept))
     return solutions
 
 
-def _in_one_turn(angle: float) -> float:
-    return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))
+def _in_one_turn(joints: Sequence[Joint], q: Sequence[float]) -> tuple[float, ...]:
+    pairs, turn = zip(q, joints, strict=True), 2 * math.pi
+    return tuple(x - turn * math.ceil((x - math.pi) / turn) if joint.is_revolute else x for x, joint in pairs)
 
 
 def _is_regular(found: InverseKinematics, solutions: Sequence[Found], q: Sequence[float]) -> bool:
     """Whether a pose has as many different configurations as others: one that teaches nothing special."""
-    turned = [tuple(_in_one_turn(x) if j.is_revolute else x for x, j in zip(q, found.robot.joints, strict=True))]
-    own = any(_apart(solution.q, turned[0]) < _LEAST for solution in solutions)
+    turned = _in_one_turn(found.robot.joints, q)
+    own = any(_apart(solution.q, turned) < _LEAST for solution in solutions)
     pairs = ((a, b) for k, a in enumerate(solutions) for b in solutions[:k])
     return own and all(_apart(a.q, b.q) > _LEAST for a, b in pairs)
 

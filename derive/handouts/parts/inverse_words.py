@@ -178,10 +178,8 @@ class FormulaWriter:
         """Lines of a solution as one formula."""
         rows = tuple(row for line in lines for row in self.rows(line))
         names = tuple(self.tex(line.symbol) for line in lines)
-        blanks = names if is_each_asked else names[-1:]
-        return SheetFormula(
-            (Rows(rows),), entries=lambda: map(self.entry, lines), task=task, blanks=blanks if task else ()
-        )
+        blanks = (names if is_each_asked else names[-1:]) if task else ()
+        return SheetFormula((Rows(rows),), entries=lambda: map(self.entry, lines), task=task, blanks=blanks)
 
     def entry(self, line: PrintedLine) -> Entry:
         """A formula to be copied."""

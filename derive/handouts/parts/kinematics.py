@@ -81,16 +81,14 @@ def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> L
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:
     """The factors of the arm with those of base and tool, where these are not the identity."""
     base = [BASE] if context.robot.base != IDENTITY else []
-    tool = [TOOL] if context.robot.tool != IDENTITY else []
-    return [*base, *factors, *tool]
+    return [*base, *factors, *([TOOL] if context.robot.tool != IDENTITY else [])]
 
 
 def _steps(context: Context) -> Iterator[Block]:
     """T_i^0 = T_{i-1}^0 A_i, with its entries as long as they are short."""
     robot, frame = context.robot, context.symbols.frame
     yield Rows((concatenate(frame("T", 1, 0), EQUALS, frame("A", 1, 0)).tex,))
-    is_bare = robot.base == IDENTITY and robot.tool == IDENTITY
-    last = robot.n - 1 if is_bare else robot.n
+    last = robot.n - 1 if robot.base == IDENTITY == robot.tool else robot.n
     products = {
         i: concatenate(frame("T", i, 0), EQUALS, frame("T", i - 1, 0), frame("A", i, i - 1))
         for i in range(1, robot.n + 1)
@@ -99,8 +97,7 @@ def _steps(context: Context) -> Iterator[Block]:
     long = next((i for i in range(2, last + 1) if not context.entries.transform(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
         symbol, quantity = frame("T", i, 0), context.entries.transform(0, i)
-        on_one_line = small(context, products[i], quantity, entry_namer(symbol))
-        if on_one_line is not None:
+        if (on_one_line := small(context, products[i], quantity, entry_namer(symbol))) is not None:
             yield formula(context, side_by_side([on_one_line]))
         else:
             yield Rows((products[i].tex,))
@@ -117,10 +114,8 @@ def _partial_products(context: Context) -> Iterator[Block]:
     cuts = [0]
     for end in range(1, n + 1):
         quantity = context.entries.transform(cuts[-1], end)
-        if (
-            end > cuts[-1] + 1
-            and max(quantity.terms(*place) for place in quantity.places) > context.policy.factor_terms
-        ):
+        longest = max(quantity.terms(*place) for place in quantity.places)
+        if end > cuts[-1] + 1 and longest > context.policy.factor_terms:
             cuts.append(end - 1)
     cuts.append(n)
     if len(cuts) == 2:
@@ -171,8 +166,7 @@ def orientation(context: Context) -> Iterator[Block]:
 def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
     """Singular where t_11 = t_21 = 0, at t_31 = -+1."""
     _, t = context.text, partial(context.symbols.entry, "t")
-    words = _("roll"), _("pitch"), _("yaw")
-    names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in words)
+    names = tuple(Box(f"\\text{{{word}}}", upright(word).width) for word in (_("roll"), _("pitch"), _("yaw")))
     said = {angle: f"${name.tex}$" for angle, name in zip(("roll", "pitch", "yaw"), names, strict=True)}
     yield context.paragraph(
         "Roll, pitch and yaw turn about the fixed axes $x$, $y$ and $z$, in this order: $\\mathbf{R} = %(product)s$.",

@@ -42,15 +42,12 @@ def newton_euler(context: Context) -> Iterator[Block]:
     _ = context.text
     recursion = Recursion(context.is_standard, context.symbols)
     yield Paragraph(_introduction(context))
-    yield context.paragraph(
-        "The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."
-    )
+    yield Paragraph(_("The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."))
     start = textbook("recursion_start", after_last=context.robot.n + 1)
     base = [[tuple(context.printer.pieces(cell))] for cell in context.entries.base_acceleration]
     symbol = Box("\\mathbf{a}_{0}", 11.0)
     yield Rows((*start.lines, *matrix_lines(symbol, base, lambda k, _: Box(f"({symbol.tex})_{{{k}}}", 25.0))))
-    joint_types = {joint.is_revolute for joint in context.robot.joints}
-    for is_revolute in sorted(joint_types, reverse=True):
+    for is_revolute in sorted({joint.is_revolute for joint in context.robot.joints}, reverse=True):
         if is_revolute:
             yield context.paragraph("A revolute joint, outward from $i = 1$ and back inward from the last link:")
         else:

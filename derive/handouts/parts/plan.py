@@ -107,8 +107,7 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
         cells = (_title(peaks.segment), f"${_exact(context, peaks.segment.duration)}$")
         for variable, *of_joint in zip(context.robot.joints, peaks.speeds, peaks.accelerations, strict=True):
             if any(peak.value != 0 for peak in of_joint):
-                symbol = context.notation.glyph(variable.variable).box.tex
-                row = [*cells, f"${symbol}$"]
+                row = [*cells, f"${context.notation.glyph(variable.variable).box.tex}$"]
                 for value in (peak.value for peak in of_joint):
                     exact, decimal = _exact(context, value), _decimal(context, float(value))
                     is_alone = exact == decimal or value.has(Float) or len(exact) > _LONGEST_EXACT
@@ -126,11 +125,8 @@ def _plots(context: Context, segments: Sequence[SegmentPeaks], times: Array, *cu
     kinds = [[j for j, joint in enumerate(joints) if joint.is_revolute is kind] for kind in (True, False)]
     rows = []
     for values, (letter, *units) in zip(curves, _QUANTITIES, strict=False):
-        panels = (
-            Panel(f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind))
-            for kind, unit in zip(kinds, units, strict=True)
-            if kind
-        )
+        shown = ((kind, unit) for kind, unit in zip(kinds, units, strict=True) if kind)
+        panels = (Panel(f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind)) for kind, unit in shown)
         rows.append(tuple(panels))
     ends = np.cumsum([float(peaks.segment.duration) for peaks in segments])
     names = tuple(context.notation.glyph(joint.variable).box.tex for joint in joints)
@@ -155,10 +151,8 @@ def _derivation(context: Context, k: int) -> Iterator[Block]:
     product = "".join(latex(part, mat_str="bmatrix", mat_delim="") for part in (system, unknowns))
     yield Rows((",\\quad ".join(lower), f"{product} = {latex(right, mat_str='bmatrix', mat_delim='')}"))
     s = Poly.from_list(list(reversed(basis(k)[k])), UNIT)
-    lines = [
-        f"{letter} = {latex(poly.as_expr(), order='rev-lex')}"
-        for letter, poly in zip(_DERIVATIVES, (s, s.diff(UNIT), s.diff(UNIT).diff(UNIT)), strict=False)
-    ]
+    polynomials = zip(_DERIVATIVES, (s, s.diff(UNIT), s.diff(UNIT).diff(UNIT)), strict=False)
+    lines = [f"{letter} = {latex(poly.as_expr(), order='rev-lex')}" for letter, poly in polynomials]
     yield context.paragraph(
         "Hence, with the derivatives by $u$, to be divided by $T$ for velocities and by $T^2$ for accelerations:"
     )
@@ -235,8 +229,7 @@ def _exact(context: Context, value: Expr) -> str:
 
 def _decimal(context: Context, value: float) -> str:
     """Six significant digits."""
-    printer = LatexPrinter(replace(context.notation, decimals=True))
-    return printer.latex(Rational(f"{value:.{_DIGITS}g}"))
+    return LatexPrinter(replace(context.notation, decimals=True)).latex(Rational(f"{value:.{_DIGITS}g}"))
 
 
 # -- curves over time: panels below each other with one axis of time, and beside each other where units differ

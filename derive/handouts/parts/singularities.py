@@ -77,9 +77,7 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
         )
         return
     if not found.task:
-        yield context.paragraph(
-            "$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes."
-        )
+        yield Paragraph(_("$\\mathbf{J}$ is square, and its determinant depends neither on the point nor on the axes."))
         return
     if block.rows:
         words = _(
@@ -186,21 +184,14 @@ class _SingularFormulas:
             value = self.found.determinant
             terms = sum(expanded_terms(f.expression) for f in self.found.factors) or int(value not in (None, 0))
             item, limit = Item(left, terms, lambda: value), self.context.policy.grouped_terms
-            group = Group.DETERMINANT + 1
-            laid_out = self.context.layouter.entries([item], group=group, limit=limit)
+            laid_out = self.context.layouter.entries([item], group=Group.DETERMINANT + 1, limit=limit)
             task = self.context.text("Find $%(determinant)s$ in factors.", determinant=left.tex)
             return formula(self.context, laid_out, task=task)
         product = sympy.Mul(*(self._short(f) ** f.exponent for f in self.found.factors))
         lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
-        word = self.context.layouter.terms_word
-        long = (
-            omitted(
-                Item(self._names[symbol], expanded_terms(f.expression), lambda: None),
-                word,
-                comma=self.context.text.comma,
-            )
-            for symbol, f in self._long.items()
-        )
+        word, comma = self.context.layouter.terms_word, self.context.text.comma
+        items = (Item(self._names[s], expanded_terms(f.expression), lambda: None) for s, f in self._long.items())
+        long = (omitted(item, word, comma=comma) for item in items)
         return SheetFormula(rows=(Rows(tuple(lines)),), omitted=tuple(pack(long)))
 
     def conditions(self) -> SheetFormula:
@@ -208,8 +199,7 @@ class _SingularFormulas:
         lines = [line for family in self.found.families for line in break_lines(EMPTY, list(self._zeros(family)))]
         present = [condition.posture for family in self.found.families for condition in family]
         note = " ".join(meaning for posture, (_word, meaning) in self._words.items() if posture in present)
-        symbol = _symbol(self.found).tex
-        task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=symbol)
+        task = self.context.text("In which configurations does $%(matrix)s$ lose rank?", matrix=_symbol(self.found).tex)
         return SheetFormula(rows=(Rows(tuple(lines)),), note=note, task=task, blanks=() if self._long else ("",))
 
     def _zeros(self, family: Sequence[Condition]) -> Iterator[TexPiece]:

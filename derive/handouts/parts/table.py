@@ -71,11 +71,8 @@ def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]
     lines: list[str] = []
     for symbol, frame in ((base, context.robot.base), (tool, context.robot.tool)):
         if frame != IDENTITY:
-            data = context.data
-            rows = [
-                [*map(data.value, row[:3]), (data.length if i < 3 else data.value)(row[3])]
-                for i, row in enumerate(frame)
-            ]
+            value, length = context.data.value, context.data.length
+            rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
             lines += matrix_lines(symbol, rows, entry_namer(symbol))
     return lines
 
@@ -127,9 +124,8 @@ def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation
 def parameters(context: Context) -> Iterator[Block]:
     """Numbers of the robot file, arguments of the generated functions, inertial data of the links."""
     data, glyph = context.data, context.data.notation.glyph
-    numbers = equation_lines(
-        Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in context.robot.parameters
-    )
+    given = context.robot.parameters
+    numbers = equation_lines(Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in given)
     if numbers:
         yield context.paragraph("Numbers given in the robot file:")
         yield Rows(tuple(numbers))
@@ -166,10 +162,7 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
             (_("rotor inertia"), link.motor.inertia),
             (_("gear ratio"), link.motor.ratio),
         ]
-    cells += [
-        (_("armature"), link.armature),
-        (_("viscous friction"), link.viscous),
-    ]
+    cells += [(_("armature"), link.armature), (_("viscous friction"), link.viscous)]
     ways = {"f": "", "fp": " (+)", "fm": " (-)"}
     cells += [(_("Coulomb friction") + ways[part], cell) for part, cell in coulomb_parts(link).items()]
     for label, cell in cells:

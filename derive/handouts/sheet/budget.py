@@ -84,9 +84,7 @@ def _pieces(block: Block) -> Iterator[float]:
         case Paragraph(text):
             yield _words(text)
         case Rows(lines, landscape):
-            heights = (
-                _LINE * line.count("\\\\") * ("bmatrix" in line) + _FRACTION * ("\\frac" in line) for line in lines
-            )
+            heights = (_LINE * x.count("\\\\") * ("bmatrix" in x) + _FRACTION * ("\\frac" in x) for x in lines)
             drawn = [_DISPLAY, *(_ROW + height for height in heights)]  # a page may end between any two rows of it
             yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
         case SheetFormula():
@@ -145,18 +143,16 @@ class _Sparing:
         return tuple(kept)
 
     def _sentence(self, block: Block) -> str:
-        _ = self.text
+        _, limit = self.text, self.limit
         if isinstance(block, Steps):
-            return _(
-                "%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=self.limit
-            )
+            return _("%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=limit)
         if isinstance(block, SheetFormula) and block.function:
             return _(
                 "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
-                pages=self.limit,
+                pages=limit,
                 function=block.function,
             )
-        return _("Left out to keep within the page limit (%(pages)s).", pages=self.limit)
+        return _("Left out to keep within the page limit (%(pages)s).", pages=limit)
 
 
 def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:

@@ -83,12 +83,7 @@ class DynamicsLayout:
         )
         layouter = replace(self.layouter, policy=policy)
         return layouter.lay_out(
-            symbol,
-            lambda row, column: script(held, italic(f"{row}{column}")),
-            quantity,
-            group=group,
-            symmetric=symmetric,
-            limit=policy.flat_terms,
+            symbol, lambda i, j: script(held, italic(f"{i}{j}")), quantity, group=group, symmetric=symmetric
         )
 
     # -- by Christoffel symbols
@@ -99,10 +94,8 @@ class DynamicsLayout:
         aliases = {box: sympy.Symbol(f"_c{index}") for index, box in enumerate(triples)}
         quantities = {box: self.entries.christoffel(*triple) for box, triple in triples.items()}
         known: dict[Expr, Expr] = {}
-        items = [
-            Item(box, quantity.terms(1, 1), partial(_once, quantity, aliases[box], known))
-            for box, quantity in quantities.items()
-        ]
+        pairs = quantities.items()
+        items = [Item(box, entry.terms(1, 1), partial(_once, entry, aliases[box], known)) for box, entry in pairs]
         notation = self.layouter.printer.notation.with_terms({alias.name: Glyph(box) for box, alias in aliases.items()})
         layouter = replace(self.layouter, printer=LatexPrinter(notation))
         laid_out = layouter.entries(items, group=Group.CHRISTOFFEL, limit=self.layouter.policy.grouped_terms)

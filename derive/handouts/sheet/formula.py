@@ -62,9 +62,8 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
     box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
     if fits(box, len(cells)):
         return [box.tex]
-    return equation_lines(
-        Equation(namer(i, j), cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1)
-    )
+    places = ((i, j, cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1))
+    return equation_lines(Equation(namer(i, j), cell) for i, j, cell in places)
 
 
 # -- small matrices

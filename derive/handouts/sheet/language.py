@@ -42,8 +42,7 @@ _SUFFIX = ".po"
 def languages(folder: Traversable | None = None) -> tuple[str, ...]:
     """Codes of all languages that have a catalogue in a folder, by default that of the package; sorted."""
     names = (entry.name for entry in (folder or LOCALE).iterdir())
-    found = {name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)}
-    return tuple(sorted(found | {ENGLISH}))
+    return tuple(sorted({ENGLISH, *(name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX))}))
 
 
 def text_for(language: str, folder: Traversable | None = None) -> Text:

@@ -41,9 +41,8 @@ def latex(document: Document, text: Text) -> str:
     """The document as ``sheet.tex``."""
     blocks = [block for section in document.sections for block in blocks_of(section)]
     rows = [part for block in blocks for part in (block.rows if isinstance(block, SheetFormula) else (block,))]
-    words = (
-        [word[k : k + _LONGEST_WORD] for k in range(0, len(word), _LONGEST_WORD)] for word in document.title.split()
-    )
+    long = _LONGEST_WORD
+    words = ([word[k : k + long] for k in range(0, len(word), long)] for word in document.title.split())
     sections: list[dict[str, Any]] = []
     for part in document.sections:
         is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
@@ -169,10 +168,8 @@ def _written(block: Block, _: Text) -> str:
                 words=sentences,
             )
         case Blank(number, task, points, gaps):
-            rows = ["".join(_gap(gap) for gap in row) for row in gap_rows(gaps)]
-            return _macro(
-                "blank", number=number, task=latex_words(task), points=points, displays=displays(rows, kept=False)
-            )
+            room = displays(["".join(map(_gap, row)) for row in gap_rows(gaps)], kept=False)
+            return _macro("blank", number=number, task=latex_words(task), points=points, displays=room)
         case Table(header, rows, long):
             struts = ("\\rule[-1.3ex]{0pt}{4ex}" * any("frac" in cell for cell in row) for row in (header, *rows))
             cells = (" & ".join(map(latex_words, row)) for row in (header, *rows))
@@ -203,5 +200,4 @@ def _gap(gap: Gap) -> str:
 
 
 def _macro(name: str, **values: object) -> str:
-    source: str = getattr(macros("blocks.tex.jinja"), name)(**values)
-    return source.removesuffix("\n")
+    return str(getattr(macros("blocks.tex.jinja"), name)(**values)).removesuffix("\n")

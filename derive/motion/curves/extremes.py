@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
-from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots
+from sympy import QQ, Expr, Float, Integer, Poly, Symbol, cancel, expand, pi, radsimp, roots
 
 from derive.arrays import Array
 from derive.plans.hermite import Piece, power_coefficients
@@ -71,11 +71,9 @@ def numeric_peak(pieces: tuple[AnyPiece, ...], order: int) -> Peak:
 
 
 def refined(function: Callable[[Array], Array], low: Array, high: Array) -> tuple[Array, Array]:
-    """When functions of time (k, places) are largest, each between two times, and how large they are, (k,) each.
-
-    The latter is right to rounding where the function is smooth.
-    """
+    """When functions of time (k, places) are largest, each between two times, and how large they are, (k,) each."""
     rows = np.arange(low.size)
+    # How large is right to rounding where the function is smooth.
     for _ in range(_ROUNDS):
         times = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _WITHIN)
         values = function(times)
@@ -98,15 +96,13 @@ def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     """Ends and stationary points of a derivative on a piece."""
     if isinstance(piece, Cosine):
         way = (piece.values[1][0] - piece.values[0][0]) / 2
-        half = Rational(1, 2)
         # q' and q'' of (1 - cos(pi u))/2 are largest in the middle, and at the start.
         value = way * (pi / piece.duration) ** order
-        yield Peak(value, piece.start + (half if order == 1 else 0) * piece.duration, True)
+        yield Peak(value, piece.start + (piece.duration / 2 if order == 1 else 0), True)
         return
     if isinstance(piece, Curve):
         times = np.linspace(float(piece.start), float(piece.end), _SAMPLES)
-        values = piece.sampled(times, order)
-        at = int(np.abs(values).argmax())
+        at = int(np.abs(piece.sampled(times, order)).argmax())
         low, high = times[[max(at - 1, 0)]], times[[min(at + 1, _SAMPLES - 1)]]
         (when,), _ = refined(lambda places: np.abs(piece.sampled(places, order)), low, high)
         yield Peak(Float(float(piece.sampled(np.array([when]), order)[0])), Float(when), False)
@@ -159,10 +155,8 @@ def _stationary(polynomial: Poly) -> Iterator[_Place]:
 
 
 def _inner_zeros(rows: Array) -> Array:
-    """Zeros between 0 and 1 of polynomials, (k, degree + 1) to (k, degree), ascending; no number where there is none.
-
-    The eigenvalues of companion matrices, as `numpy.roots` has them, of all polynomials at once.
-    """
+    """Zeros between 0 and 1 of polynomials, (k, degree + 1) to (k, degree), ascending; no number where is none."""
+    # The eigenvalues of companion matrices, as `numpy.roots` has them, of all polynomials at once.
     found = np.full((len(rows), max(rows.shape[1] - 1, 0)), np.nan)
     whole = (rows[:, [0, -1]] != 0).all(axis=1)
     if found.shape[1] and whole.any():

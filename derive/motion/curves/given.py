@@ -33,19 +33,15 @@ UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
 
 def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
     """Joint variables by formulas of time that last so long [s]."""
-    pieces = []
-    for formula in formulas:
-        velocity = formula.diff(TIME)
-        pieces.append((Curve(ZERO, duration, (formula, velocity, velocity.diff(TIME))),))
-    return Trajectory((Segment("curves", ZERO, duration, tuple(pieces)),))
+    pairs = [(formula, formula.diff(TIME)) for formula in formulas]
+    pieces = tuple((Curve(ZERO, duration, (formula, rate, rate.diff(TIME))),) for formula, rate in pairs)
+    return Trajectory((Segment("curves", ZERO, duration, pieces),))
 
 
 def followed(formula: Expr, duration: float) -> Expr:
-    """A formula that a joint can follow from 0 to its duration [s].
-
-    Magnitudes, as of ``sqrt(t**2)``, are written without where what stands in them keeps its sign: the derivatives are
-    one-sided at both ends.
-    """
+    """A formula that a joint can follow from 0 to its duration [s]."""
+    # Magnitudes, as of sqrt(t**2), are written without where what stands in them keeps its sign: the derivatives are
+    # one-sided at both ends.
     times = np.linspace(0.0, duration, PLACES)
     for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):
         (inner,) = magnitude.args
@@ -108,11 +104,9 @@ def _zero(times: Array, values: Array) -> float:
 
 
 def read_recording(path: Path, robot: Robot) -> Trajectory:
-    """A motion from a CSV file with a heading: ``t``, and a column for each joint variable; others are not looked at.
-
-    Between the rows it is the cubic spline; with velocities of all joints in the file it is cubic polynomials that have
-    them, with accelerations, too, quintic ones.
-    """
+    """A motion from a CSV file with a heading: ``t``, and a column for each joint variable; others are passed over."""
+    # Between the rows it is the cubic spline; with velocities of all joints in the file it is cubic polynomials that
+    # have them, with accelerations, too, quintic ones.
     source = str(path)
 
     def _refused(found: str, allowed: str, *place: int) -> RobotFileError:
@@ -129,8 +123,7 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     columns = _columns(lines[0] if lines else [], robot, source)
     if not 2 <= len(lines) - 1 <= ROWS:
         raise _refused(f"{max(len(lines) - 1, 0)} rows", f"2 to {ROWS}", max(len(lines), 1))
-    rows = [_row(line, columns, Location(source, k)) for k, line in enumerate(lines[1:], start=2) if line]
-    numbers = np.array(rows)
+    numbers = np.array([_row(line, columns, Location(source, k)) for k, line in enumerate(lines[1:], start=2) if line])
     times = numbers[:, 0] - numbers[0, 0]
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0)) + 3
@@ -183,8 +176,7 @@ def _row(line: list[str], columns: list[tuple[int, float]], place: Location) -> 
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            column = sum(len(before) + 1 for before in line[:at]) + 1
-            there = Location(place.source, place.line, column)
+            there = Location(place.source, place.line, sum(len(before) + 1 for before in line[:at]) + 1)
             raise RobotFileError(f"found {quoted(cell)}", allowed="allowed: a number", location=there)
         numbers.append(value * unit)
     return numbers

@@ -85,10 +85,8 @@ def placed(piece: Piece, start: Expr, factor: Expr) -> Piece:
         if factor == 1 and start == 0:
             return piece
         slower, later = [float(factor**i) for i in range(piece.k)], float(start)
-        first, second = (
-            tuple(v / s if isinstance(v, float) else v for v, s in zip(end, slower, strict=True))
-            for end in piece.values
-        )
+        pairs = (zip(end, slower, strict=True) for end in piece.values)
+        first, second = (tuple(v / s if isinstance(v, float) else v for v, s in end) for end in pairs)
         return Piece(later + piece.start * slower[1], piece.duration * slower[1], (first, second))
     first, second = (tuple(value / factor**i for i, value in enumerate(end)) for end in piece.values)
     return Piece(start + piece.start * factor, piece.duration * factor, (first, second))

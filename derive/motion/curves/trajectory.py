@@ -35,8 +35,7 @@ class Trajectory:
     def segment_at(self, times: Array) -> Indices:
         """Which segment the arm is in."""
         starts = [float(segment.start) for segment in self.segments]
-        found = np.searchsorted(starts, times, side="right") - 1
-        return np.asarray(np.clip(found, 0, len(self.segments) - 1))
+        return np.asarray(np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.segments) - 1))
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
         """q, qd, qdd, (..., n) each, at times t [s], (...); before the start and after the end the arm stands."""
@@ -44,8 +43,7 @@ class Trajectory:
         if times.ndim == 0:
             q, qd, qdd = np.array([track.at(float(times)) for track in self._tracks]).T
             return q, qd, qdd
-        flat = times.reshape(-1)
-        found = np.stack([track(flat) for track in self._tracks], axis=-1)
+        found = np.stack([track(times.reshape(-1)) for track in self._tracks], axis=-1)
         q, qd, qdd = found.reshape(3, *times.shape, len(self._tracks))
         return q, qd, qdd
 

@@ -165,9 +165,8 @@ def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
         base = _value(graph, formula.base, clock)
         return (base if formula.exp.q == 1 else base.sqrt()) ** int(formula.exp.p)
     if formula.func not in _FUNCTIONS:
-        raise QuantityError(
-            f"{formula} has no place in generated code", allowed="allowed: sin, cos, tan, sqrt, atan2, sign"
-        )
+        found = f"{formula} has no place in generated code"
+        raise QuantityError(found, allowed="allowed: sin, cos, tan, sqrt, atan2, sign")
     return _FUNCTIONS[formula.func](*(_value(graph, argument, clock) for argument in formula.args))
 
 
@@ -223,10 +222,8 @@ class MotionCode:
         if count > MOST:
             remedy = "record fewer rows, or fewer lines and arcs in space"
             raise QuantityError(f"a motion of {count} pieces", allowed=f"allowed in code: {MOST}", remedy=remedy)
-        return tuple(
-            (joint.variable, tuple(piece for segment in segments for piece in segment.joints[j]))
-            for j, joint in enumerate(joints)
-        )
+        tracks = (tuple(piece for segment in segments for piece in segment.joints[j]) for j in range(len(joints)))
+        return tuple(zip((joint.variable for joint in joints), tracks, strict=True))
 
     @cached_property
     def _kernels(self) -> dict[str, Kernel]:

@@ -122,8 +122,7 @@ class Film:
             wanted = view.project(frames_of(self.motion, self.times, self.motion(self.times)[0])[:, -1, :3, 3])[:, :2]
         flat = np.concatenate([wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
         low, high = flat.min(axis=0), flat.max(axis=0)
-        room = np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN
-        scale = float(min(room / np.maximum(high - low, 1e-9)))
+        scale = float(min((np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN) / np.maximum(high - low, 1e-9)))
         gaps = sorted(segment.length * scale for segment in scenes[0].segments)
         sizes = Sizes(float(np.clip(gaps[len(gaps) // 3] / 62.0, 0.55, 1.0)) if gaps else 1.0)
         right, up = (low + high) / 2 * scale

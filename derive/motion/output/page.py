@@ -110,10 +110,8 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     payloads = [motion.payload_columns(step) for step in steps if functions] or [()] * len(trajectory.segments)
     tracks, places = _tracks(motion, MOST_NUMBERS if run is None else MOST_NUMBERS // 2)
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
-    if run is not None:
-        reached = np.concatenate([reached, run.q])
+    reached = reached if run is None else np.concatenate([reached, run.q])
     violations = motion.violations if run is None else motion.violations_of(run)
-    near = motion.near_bounds(run)
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
     base, base_rates, base_torques = _base_of(motion, loads if functions else ())
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
@@ -135,7 +133,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
         base_torques=base_torques,
         bounds={
             what: tuple(zip(*([x if np.isfinite(x) else None for x in end.tolist()] for end in ends), strict=True))
-            for what, ends in near.items()
+            for what, ends in motion.near_bounds(run).items()
             if np.isfinite(ends).any()
         },
         exceeded=tuple(
@@ -176,9 +174,8 @@ def _base_of(
     base, added = motion.base, motion.base_torques
     if base is None or added is None:
         return (), (), ()
-    transform, rate, bend = (
-        tuple(tuple(map(tree, row)) for row in base.transform.diff(TIME, order).tolist()) for order in range(3)
-    )
+    matrices = (base.transform.diff(TIME, order).tolist() for order in range(3))
+    transform, rate, bend = (tuple(tuple(map(tree, row)) for row in matrix) for matrix in matrices)
     texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
     written = tuple(BaseTorquesText(body, results) for body, results in texts)
     return transform, (rate[:3], bend[:3]) if written else (), written
@@ -192,10 +189,8 @@ def _played_run(motion: Motion, run: Run) -> PlayedRun:
     if kept.size == 1:  # given up before the second row
         kept, times = np.zeros(2, dtype=int), np.append(times, times + motion.sample)
 
-    q, qd, tau = (
-        tuple(tuple(float(f"{value:.{DIGITS}g}") for value in row) for row in values[kept])
-        for values in (run.q, run.qd, run.tau)
-    )
+    rows = (values[kept] for values in (run.q, run.qd, run.tau))
+    q, qd, tau = (tuple(tuple(float(f"{x:.{DIGITS}g}") for x in row) for row in values) for values in rows)
     return PlayedRun(tuple(times.tolist()), q, qd, tau, motion.plan.control.law, motion.plan.friction, run.reached)
 
 
@@ -203,6 +198,4 @@ def tree(formula: Expr) -> Formula:
     """A formula of time as lists of operations and their operands."""
     if formula == TIME:
         return "t"
-    if not formula.has(TIME):
-        return float(formula)
-    return [OPERATIONS[formula.func], *map(tree, formula.args)]
+    return [OPERATIONS[formula.func], *map(tree, formula.args)] if formula.has(TIME) else float(formula)

@@ -66,10 +66,8 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         height = ROW * count + 40.0
         figure = Figure(figsize=(WIDTH / POINTS_PER_INCH, height / POINTS_PER_INCH))
         panels = figure.subplots(count, len(kinds), squeeze=False, sharex=True)
-        wanted, rows = _wanted(motion), list(ROWS)
+        rows, wanted = ROWS if run is None else (*ROWS[:2], ERROR, ROWS[3]), _wanted(motion)
         drawn = wanted if run is None else _happened(motion, run)
-        if run is not None:
-            rows[2] = ERROR
         violations = motion.violations if run is None else motion.violations_of(run)
         limits, marks = (motion.near_bounds(run), violations), {}
         for column, kind in enumerate(kinds):
@@ -90,15 +88,12 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         _arrange(panels, height, below=AXIS + LINE * (0.5 + ceil(len(labels) / LEGEND)))
         for axes, found in marks.items():
             _mark(axes, found)
-        title = f"{robot.name}: {motion.plan.title or motion.plan.source}"
-        return figure_bytes(figure, suffix, title)
+        return figure_bytes(figure, suffix, f"{robot.name}: {motion.plan.title or motion.plan.source}")
 
 
 def _arrange(panels: Any, height: float, below: float) -> None:
-    """Room for the labels of the axes, by the lengths of their numbers.
-
-    The layout engines of matplotlib set every text twice over for that, which takes as long as all the rest.
-    """
+    """Room for the labels of the axes, by the lengths of their numbers."""
+    # The layout engines of matplotlib set every text twice over for that, which takes as long as all the rest.
     rows, columns = panels.shape
     figure = panels[0][0].figure
     figure.subplots_adjust(bottom=below / height, top=1 - LINE / height, hspace=GAP * rows / (height - below - LINE))

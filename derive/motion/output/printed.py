@@ -113,9 +113,8 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
 
 def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
     keys = ("what", "time", "value", "limit", "excess")
-    return [
-        {"joint": robot.joints[item.joint].variable, **{key: getattr(item, key) for key in keys}} for item in violations
-    ]
+    names = [joint.variable for joint in robot.joints]
+    return [{"joint": names[item.joint], **{key: getattr(item, key) for key in keys}} for item in violations]
 
 
 def _peak(peak: Peak) -> dict[str, Any]:
@@ -139,8 +138,7 @@ class HandCurve:
         q, qd, _ = self._motion(times)
         p = self._functions("forward_kinematics", q)[..., :3, 3]
         v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)  # v = J_v qd
-        base = self._motion.base
-        if base is None:
+        if (base := self._motion.base) is None:
             return p, v
         # On a base with the pose (R, o): p_world = R p + o, v_world = R' p + R v + o'.
         now, rate = base(times, 0), base(times, 1)
@@ -175,14 +173,11 @@ class HandCurve:
 
     @cached_property
     def weights(self) -> tuple[Expr, ...]:
-        """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27).
-
-        Symbols of lengths are taken as positive.
-        """
+        """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27)."""
         model = KinematicModel(self._robot)
         columns, _ = model.jacobian_columns
         squares = (model.form.kinematic(dot(column, column)) for column in columns)
-        return tuple(powdenest(sqrt(square), force=True) for square in squares)
+        return tuple(powdenest(sqrt(square), force=True) for square in squares)  # symbols of lengths are positive
 
 
 def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:

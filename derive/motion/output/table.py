@@ -118,10 +118,8 @@ def diverged(motion: Motion, run: Run) -> str:
     for joint, q, qd in zip(motion.plan.robot.joints, found.q, found.qd, strict=True):
         unit = "rad" if joint.is_revolute else "m"
         state.append(f"{joint.variable} = {q:.4g} {unit}, {velocity_name(joint.variable)} = {qd:.4g} {unit}/s")
-    return (
-        f"the simulation diverges after {found.time:.6g} s of {motion.duration:.6g} s, where {', '.join(state)}; "
-        "smaller gains or a shorter period may help"
-    )
+    when = f"after {found.time:.6g} s of {motion.duration:.6g} s, where {', '.join(state)}"
+    return f"the simulation diverges {when}; smaller gains or a shorter period may help"
 
 
 def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:

@@ -133,13 +133,10 @@ class FastestMotion:
         return Rows(_at(zero, slope) - still, even, viscous, still, odd - viscous + lean)
 
     def _ends(self) -> tuple[Rows, Rows]:
-        """The coefficients at both ends of each interval.
-
-        Where a motion begins or ends, or a joint turns back, its velocity is zero, and dry friction may have any value
-        between those of both sides.
-        """
+        """The coefficients at both ends of each interval."""
         ends = self._rows(INSIDE), self._rows(1 - INSIDE)
-        # Between two intervals, the larger of the dry frictions of both sides.
+        # Between two intervals, the larger of the dry frictions of both sides: where a motion begins or ends, or a
+        # joint turns back, its velocity is zero, and dry friction may have any value between.
         none = np.zeros((1, ends[0].dry.shape[1]))
         first = np.maximum(ends[0].dry, np.concatenate([none, ends[1].dry[:-1]]))
         second = np.maximum(ends[1].dry, np.concatenate([ends[0].dry[1:], none]))
@@ -229,8 +226,7 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     if rates is None or not np.isfinite(rates).all():
         return None
     # An interval at whose both ends the rate is zero would take for ever.
-    stands = rates[:-1] + rates[1:] == 0
-    return None if stands.any() else np.asarray(rates, dtype=float) ** 2
+    return None if (rates[:-1] + rates[1:] == 0).any() else np.asarray(rates, dtype=float) ** 2
 
 
 # -- paths of the joints, q(s) from s = 0 to 1, and motions along them by their values at many times
@@ -250,11 +246,9 @@ def smooth_path(knots: Array, corners: Array) -> Trajectory:
 
     slopes = CubicSpline(knots, corners, bc_type="natural")(knots, 1)
     places = [Float(s) for s in knots]
-    columns = [
-        [tuple(map(Float, end)) for end in zip(*column, strict=True)]
-        for column in zip(corners.T, slopes.T, strict=True)
-    ]
-    return one_second(tuple(joined(column, places) for column in columns))
+    states = np.stack([corners, slopes], axis=-1)
+    tracks = ([tuple(map(Float, node)) for node in states[:, j]] for j in range(corners.shape[1]))
+    return one_second(tuple(joined(track, places) for track in tracks))
 
 
 @dataclass(frozen=True, slots=True)
@@ -321,5 +315,4 @@ def grid_of(path: Trajectory, knots: Array) -> Array:
     # Points of the path and turns take the places of the grid that are nearest to them.
     inner = grid[1:-1]
     nearest = {int(np.abs(inner - place).argmin()) for place in fixed}
-    kept = np.delete(inner, sorted(nearest))
-    return np.concatenate([[0.0], np.sort(np.concatenate([kept, fixed])), [1.0]])
+    return np.array([0.0, *sorted([*np.delete(inner, sorted(nearest)), *fixed]), 1.0])

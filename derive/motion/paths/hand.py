@@ -36,10 +36,7 @@ class Hand:
     def __init__(
         self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
     ) -> None:
-        self._plan = plan
-        self._values = values
-        self._exact = exact
-        self._torques = torques
+        self._plan, self._values, self._exact, self._torques = plan, values, exact, torques
 
     @cached_property
     def limits(self) -> Limits:
@@ -113,8 +110,7 @@ class Hand:
         if point.pose.angles is not None:
             a, b, c = (evaluate(cell, self._values) for cell in point.pose.angles)
             # R = Rz(a) Ry(b) Rz(c), or Rz(yaw) Ry(pitch) Rx(roll).
-            turns = ((2, a), (1, b), (2, c)) if point.pose.is_zyz else ((2, c), (1, b), (0, a))
-            for axis, angle in turns:
+            for axis, angle in ((2, a), (1, b), (2, c)) if point.pose.is_zyz else ((2, c), (1, b), (0, a)):
                 pose[:3, :3] = pose[:3, :3] @ rotation_of(angle * np.eye(3)[axis])
         return pose
 

@@ -84,8 +84,7 @@ class Way:
     def line(cls, a: Array, b: Array) -> Way:
         """The straight line between two poses."""
         p, way = a[:3, 3], b[:3, 3] - a[:3, 3]
-        zero = np.zeros(3)
-        return cls(lambda s: (p + s * way, way, zero), _about_one_axis(a, b))
+        return cls(lambda s: (p + s * way, way, np.zeros(3)), _about_one_axis(a, b))
 
     @classmethod
     def arc(cls, a: Array, through: Array, b: Array) -> Way:

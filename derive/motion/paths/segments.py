@@ -95,10 +95,8 @@ def _in_space(hand: Hand, step: Step, here: Corner, start: Expr) -> Timed:
 
 
 def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: Expr) -> Timed:
-    """Segments whose points are passed without a stop.
-
-    By limits in the proportion of what each would need alone, or of the ways of an end effector that is on a spline.
-    """
+    """Segments whose points are passed without a stop."""
+    # By limits in the proportion of what each would need alone, or of the ways of an end effector that is on a spline.
     profile, by_hand = run[0].profile, run[0].by_hand
     if profile is not Profile.SPLINE and profile not in VALUES:
         found = f"a {profile} motion stops at its points, and {run[0].to} is passed"
@@ -153,8 +151,7 @@ def _stretched(hand: Hand, step: Step, segments: Sequence[Joints]) -> Expr:
     """The duration of pieces that were put together for one second, up to a microsecond."""
     tracks = [sum(pieces, ()) for pieces in zip(*segments, strict=True)]
     speeds, accelerations = ([abs(numeric_peak(track, order).value) for track in tracks] for order in (1, 2))
-    factor = _limited(step, hand.limits.stretch(speeds, accelerations))
-    return rounded_up(float(factor)) or ONE
+    return rounded_up(float(_limited(step, hand.limits.stretch(speeds, accelerations)))) or ONE
 
 
 def _limited(step: Step, duration: Expr | None) -> Expr:
@@ -165,10 +162,8 @@ def _limited(step: Step, duration: Expr | None) -> Expr:
 
 
 def _rest_to_rest_time(hand: Hand, step: Step, q0: Corner, q1: Corner) -> tuple[Expr, list[Expr]]:
-    """The time of a segment between two stops, and of trapezoids the speed of each joint by distance and time.
-
-    As the plan says, or what the slowest joint needs within the limits.
-    """
+    """The time of a segment between two stops, and of trapezoids the speed of each joint by distance and time."""
+    # As the plan says, or what the slowest joint needs within the limits.
     ways = [abs(b - a) for a, b in zip(q0, q1, strict=True)]
     cruises = [CRUISE] * len(ways)
     if step.profile is Profile.TRAPEZOIDAL:
@@ -200,9 +195,7 @@ def _check_cruise(step: Step, cruise: Expr, duration: Expr | None = None, way: E
     raise RobotFileError(found, allowed=allowed, location=step.location)
 
 
-def _single(
-    profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr, cruise: Expr = CRUISE
-) -> tuple[AnyPiece, ...]:
+def _single(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr, cruise: Expr) -> tuple[AnyPiece, ...]:
     if profile is not Profile.TRAPEZOIDAL:
         return rest_to_rest(profile, start, duration, q0, q1)
     return trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)

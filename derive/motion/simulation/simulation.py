@@ -83,11 +83,9 @@ def simulate(
         now = [other for other in stages if other.start <= a + SAME][-1]
         if now is not stage:
             # what is taken up or put down has the speed of the hand then
-            heavier, lighter = (
-                plant.energy(state[None, :n], state[None, n : 2 * n], np.array([a]))[0]
-                for plant in (now.plant, stage.plant)
-            )
-            brought, stage = brought + float(heavier - lighter), now
+            here = state[None, :n], state[None, n : 2 * n], np.array([a])
+            brought += float(now.plant.energy(*here)[0] - stage.plant.energy(*here)[0])
+            stage = now
         if looks:
             held = stage.law(a, state[:n], state[n : 2 * n])
         law = _motors(stage.law, held, b, is_sampled=period is not None)
@@ -227,17 +225,14 @@ def stages_of(
     calls: float | None,
     added: BaseTorques | None = None,
 ) -> list[Stage]:
-    """The stages of a simulation whose functions will be called so often; None for an estimate.
-
-    The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing of
-    disturbances and of what stands under ``plant``.
-    """
+    """The stages of a simulation whose functions will be called so often; None for an estimate."""
+    # The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing
+    # of disturbances and of what stands under plant:.
     robot, control = plan.robot, plan.control
     # Numbers that the plant has otherwise stay symbols; dry friction is the simulation's, not the functions'.
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
     bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
-    loaded = plan.plant_payload or any(step.payload for step in plan.steps)
-    link = OpenLink.of(bare) if loaded else None
+    link = OpenLink.of(bare) if plan.plant_payload or any(step.payload for step in plan.steps) else None
     period = evaluate(control.period, values) if control.period and control.law != "none" else None
     reference = looked_up(trajectory, period, float(trajectory.duration)) if period else trajectory
     rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
@@ -247,11 +242,9 @@ def stages_of(
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
     viscous = np.array([evaluate(each.viscous, true) for each in robot.links])
     coulomb = np.array([[evaluate(each.dry[way], true) for each in robot.links] for way in (0, 1)])
-    if plan.friction == "none":
-        coulomb = np.zeros_like(coulomb)
+    coulomb = np.zeros_like(coulomb) if plan.friction == "none" else coulomb
     arm = link.robot if link else bare
-    slides = not coulomb.any()
-    keeps = (period or control.law == "none") and (slides or (period and plan.friction == "smooth"))
+    keeps = (period or control.law == "none") and (not coulomb.any() or (period and plan.friction == "smooth"))
     # Steps in C for torques that are held, where dry friction is smooth or there is none.
     held = held_arm(arm, known, expected) if keeps and added is None else None
     functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))

@@ -52,12 +52,10 @@ class Plant:
         """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
         return driven if self.base is None else driven - np.array(self.base.at(t, q).added(qd.tolist()))
 
-    def ledger(
-        self, driven: Array, friction: Array, t: float, q: Array, rates: tuple[Array, Array]
-    ) -> tuple[float, ...]:
+    def ledger(self, driven: Array, losses: Array, t: float, q: Array, rates: tuple[Array, Array]) -> tuple[float, ...]:
         """Power of motors and pushes, what friction takes, and the power of a base that moves [W], by qd and qdd."""
         qd, qdd = rates
-        found = float(driven @ qd), float((friction + self.viscous * qd) @ qd)
+        found = float(driven @ qd), float((losses + self.viscous * qd) @ qd)
         return found if self.base is None else (*found, self.base.at(t, q).power(qd.tolist(), qdd.tolist()))
 
     def energy(self, q: Array, qd: Array, t: float | Array = 0.0) -> Array:
@@ -274,5 +272,4 @@ def _listed(numbers: Any) -> str:
 
 
 def _pointer(array: Array) -> int:
-    address: int = array.__array_interface__["data"][0]
-    return address
+    return int(array.__array_interface__["data"][0])

@@ -40,9 +40,8 @@ class Contact:
         if open_.any():
             # Accelerations without the friction of joints at rest, and the friction that would hold these: a joint
             # that needs all it has slips against it.
-            free = plant.functions(
-                "forward_dynamics", q, qd, plant.felt(law(t, q, qd) + plant.push, t, q, qd) - plant.dry(way)
-            )
+            driven = plant.felt(law(t, q, qd) + plant.push, t, q, qd) - plant.dry(way)
+            free = plant.functions("forward_dynamics", q, qd, driven)
             held = _complementary(_mobility(plant, q), free, np.where(open_, plant.coulomb, 0.0))[1]
             way = np.where(open_ & (held >= ahead), 1.0, np.where(open_ & (held <= -back), -1.0, way))
         # Confirmed by the equations of motion: a joint that stands with more than its friction breaks away, one that
@@ -185,10 +184,8 @@ def _mobility(plant: Plant, q: Array) -> Array:
 
 
 def _complementary(mobility: Array, free: Array, coulomb: Array) -> tuple[Array, Array]:
-    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1.
-
-    ``coulomb``: the largest of them for qd > 0, and against that for qd < 0, (2, n).
-    """
+    """Velocities and impulses of friction, or accelerations and torques, by projected Gauss-Seidel with B^-1."""
+    # coulomb: the largest of them for qd > 0, and against that for qd < 0, (2, n).
     rows, velocity, (most, back) = mobility.tolist(), free.tolist(), coulomb.tolist()
     joints: Sequence[int] = [j for j, pair in enumerate(zip(most, back, strict=True)) if any(pair)]
     friction = [0.0] * len(velocity)
@@ -197,8 +194,7 @@ def _complementary(mobility: Array, free: Array, coulomb: Array) -> tuple[Array,
         largest = 0.0
         for j in joints:
             # The friction that would stop joint j alone, cut to what it has; v -= B^-1 e_j dp.
-            wanted = friction[j] + velocity[j] / rows[j][j]
-            new = min(max(wanted, -back[j]), most[j])
+            new = min(max(friction[j] + velocity[j] / rows[j][j], -back[j]), most[j])
             change = new - friction[j]
             if change:
                 largest, friction[j] = max(largest, abs(change)), new

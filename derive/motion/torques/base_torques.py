@@ -114,9 +114,8 @@ class OpenLink:
         for payload in filter(None, payloads):
             body += CarriedBody.payload(robot, payload, values)
         entries = [body.inertia[place] for place in _ENTRIES.values()]
-        return {**values} | {
-            name: float(v) for name, v in zip(self.names, (body.mass, *body.com, *entries), strict=True)
-        }
+        numbers = map(float, (body.mass, *body.com, *entries))
+        return {**values, **dict(zip(self.names, numbers, strict=True))}
 
 
 # Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative.

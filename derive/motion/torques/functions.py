@@ -157,10 +157,8 @@ LEAST_INTERVALS = 64
 
 
 def mean_weights(count: int) -> Array:
-    """Weights (count + 1,) of evenly spaced places for the mean of a function: Boole's rule, Simpson's for the rest.
-
-    Polynomials of degree five are exact where four divides the number.
-    """
+    """Weights (count + 1,) of evenly spaced places for the mean of a function: Boole's rule, Simpson's for the rest."""
+    # Polynomials of degree five are exact where four divides the number.
     weights, last = np.zeros(count + 1), count - count % 4
     for k in range(0, last, 4):
         weights[k : k + 5] += np.array([7, 32, 12, 32, 7]) * (2 / 45)

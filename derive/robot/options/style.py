@@ -174,9 +174,8 @@ class Style:
         start = changes.pop("name", DEFAULT_STYLE)
         if start not in NAMED_STYLES:
             allowed = f"allowed: {listed(NAMED_STYLES)}, or options such as gravity: body"
-            raise QuantityError(
-                f"unknown style {quoted(start)}", allowed=allowed, remedy=near_miss(start, NAMED_STYLES)
-            )
+            remedy = near_miss(start, NAMED_STYLES)
+            raise QuantityError(f"unknown style {quoted(start)}", allowed=allowed, remedy=remedy)
         chosen: dict[str, Any] = {}
         for name, text in changes.items():
             if name not in STYLE_OPTIONS:

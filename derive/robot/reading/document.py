@@ -98,9 +98,8 @@ class Document:
 
     def error(self, path: KeyPath, found: str, allowed: str = "", remedy: str = "") -> RobotFileError:
         """An error at the value of a path, which the message names."""
-        return RobotFileError(
-            f"{path_text(path, self.what)}: {found}", allowed=allowed, remedy=remedy, location=self.location(path)
-        )
+        found = f"{path_text(path, self.what)}: {found}"
+        return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.location(path))
 
 
 def read_document(data: bytes, source: str) -> Document:
@@ -133,11 +132,8 @@ def read_document(data: bytes, source: str) -> Document:
 def read_tree(data: bytes, source: str) -> Node | None:
     """Parse a file to its tree of texts; None where the file is empty."""
     if len(data) > FILE_LIMITS.size:
-        raise RobotFileError(
-            f"file larger than {FILE_LIMITS.size} bytes",
-            remedy="a robot file holds one robot",
-            location=Location(source),
-        )
+        found = f"file larger than {FILE_LIMITS.size} bytes"
+        raise RobotFileError(found, remedy="a robot file holds one robot", location=Location(source))
     remedy = "save the file as UTF-8 text"
     try:
         text = data.decode("utf-8-sig")
@@ -163,9 +159,7 @@ class _TreeBuilder:
     """Builds the tree from YAML events with an explicit stack, so that nesting cannot exhaust Python's."""
 
     def __init__(self, text: str, source: str) -> None:
-        self._text = text
-        self._source = source
-        self._nodes = 0
+        self._text, self._source, self._nodes = text, source, 0
         self._stack: list[tuple[YamlSequence | YamlMapping, YamlScalar | None]] = []
         self._root: Node | None = None
 
@@ -195,8 +189,7 @@ class _TreeBuilder:
         """Refuse what robot files do not need, and what is too much of it."""
         if event.anchor is not None:
             raise self._refuse(event, "YAML anchor", "write the value out where it is needed")
-        tag = getattr(event, "tag", None)
-        if tag is not None:
+        if (tag := getattr(event, "tag", None)) is not None:
             raise self._refuse(event, f"YAML tag {quoted(str(tag))}", "write the plain value")
         self._nodes += 1
         if self._nodes > FILE_LIMITS.nodes:
@@ -235,8 +228,7 @@ class _TreeBuilder:
             return YamlScalar(text, start, start, False)
         quotes = 1 if event.style in ("'", '"') else 0
         raw = self._text[event.start_mark.index + quotes : event.end_mark.index - quotes]
-        inner = Location(start.source, start.line, start.column + quotes)
-        return YamlScalar(text, start, inner, raw == text)
+        return YamlScalar(text, start, Location(start.source, start.line, start.column + quotes), raw == text)
 
     def _location(self, mark: yaml.error.Mark | yaml._yaml.Mark | None) -> Location:
         return Location(self._source, mark.line + 1, mark.column + 1) if mark else Location(self._source)
@@ -249,9 +241,8 @@ def _yaml_error(error: yaml.YAMLError, text: str, source: str) -> RobotFileError
     """One message with a place for whatever PyYAML found."""
     if isinstance(error, yaml.reader.ReaderError):
         place = _location(text, error.position, source)
-        return RobotFileError(
-            f"character U+{ord(text[error.position]):04X} is not allowed in YAML", remedy="remove it", location=place
-        )
+        found = f"character U+{ord(text[error.position]):04X} is not allowed in YAML"
+        return RobotFileError(found, remedy="remove it", location=place)
     mark = getattr(error, "problem_mark", None)
     place = Location(source, mark.line + 1, mark.column + 1) if mark else Location(source)
     problem = str(getattr(error, "problem", None) or "not YAML")

@@ -24,11 +24,9 @@ def _degrees(found: re.Match[str]) -> str:
 
 
 def _length(found: re.Match[str]) -> str:
-    metres = f"{float(Fraction(found['number']) * _IN_METRES[found['unit']]):.10g}"
-    millimetres = (
-        f", or {found['number']} and units: {{length: mm}} for the whole file" if found["unit"] == "mm" else ""
-    )
-    return f"write {metres}, in metres{millimetres}"
+    number, unit = found["number"], found["unit"]
+    millimetres = f", or {number} and units: {{length: mm}} for the whole file" if unit == "mm" else ""
+    return f"write {float(Fraction(number) * _IN_METRES[unit]):.10g}, in metres{millimetres}"
 
 
 def _unit(found: re.Match[str]) -> str:
@@ -88,11 +86,8 @@ _CELLS: tuple[tuple[str, Callable[[re.Match[str]], str] | str], ...] = (
 def cell_hint(text: str) -> str:
     """What to write instead of a cell that was refused."""
     for pattern, hint in _CELLS:
-        found = re.search(pattern, text)
-        if found:
-            said = hint if isinstance(hint, str) else hint(found)
-            if said:
-                return said
+        if (found := re.search(pattern, text)) and (said := hint if isinstance(hint, str) else hint(found)):
+            return said
     return ""
 
 
@@ -143,8 +138,7 @@ def _limits(value: Any) -> str:
     text = (value[0] if isinstance(value, list) and len(value) == 1 else value) if value else ""
     if not isinstance(text, str):
         return "write limits: [lower, upper]"
-    bound = re.fullmatch(rf"(?:±|\+-|\+/-)?\s*({_NUMBER}|pi(?:/\d+)?)", text.strip())
-    if bound:
+    if bound := re.fullmatch(rf"(?:±|\+-|\+/-)?\s*({_NUMBER}|pi(?:/\d+)?)", text.strip()):
         return f"write limits: [-{bound[1]}, {bound[1]}], or whatever the lower limit is"
     end = r"[+-]?\d+(?:\.\d+)?"
     pair = re.fullmatch(rf"[\[(]?\s*({end})\s*(?:\.\.+|,|;|to|\s)\s*({end})\s*[\])]?", text.strip())
@@ -227,17 +221,14 @@ _CHOICES: dict[str, dict[str, str]] = {
 
 def choice_hint(key: str, text: str) -> str:
     """What to write instead of a word that is not among those allowed."""
-    word = _CHOICES.get(key, {}).get(text.strip().casefold())
-    if word:
+    if word := _CHOICES.get(key, {}).get(text.strip().casefold()):
         return f"write {key}: {word}"
     if key == "type" and text.casefold() == "fixed":
         return "a fixed joint is no row: put its transform into base or tool, or into the cells of the next row"
     if key == "length" and text.casefold() in ("cm", "in", "inch"):
         return "write the numbers in m or mm"
     rows = [word.casefold() for word in re.split(r"[\s,]+", text.strip())]
-    if key == "task" and set(rows) <= set(ROWS):
-        return f"rows stand in a list: task: [{', '.join(rows)}]"
-    return ""
+    return f"rows stand in a list: task: [{', '.join(rows)}]" if key == "task" and set(rows) <= set(ROWS) else ""
 
 
 _TYPE = "type the table of its data sheet into a file that derive new NAME --joints N writes"

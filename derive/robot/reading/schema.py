@@ -309,8 +309,7 @@ def _refusal(document: Document, model: type[BaseModel], violation: Any) -> Robo
             return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
         case "missing" | "too_long" | "too_short":
             where = path[:-1] if kind == "missing" else path
-            lengths = (len(get_args(found)) for found in _types(model, where) if get_origin(found) is tuple)
-            expected = next(lengths, 0)
+            expected = next((len(get_args(of)) for of in _types(model, where) if get_origin(of) is tuple), 0)
             count, block = document.length(where), document.find(where)
             remedy = _shape_hint(model, str(where[-1]), block) if where else ""
             remedy = remedy or "write zeros where nothing else is"
@@ -377,8 +376,7 @@ def _is_model(kind: Any) -> bool:
 
 def _fields(model: type[BaseModel], path: KeyPath) -> tuple[str, ...]:
     """Allowed keys of the mapping at a path; none where any key is allowed."""
-    models = filter(_is_model, _types(model, path))
-    return tuple(key for kind in models for key in kind.model_fields)
+    return tuple(key for kind in filter(_is_model, _types(model, path)) for key in kind.model_fields)
 
 
 def _types(model: type[BaseModel], path: KeyPath) -> list[Any]:
