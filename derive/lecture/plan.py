@@ -15,6 +15,8 @@ from derive.lecture.terms import Monomial, Terms, common_factor, divide, multipl
 
 # Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer.
 MAX_TRIED_AS_PRODUCT = 120
+# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
+LARGE_FACTOR = 1000
 
 
 @dataclass(frozen=True)
@@ -148,10 +150,6 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
         coefficient *= Fraction(sign) ** exponent
         parts.append((write({m: sign * c for m, c in inner.items()}), exponent))
     return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
-
-
-# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
-LARGE_FACTOR = 1000
 
 
 def with_plain_numbers(plan: Plan) -> Plan:

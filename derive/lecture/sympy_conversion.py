@@ -36,6 +36,8 @@ _FUNCTIONS = {
     "atan2": sympy.atan2,
     "sign": sympy.sign,
 }
+_PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
+_RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
 @cache
@@ -74,10 +76,6 @@ def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
             return 1 / argument
         case _:
             return argument
-
-
-_PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
-_RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
 def expression_from_sympy(expression: Any) -> Expression:

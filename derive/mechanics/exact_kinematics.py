@@ -13,6 +13,7 @@ from derive.robot.robot import Robot
 
 PolynomialFrame = Frame[Polynomial]
 PolynomialVector = Vector[Polynomial]
+JacobianColumn = tuple[Polynomial, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 
 class Kinematics:
@@ -105,9 +106,6 @@ class Kinematics:
     def gravity_vector(self) -> list[Polynomial]:
         """g = dU/dq, n entries."""
         return [self.domain.derivative(self.potential, k) for k in range(self.robot.n)]
-
-
-JacobianColumn = tuple[Polynomial, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 
 @dataclass(frozen=True, slots=True)

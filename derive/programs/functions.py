@@ -21,6 +21,8 @@ from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
+# What functions of arms with links have in common.
+_OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
 
 
 def _has_regressor(robot: Robot) -> bool:
@@ -46,10 +48,6 @@ class FunctionRow:
     def may_lack_value(self) -> bool:
         """Whether there are robots that have no value of it in any configuration."""
         return self.is_optional or self.without_value is not None
-
-
-# What functions of arms with links have in common.
-_OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
 
 
 def _row(

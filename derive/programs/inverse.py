@@ -75,6 +75,8 @@ FRAME_ENTRIES = 12  # of the first three rows of a frame
 MOST_SOLUTIONS = 16
 # By which singular poses are brought beside, row by row; lengths in the unit.
 MOTIONS = tuple(tuple(entry for row in motion for entry in row) for motion in BESIDE)
+# A program, what finds the solutions without one, or None and the reason why there is neither.
+Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,10 +183,6 @@ class TapeField:
     def general(self, formula: NodeFormula, values: Mapping[str, Value]) -> Sequence[Any]:
         """Graphs with eigenvalue problems have no program (`search_function`)."""
         raise NotImplementedError
-
-
-# A program, what finds the solutions without one, or None and the reason why there is neither.
-Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 def solved(trace: Trace) -> Solved:

@@ -33,6 +33,9 @@ from derive.targets.target import shape_text
 # In the order in which they are read and declared; ``k`` holds the constants from the parameters.
 _ARRAYS = (*ARGUMENTS, POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
 _LANES = ((128, 32), (256, 16))  # lanes of a block by the most entries that its result may have; larger ones have 8
+HEADER, CODE = "model.h", "model.c"
+# Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
+_LEAST = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,11 +208,6 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
     body = write_statements(tape, C, operations, pieces, temporary_names())
     reads.sort(key=lambda read: (_ARRAYS.index(read.array), read.index))
     return CodePart(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))
-
-
-HEADER, CODE = "model.h", "model.c"
-# Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
-_LEAST = 4
 
 
 def render_c(source: Source) -> dict[str, str]:

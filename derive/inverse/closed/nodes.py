@@ -14,6 +14,8 @@ from typing import Any
 
 from derive.algebra.ring import Polynomial
 
+Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unknown
+
 
 class NodeKind(StrEnum):
     """How a node is solved; the types are those of Khalil and Dombre, 2002, chapter 4."""
@@ -52,9 +54,6 @@ class Unknown:
     def is_angle(self) -> bool:
         """Whether it is an angle, and not a length."""
         return len(self.generators) == 2
-
-
-Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unknown
 
 
 @dataclass(frozen=True, slots=True)

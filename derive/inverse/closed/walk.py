@@ -27,6 +27,8 @@ from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame
 from derive.robot.description import Joint
 
+Plan = Fraction | tuple[int, "Plan", "Plan"]  # a number, or generator * plan + plan
+
 
 @dataclass(frozen=True)
 class Value(Generic[N, M]):
@@ -239,9 +241,6 @@ class Posture(MappedDomain[N]):
 def pose_of(run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
     """The pose of an arm at one of its solutions."""
     return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
-
-
-Plan = Fraction | tuple[int, "Plan", "Plan"]  # a number, or generator * plan + plan
 
 
 @cache

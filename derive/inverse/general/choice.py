@@ -36,6 +36,13 @@ from derive.robot.description import Joint
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
+# How many solutions an elimination found at the trials, and how it compares with others that found as many.
+Result = tuple[int, tuple[bool, int, int, int], Elimination]
+_SHARES = (0.97, 0.4)
+# Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides.
+_INEXACT = (1e-6, 1e-3)
+_FOUND = 1e-3  # without units: so near is a configuration that was found, however close to a singular one
+
 
 class _AtRest(ResidueDomain):
     """Residues of an arm whose joint variables are zero."""
@@ -240,14 +247,6 @@ class _System:
                 else:
                     a, b, c = line
                     yield b * b + c * c - a * a
-
-
-# How many solutions an elimination found at the trials, and how it compares with others that found as many.
-Result = tuple[int, tuple[bool, int, int, int], Elimination]
-_SHARES = (0.97, 0.4)
-# Errors of candidates above which others are better; far from usual ones, so that no processor's rounding decides.
-_INEXACT = (1e-6, 1e-3)
-_FOUND = 1e-3  # without units: so near is a configuration that was found, however close to a singular one
 
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:

@@ -30,6 +30,9 @@ from derive.robot.robot import Robot
 
 # Entries of the upper three rows of a pose.
 PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
+_SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
+_SHORTHAND = ("c", "s")
 
 
 def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
@@ -319,8 +322,3 @@ class PrintedDerivation:
         if is_negative(left):
             left, right = -left, -right
         return PrintedEquation(left, right, self._origins(equation.source))
-
-
-_SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
-_PLACE = re.compile(r"W\[(\d),(\d)\]")
-_SHORTHAND = ("c", "s")

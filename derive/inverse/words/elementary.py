@@ -17,6 +17,8 @@ from derive.lecture.sympy_conversion import Expr
 
 LONGEST_ARGUMENTS = 12  # operations of both arguments of an atan2 together; longer ones stand on lines of their own
 LONGEST_INLINE = 3  # operations of a quantity that is written where it is used; a longer one gets a name
+Write = Callable[[Polynomial], Expr]
+Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
 
 
 class Sign(sympy.Symbol):  # type: ignore[misc]
@@ -52,10 +54,6 @@ class Solved:
 
     value: Expr  # the unknown
     exists: Expr = sympy.true  # the condition that it exists (SymPy's true where it always does)
-
-
-Write = Callable[[Polynomial], Expr]
-Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
 
 
 @dataclass

@@ -15,6 +15,9 @@ from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
+# The last matrix of a product, and the rows of its fourth column that are meant; None where there is no such product.
+Seen = tuple[int, tuple[int, ...]] | None
+
 
 class OriginForm(StrEnum):
     """What is made of the entries."""
@@ -64,10 +67,6 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
                 form = OriginForm.ENTRY if places else OriginForm.SQUARES
                 found = replace(found, form=form, last=seen[0], entries=tuple((row, 4) for row in seen[1]))
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
-
-
-# The last matrix of a product, and the rows of its fourth column that are meant; None where there is no such product.
-Seen = tuple[int, tuple[int, ...]] | None
 
 
 def _position(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool, to_end: bool) -> Seen:

@@ -40,6 +40,11 @@ from derive.robot.robot import Robot
 MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
 # By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry.
 RegressorColumn = Mapping[Hashable, Polynomial]
+REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
+PRISMATIC_PARTS = ("m", "mx", "my", "mz")
+# Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
+MAX_PROOF_TERMS = 20_000
+_FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
 
 
 class Unproven(DeriveError):
@@ -101,14 +106,6 @@ def _reduced(top: Polynomial, bottom: Polynomial) -> Quotient:
     if denominator.is_constant:
         return Quotient(numerator * (1 / denominator.constant_term), ring.one)
     return Quotient(numerator, denominator)
-
-
-REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
-PRISMATIC_PARTS = ("m", "mx", "my", "mz")
-
-# Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
-MAX_PROOF_TERMS = 20_000
-_FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,8 @@ from derive.robot.expression import ZERO, Expression, add, multiply, power, to_t
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, coulomb_parts
 from derive.robot.robot import Robot
 
+MAX_TEXT = 1000  # longest formula, in characters, that is written
+
 
 def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domain[S]) -> list[S]:
     """The parameters as the file gives them, each link's in its DH frame, about the frame's origin."""
@@ -80,9 +82,6 @@ def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain
     cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous}
     cells |= coulomb_parts(link)
     return domain.constant(cells[p.part])
-
-
-MAX_TEXT = 1000  # longest formula, in characters, that is written
 
 
 class ParameterFormulas:

@@ -46,6 +46,11 @@ HEAVIEST = 1e-6  # a link counts at least this part of the heaviest
 LARGEST = 1e-3  # a link is at least this part of the arm's largest length
 # The same of links that are given without a mass, or with less: the units of what they get, if they get something.
 LIGHT, SHORT = 1e-2, 0.1
+# Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
+INERTIAS = ("given", "possible")
+CELLS = ("mass", "com x", "com y", "com z", *INERTIA)  # of a link
+# To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse.
+UNITS = (1e-8, 1e-11, 1e-14)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,13 +225,6 @@ def _column_units(bodies: Bodies) -> Array:
 def _slopes(bodies: Bodies, more: int = 0) -> Array:
     """(n, 10, k + more) what the bodies change by with each step, and not with some more variables."""
     return np.pad(bodies.along * _column_units(bodies), ((0, 0), (0, 0), (0, more)))
-
-
-# Which bodies are taken: those of the robot, or the nearest ones that exist and move alike.
-INERTIAS = ("given", "possible")
-CELLS = ("mass", "com x", "com y", "com z", *INERTIA)  # of a link
-# To which changes are rounded, in the units of the links; the finer ones where the coarser ones are too coarse.
-UNITS = (1e-8, 1e-11, 1e-14)
 
 
 @dataclass(frozen=True, slots=True)

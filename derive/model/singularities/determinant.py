@@ -47,6 +47,11 @@ from derive.robot.options.style import Contraction, Style
 from derive.robot.robot import Robot
 
 ALL = (1, 2, 3, 4, 5, 6)
+MAX_DET_TERMS = 20_000  # budget of any polynomial on the way to the determinant
+MAX_JOINTS = 10  # of longer arms no closed form is looked for
+MAX_MINOR_TERMS = 3_000
+Write = Callable[[Polynomial], Expr]
+MOST_WHOLE = 10**9  # whole numbers that are larger read no better than decimals
 
 
 @dataclass(frozen=True)
@@ -174,14 +179,6 @@ def _block(
     words = ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
     task = words if len(entries) < 6 else ()
     return SquareBlock(name, rows, columns, reference, chosen, not any(others), task)
-
-
-MAX_DET_TERMS = 20_000  # budget of any polynomial on the way to the determinant
-MAX_JOINTS = 10  # of longer arms no closed form is looked for
-MAX_MINOR_TERMS = 3_000
-
-Write = Callable[[Polynomial], Expr]
-MOST_WHOLE = 10**9  # whole numbers that are larger read no better than decimals
 
 
 def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:

@@ -35,6 +35,8 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
 from derive.programs.tape.value import Value
 
+Ways = list[Vector[Value]]
+
 
 class Stations:
     """Stations 0 to ``last`` of an arm with exact base and tool; ``few``: all ways over them can be tried."""
@@ -107,9 +109,6 @@ def _turned_about_z(rotation: Matrix[Value], place: Placement) -> Matrix[Value]:
     c, s = place.cosine, place.sine
     x, y, z = ((c * x + s * y, c * y - s * x, z) for x, y, z in rotation)
     return (x, y, z)
-
-
-Ways = list[Vector[Value]]
 
 
 def cheapest_pose(stations: Stations) -> Frame[Value]:

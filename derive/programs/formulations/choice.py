@@ -25,6 +25,9 @@ from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.robot import Robot
 
+# The ways to compute one group of outputs; each gives the same outputs in the same order.
+Options = Sequence[Sequence[Ref]]
+
 
 @dataclass(frozen=True, slots=True)
 class Formulation:
@@ -89,10 +92,6 @@ class FormulationChoice:
         for draft in drafts:
             draft.close()
         return formulations[winner], tape
-
-
-# The ways to compute one group of outputs; each gives the same outputs in the same order.
-Options = Sequence[Sequence[Ref]]
 
 
 def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:

@@ -32,6 +32,9 @@ from derive.programs.tape.value import Value
 FrameChoices = tuple[FrameChoice, ...]  # what is chosen at each joint
 CHAIN_CHOICES = ("place", "held", "second_moments")
 ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
+Outputs = tuple[Ref, ...]
+Trial = Callable[[FrameChoices], Outputs]  # traces a function with some choices
+Price = Callable[[Outputs], Cost]  # what some outputs cost
 
 
 def arrange(
@@ -145,11 +148,6 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
         bodies.append(body)
         before = lag if choice.held else None
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
-
-
-Outputs = tuple[Ref, ...]
-Trial = Callable[[FrameChoices], Outputs]  # traces a function with some choices
-Price = Callable[[Outputs], Cost]  # what some outputs cost
 
 
 class FrameChoiceSearch:

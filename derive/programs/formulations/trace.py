@@ -43,6 +43,8 @@ _ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
 _LATE = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)  # what depends on the arguments
 
 Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents, ascending
+_TOLERANCE = 1e-14  # of rotations
+_TRIALS = (0.37, 0.83)  # values of the first free symbol; the others are spread above
 
 
 class ClosedForm:
@@ -142,10 +144,6 @@ CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial], Polyno
 
 def _half(domain: PolynomialDomain) -> Polynomial:
     return domain.number(Fraction(1, 2))
-
-
-_TOLERANCE = 1e-14
-_TRIALS = (0.37, 0.83)  # values of the first free symbol; the others are spread above
 
 
 def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:

@@ -17,6 +17,8 @@ from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, node_
 from derive.programs.tape.tape import LEAVES, Layer, Op
 from derive.programs.tape.value import Value
 
+_SUMS = (Op.ADD, Op.SUBTRACT)
+
 
 def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
     """The same values for fewer operations."""
@@ -80,8 +82,6 @@ class Improvement:
 
 
 # -- from an interned graph to a network of polynomials, and back
-
-_SUMS = (Op.ADD, Op.SUBTRACT)
 
 
 def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -> Network:

@@ -51,6 +51,8 @@ _FLOATS: dict[Op, Callable[..., float]] = {
 
 # On what a value depends, a bit for each input and parameter, and how large it is at some points.
 Size = tuple[int, tuple[float, ...]]
+_OTHER = {Op.SINE: Op.COSINE, Op.COSINE: Op.SINE}
+Trial = tuple[int, int | None]  # a variable, and the one place where it is written out, or None for all
 
 
 class Scale:
@@ -180,11 +182,6 @@ class Resubstitution:
 
 def _monomial(operand: Operand) -> Monomial:
     return () if operand.variable is None else (operand.variable,)
-
-
-_OTHER = {Op.SINE: Op.COSINE, Op.COSINE: Op.SINE}
-
-Trial = tuple[int, int | None]  # a variable, and the one place where it is written out, or None for all
 
 
 class Circle:

@@ -21,6 +21,7 @@ coefficient, and the operations that are saved there, the divisor itself not cou
 
 # The number of a divisor, its places in one polynomial, and what they save together.
 Entry = tuple[int, list[Place], int]
+_IN_ORDER = attrgetter("content")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +32,6 @@ class _Term:
     content: tuple[Monomial, Ref]
     factors: list[Entry]
     pairs: dict[int, list[Entry]]
-
-
-_IN_ORDER = attrgetter("content")
 
 
 class Extractor:

@@ -17,6 +17,24 @@ from derive.programs.tape.tape import LEAVES, PARAMETER, InputSource, Layer, Nod
 Operands = Sequence[Sequence[int]]  # what each node takes, by its number
 # Of each operation of the body the operands that are such operations too, each once; None for any other node.
 Work = Sequence[Sequence[int] | None]
+# For each run-time parameter of a graph what stands in its place: another input, or a number.
+Replacements = Mapping[int, InputSource | Constant]
+_OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
+    Op.ADD: Graph.add,
+    Op.SUBTRACT: Graph.subtract,
+    Op.MULTIPLY: Graph.multiply,
+    Op.DIVIDE: Graph.divide,
+    Op.NEGATE: lambda graph, a: negated(a),
+    Op.SINE: Graph.sine,
+    Op.COSINE: Graph.cosine,
+    Op.ROOT: Graph.root,
+    Op.SIGN: Graph.sign,
+    Op.ARCTANGENT: Graph.arctangent,
+    Op.LESS: cases.less,
+    Op.SELECT: cases.select,
+    **{op: lambda graph, a, b, op=op: cases.extreme(graph, op, a, b) for op in (Op.MAXIMUM, Op.MINIMUM)},
+    Op.ABSOLUTE: Graph.absolute,
+}
 
 
 def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
@@ -124,26 +142,6 @@ def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
                     _offer_users(k)
             _offer_users(node)
     return done
-
-
-# For each run-time parameter of a graph what stands in its place: another input, or a number.
-Replacements = Mapping[int, InputSource | Constant]
-_OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
-    Op.ADD: Graph.add,
-    Op.SUBTRACT: Graph.subtract,
-    Op.MULTIPLY: Graph.multiply,
-    Op.DIVIDE: Graph.divide,
-    Op.NEGATE: lambda graph, a: negated(a),
-    Op.SINE: Graph.sine,
-    Op.COSINE: Graph.cosine,
-    Op.ROOT: Graph.root,
-    Op.SIGN: Graph.sign,
-    Op.ARCTANGENT: Graph.arctangent,
-    Op.LESS: cases.less,
-    Op.SELECT: cases.select,
-    **{op: lambda graph, a, b, op=op: cases.extreme(graph, op, a, b) for op in (Op.MAXIMUM, Op.MINIMUM)},
-    Op.ABSOLUTE: Graph.absolute,
-}
 
 
 def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) -> list[int]:
