@@ -51,10 +51,7 @@ class Factoring:
         self._angles = [(i, places[Kind.COSINE, joint]) for (kind, joint), i in places.items() if kind is Kind.SINE]
 
     def factors(self, p: Polynomial) -> tuple[Factor, ...]:
-        """Factors whose product is exactly a polynomial: a constant, sines and cosines, then the others.
-
-        A factor that is a rational number stands first, where it is not 1.
-        """
+        """Factors of exactly a polynomial: a rational number that is not 1, sines and cosines, then the others."""
         if not p:
             return (Factor(p, 1),)
         simple, rest = [], p

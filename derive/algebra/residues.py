@@ -150,10 +150,7 @@ def fraction_residue(value: Fraction, prime: int) -> int:
 
 
 def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
-    """The pivot columns of a matrix (m, n) modulo a prime, and its reduced row echelon form (rank, n).
-
-    Entry (k, j) of the form is the coefficient of pivot column k in column j.
-    """
+    """Pivot columns of a matrix (m, n) modulo a prime, and what of each (rank, n) is in every column (echelon form)."""
     entries = np.asarray(matrix, dtype=np.int64) % prime
     form, rank = nmod_mat(*entries.shape, entries.ravel().tolist(), prime).rref()
     rows = [[int(entry) for entry in row] for row in form.tolist()[:rank]]

@@ -103,10 +103,7 @@ def joined(plans: Iterable[Plan]) -> Plan:
 
 
 def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
-    """Grouped by the first level, each coefficient by the next one, and so on; common factors outside.
-
-    ``c1*(a2*c2 + a3*c23)`` where the levels are the joints from the base outwards.
-    """
+    """Grouped level by level, joints from the base outwards ``c1*(a2*c2 + a3*c23)``; common factors outside."""
     if len(terms) <= 1:
         return flat(terms)
     if not levels:

@@ -161,11 +161,7 @@ def aligned_latex(lines: Sequence[str]) -> str:
 
 
 class ProductBuilder:
-    """Turns monomials over a `FactorTable` into SymPy products.
-
-    SymPy's canonical order of the factors is found once, by insertion; asking SymPy for it again and again takes most
-    of the time otherwise.
-    """
+    """Turns monomials into SymPy products, whose order is found once, by insertion: SymPy takes long for it."""
 
     def __init__(self, table: FactorTable) -> None:
         self._table = table

@@ -192,10 +192,7 @@ class Search:
         return 8 * touched + np.array(own, dtype=np.int64)
 
     def others(self, step: SearchStep, first: Choice, special: Evidence) -> Iterator[Choice]:
-        """Choices for poses at which the first one fails, the one that helps at most of them first.
-
-        Where two equations are not enough any more one may be: there the joint has two values.
-        """
+        """Choices for poses at which the first one fails, the most helpful first; one equation may do there."""
         change, p = self.change(step.group, step.parts[1]), self.evidence.prime
         table = special.effects[change].coefficients
         degrees = self.evidence.effects[change].degrees

@@ -100,10 +100,7 @@ class GraphWalk(Generic[N, M]):
             yield Leaf(joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
-        """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
-
-        Joints that are given have the numbers that were given.
-        """
+        """The joint variables of a solution: angles in (-pi, pi] less their shifts, lengths, and what was given."""
         plain = (self.field.angle(*numbers) if len(numbers) == 2 else numbers[0] for numbers in leaf.joints)
         shifts = map(self.field.constant, self.graph.shifts)
         found = [value - shift for value, shift in zip(plain, shifts, strict=True)]

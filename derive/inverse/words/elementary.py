@@ -243,10 +243,7 @@ def is_negative(e: Expr) -> bool:
 
 
 def _atan2(sine: Expr, cosine: Expr) -> Expr:
-    """An atan2 as it is written: SymPy would turn it into something else where an argument is a number.
-
-    That of the sine and cosine of an angle is the angle.
-    """
+    """An atan2 as it is written: SymPy would change one with a number; that of a sine and cosine is their angle."""
     if sine.func is sympy.sin and cosine.func is sympy.cos and sine.args == cosine.args:
         return sine.args[0]
     return sympy.atan2(sine, cosine, evaluate=False)

@@ -146,10 +146,7 @@ def most_room(bodies: Bodies) -> Room:
 
 
 def targets(bodies: Bodies, room: Room) -> Array:
-    """(n,) the least eigenvalue of each body to keep to: half of what it can have while others have theirs.
-
-    Less than zero, by what a solver does not see, for bodies that torques keep at the limit.
-    """
+    """(n,) the least eigenvalue of each body to keep to: half of what it can have; just below zero at the limit."""
     if room.value > MARGIN / 2:
         return room.weights * room.value / 2
     n, _, width = bodies.along.shape

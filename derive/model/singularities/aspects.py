@@ -245,10 +245,7 @@ class Crossing:
 
 
 class ScaledDeterminant:
-    """det J in numbers, of the rows that decide its rank; in parts of its largest value.
-
-    `basis` has orthonormal rows of what the joints move, None where they are not as many as the joints.
-    """
+    """det J in parts of its largest value, of orthonormal rows `basis`, None where these are not as many as joints."""
 
     def __init__(self, chain: NumericChain) -> None:
         self._chain, self._scale = chain, 1.0

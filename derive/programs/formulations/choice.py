@@ -67,10 +67,7 @@ class FormulationChoice:
         return tuple(f for f, cost in zip(traced, costs, strict=True) if cost <= margin * min(costs))
 
     def cheapest(self, formulations: Sequence[Formulation], *, search: bool = True) -> tuple[Formulation, Tape]:
-        """The cheapest formulation once all are improved, the first of equals.
-
-        All are improved for a short time; a longer search is spent on those close to the best.
-        """
+        """The cheapest formulation once all are improved, the first of equals."""
         outputs = [[value.ref for value in formulation.trace()] for formulation in formulations]
         programs = [bake(self._graph, refs, self.numbers) for refs in outputs]
         if self._effort is Effort.QUICK:

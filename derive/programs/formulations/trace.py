@@ -82,10 +82,7 @@ class ClosedForm:
         return [self._generator(generator) for generator in self._domain.generators]
 
     def _value(self, p: Polynomial) -> Value:
-        """A polynomial, expanded: a sum of products of sines, cosines, variables and rates.
-
-        What stands beside such a product, parameters and numbers, is gathered first, so that it is hoisted.
-        """
+        """A polynomial, expanded: what does not depend on the arguments is gathered first, so that it is hoisted."""
         zero, one = self._tape.number(0), self._tape.number(1)
         groups: dict[Monomial, Value] = {}
         for exponents, coefficient in p.terms():
@@ -147,10 +144,7 @@ def _half(domain: PolynomialDomain) -> Polynomial:
 
 
 def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
-    """Whether base and tool are rotations to rounding, whatever the values of free symbols.
-
-    A file may write them in decimals with six places; then identities of rotations hold to six places only.
-    """
+    """Whether base and tool, in a file perhaps to six decimals, are rotations to rounding for any free symbols."""
     numbers = dict(robot.parameters)
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
     for first in _TRIALS:

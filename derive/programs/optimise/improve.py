@@ -85,10 +85,7 @@ class Improvement:
 
 
 def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -> Network:
-    """The network of some outputs.
-
-    Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
-    """
+    """The network of some outputs; sums in sums and products in either are one where the inner serves nothing else."""
     return _GraphReader(graph, outputs, body).network
 
 
