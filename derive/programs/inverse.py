@@ -240,17 +240,11 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
 
 def around(graph: SolutionGraph) -> Around:
     """Where solutions that are alone are looked for where others are free."""
-    joints = range(graph.robot.n)
-    return Around(
-        motions=MOTIONS,
-        starts=tuple(
-            tuple(0.0 if k in graph.given else row[k] for k in joints) for row in starts(graph.robot.n).tolist()
-        ),
-        nudge=tuple(
-            0.0 if k in graph.given else round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in joints
-        ),
-        is_short=graph.is_short,
-    )
+    n = graph.robot.n
+    nudge = [round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in range(n)]
+    rows = (nudge, *starts(n).tolist())
+    free = [tuple(0.0 if k in graph.given else entry for k, entry in enumerate(row)) for row in rows]
+    return Around(motions=MOTIONS, starts=tuple(free[1:]), nudge=free[0], is_short=graph.is_short)
 
 
 def count_text(graph: SolutionGraph) -> str:

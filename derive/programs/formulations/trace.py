@@ -41,7 +41,16 @@ from derive.robot.robot import Robot
 
 _ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
 _LATE = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)  # what depends on the arguments
-
+Polynomials = Sequence[Polynomial]
+# The functions that have one, from the chain, the joints' rates and accelerations, and 1/2.
+CLOSED_FORMS: Mapping[str, Callable[[Chain[Polynomial], Polynomials, Polynomials, Polynomial], Polynomials]] = {
+    "inertia_matrix": lambda chain, qd, qdd, half: [b for row in inertia_matrix(chain) for b in row],
+    "coriolis_matrix": lambda chain, qd, qdd, half: [c for row in coriolis_matrix(chain, qd, half) for c in row],
+    "gravity_vector": lambda chain, qd, qdd, half: gravity_vector(chain),
+    "kinetic_energy": lambda chain, qd, qdd, half: [kinetic_energy(chain, qd, half)],
+    "potential_energy": lambda chain, qd, qdd, half: [potential_energy(chain)],
+    "inverse_dynamics": lambda chain, qd, qdd, half: inverse_dynamics(chain, qd, qdd),
+}
 Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents, ascending
 _TOLERANCE = 1e-14  # of rotations
 _TRIALS = (0.37, 0.83)  # values of the first free symbol; the others are spread above
@@ -69,8 +78,9 @@ class ClosedForm:
     def values(self, function: str) -> list[Value] | None:
         """The outputs of a function, row by row, torques without friction; None where they are long."""
         try:
-            rates = [self._domain.rate(i) for i in range(self._robot.n)]
-            found = CLOSED_FORMS[function](self._domain, self._chain, rates)
+            domain, joints = self._domain, range(self._robot.n)
+            rates, accelerations = [domain.rate(i) for i in joints], [domain.acceleration(i) for i in joints]
+            found = CLOSED_FORMS[function](self._chain, rates, accelerations, domain.number(Fraction(1, 2)))
         except (TooManyTerms, ExpressionError):
             return None
         if sum(len(entry) for entry in found) > POLICY.closed_form_terms:
@@ -122,25 +132,6 @@ class ClosedForm:
         members, directions = self._domain.angles[joint], self._domain.directions
         turns = (directions[members[0]] * directions[m] * self._tape.argument(Q, m) for m in members)
         return sum(turns, self._tape.number(0))
-
-
-Polynomials = Sequence[Polynomial]
-
-# The functions that have one, from the chain and the joints' rates; a half and accelerations come from the domain.
-CLOSED_FORMS: Mapping[str, Callable[[PolynomialDomain, Chain[Polynomial], Polynomials], Polynomials]] = {
-    "inertia_matrix": lambda domain, chain, qd: [b for row in inertia_matrix(chain) for b in row],
-    "coriolis_matrix": lambda domain, chain, qd: [c for row in coriolis_matrix(chain, qd, _half(domain)) for c in row],
-    "gravity_vector": lambda domain, chain, qd: gravity_vector(chain),
-    "kinetic_energy": lambda domain, chain, qd: [kinetic_energy(chain, qd, _half(domain))],
-    "potential_energy": lambda domain, chain, qd: [potential_energy(chain)],
-    "inverse_dynamics": lambda domain, chain, qd: inverse_dynamics(
-        chain, qd, [domain.acceleration(i) for i in range(chain.n)]
-    ),
-}
-
-
-def _half(domain: PolynomialDomain) -> Polynomial:
-    return domain.number(Fraction(1, 2))
 
 
 def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
