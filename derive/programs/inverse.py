@@ -37,7 +37,6 @@ from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, has_exact_rotations
 from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
-from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import Q, TapeDomain
@@ -135,7 +134,7 @@ class TapeField:
 
     def has_root(self, a: Value, scale: Value) -> Mask:
         """Whether a number is not below zero, but for rounding."""
-        if is_nowhere_negative(a.graph, a.ref):
+        if a.graph.is_nowhere_negative(a.ref):
             return self.truth(True)
         return ~Mask(a.less(abs(scale) * -Fraction(BEYOND)))
 

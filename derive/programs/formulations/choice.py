@@ -17,8 +17,7 @@ from operator import or_
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.build import Replacements, bake, copy, cut, reachable
-from derive.programs.tape.cost import Cost, program_cost
+from derive.programs.tape.build import Cost, Replacements, bake, copy, cut, program_cost, reachable
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import OPERATION_COST, PARAMETER, InputSource, Layer, Tape
 from derive.programs.tape.value import Value

@@ -25,7 +25,7 @@ from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.formulations.parallel_axes import SumOfTurns, Turn
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.cost import Cost
+from derive.programs.tape.build import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
 from derive.programs.tape.value import Value
 

@@ -11,8 +11,7 @@ from derive.programs.optimise.coefficients import Coefficients
 from derive.programs.optimise.network import ROOT, Definition, Monomial, Network, Opaque, Operand, Polynomial
 from derive.programs.optimise.search import Search
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.build import apply, copy, copy_leaf, reachable
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import apply, copy, copy_leaf, program_cost, reachable
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, node_of, ref_to, signed
 from derive.programs.tape.tape import LEAVES, Layer, Op
 from derive.programs.tape.value import Value

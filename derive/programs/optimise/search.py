@@ -25,10 +25,9 @@ from operator import or_
 from random import Random
 
 from derive.programs.optimise.coefficients import PRIME
-from derive.programs.optimise.network import Monomial, Network, Opaque, Operand, Polynomial
+from derive.programs.optimise.network import Monomial, Network, Opaque, Operand, Polynomial, polynomial_cost
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.optimise.sharing import Extractor
-from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import ONE, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import ARITHMETIC, Op
 
@@ -73,9 +72,7 @@ class Scale:
             elif definition.op is None:
                 self._variables[variable] = self._input(("argument", definition.source))
             else:
-                operands = [
-                    self._term(() if o.variable is None else (o.variable,), o.coefficient) for o in definition.operands
-                ]
+                operands = [self._term(_monomial(o), o.coefficient) for o in definition.operands]
                 self._variables[variable] = _combined(operands, _FLOATS[definition.op])
 
     def allows(self, variable: int, definition: Polynomial) -> bool:
@@ -95,9 +92,8 @@ class Scale:
         return True
 
     def _term(self, monomial: Monomial, coefficient: Ref) -> Size:
-        return _combined(
-            [self._coefficient(coefficient), *(self._variables[v] for v in monomial)], lambda *values: math.prod(values)
-        )
+        parts = [self._coefficient(coefficient), *(self._variables[v] for v in monomial)]
+        return _combined(parts, lambda *values: math.prod(values))
 
     def _input(self, key: object) -> Size:
         bit = self._bits.setdefault(key, len(self._bits))

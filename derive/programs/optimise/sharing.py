@@ -10,9 +10,16 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from operator import attrgetter
 
-from derive.programs.optimise.network import Definition, Monomial, Network, Operand, Polynomial
+from derive.programs.optimise.network import (
+    Definition,
+    Monomial,
+    Network,
+    Operand,
+    Polynomial,
+    polynomial_cost,
+    term_cost,
+)
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.cost import polynomial_cost, term_cost
 from derive.programs.tape.graph import ONE, UNITS, Ref, is_negative, signed
 
 Place = tuple[tuple[Monomial, ...], Monomial, Ref, int]

@@ -6,13 +6,12 @@ value moved forward. The one with the lowest peak is taken, the lowest sum of li
 """
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 
 from derive.algebra.constants import Constant
-from derive.programs.tape import cases
 from derive.programs.tape.graph import Graph, Ref, is_negative, negated, node_of, signed
-from derive.programs.tape.tape import LEAVES, PARAMETER, InputSource, Layer, Node, Op, Output, Tape
+from derive.programs.tape.tape import LEAVES, OPERATION_COST, PARAMETER, InputSource, Layer, Node, Op, Output, Tape
 
 Operands = Sequence[Sequence[int]]  # what each node takes, by its number
 # Of each operation of the body the operands that are such operations too, each once; None for any other node.
@@ -30,9 +29,9 @@ _OPERATIONS: Mapping[Op, Callable[..., Ref]] = {
     Op.ROOT: Graph.root,
     Op.SIGN: Graph.sign,
     Op.ARCTANGENT: Graph.arctangent,
-    Op.LESS: cases.less,
-    Op.SELECT: cases.select,
-    **{op: lambda graph, a, b, op=op: cases.extreme(graph, op, a, b) for op in (Op.MAXIMUM, Op.MINIMUM)},
+    Op.LESS: Graph.less,
+    Op.SELECT: Graph.select,
+    **{op: lambda graph, a, b, op=op: graph.extreme(op, a, b) for op in (Op.MAXIMUM, Op.MINIMUM)},
     Op.ABSOLUTE: Graph.absolute,
 }
 
@@ -155,6 +154,24 @@ def reachable(graph: Graph, outputs: Iterable[Ref], known: Container[int] = ()) 
                 seen.add(operand)
                 stack.append(operand)
     return sorted(seen)
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Cost:
+    """The cost of a program that stands in a graph; programs are compared by their body, then by their hoisted work."""
+
+    body: int  # of what is computed in every evaluation
+    hoisted: int  # of what is computed once per set of run-time parameters
+    nodes: int = field(compare=False)  # how many nodes were looked at to find this
+
+
+def program_cost(graph: Graph, outputs: Sequence[Ref]) -> Cost:
+    """The cost of some outputs, what they share counted once."""
+    nodes = reachable(graph, outputs)
+    costs = dict.fromkeys(Layer, 0)
+    for i in nodes:
+        costs[graph.layer[i]] += OPERATION_COST[graph.op[i]]
+    return Cost(costs[Layer.BODY], costs[Layer.HOISTED], len(nodes))
 
 
 def copy_leaf(graph: Graph, index: int, fresh: Graph, parameters: Replacements | None = None) -> Ref:

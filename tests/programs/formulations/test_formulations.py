@@ -31,8 +31,7 @@ from derive.programs.formulations.frame_choice import (
 from derive.programs.formulations.parallel_axes import parallel_runs
 from derive.programs.formulations.trace import CLOSED_FORMS, ClosedForm, Trace, flat
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.build import bake, cut
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import bake, cut, program_cost
 from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.scalars import QD, QDD, Q
 from derive.programs.tape.tape import PARAMETER, Operations, evaluate
