@@ -74,8 +74,6 @@ class Factoring:
         product = prod((f.value**f.exponent for f in found), start=self._ring.one)
         return found if product == p else (Factor(p, 1),)
 
-    # -- sines and cosines
-
     def _divided(
         self, p: Polynomial, joints: tuple[int, ...], edge: Edge, kind: Kind
     ) -> tuple[Factor | None, Polynomial]:
@@ -126,8 +124,6 @@ class Factoring:
             quotient, remainder = divmod(p.raw - s * by_sine, 1 - c**2)
             quotient = by_sine + s * quotient
         return None if remainder else self._ring.wrap(quotient)
-
-    # -- everything else
 
     def _half_angle_factors(self, p: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
         """Factors with more than one term and their exponents, and a remainder; their product is exactly ``p``."""

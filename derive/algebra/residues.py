@@ -97,8 +97,6 @@ class ResidueDomain(MappedDomain[Residue]):
             self._cache[key] = Residue(self.prime, self._residue(p, self._point))
         return self._cache[key]
 
-    # -- points
-
     def _draw_point(self) -> list[Array] | None:
         """A value per generator; None where a root or an inverse has none."""
         generators, index, p = self.domain.generators, self.domain.ring.index, self.prime

@@ -26,8 +26,6 @@ class Kinematics:
         self._frames: dict[tuple[int, int], PolynomialFrame] = {}
         self._joint_frames: list[PolynomialFrame] = [self.chain.base]
 
-    # -- frames
-
     def transform(self, i: int, j: int) -> PolynomialFrame:
         """DH frame j in DH frame i, without base and tool."""
         if (i, j) not in self._frames:
@@ -56,8 +54,6 @@ class Kinematics:
             step = joint.fixed @ joint.motion(self.chain.zero, self.chain.one)
             self._joint_frames.append(self._joint_frames[-1] @ step)
         return self._joint_frames[i]
-
-    # -- Jacobians, as lists of columns
 
     def axis(self, i: int) -> PolynomialVector:
         """Axis of joint i in the world, in the sense of a positive rate of its variable."""
@@ -94,8 +90,6 @@ class Kinematics:
         z = column((self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed).rotation, 2)
         columns[i - 1] = scale(self.domain.constant(motor.ratio), z)
         return columns
-
-    # -- potential energy
 
     @cached_property
     def potential(self) -> Polynomial:

@@ -62,8 +62,6 @@ class DynamicForm:
     def _lumped_form(self) -> LectureForm:
         return LectureForm(self.dynamics.lumped, style=self.form.style)
 
-    # -- entries
-
     @cached_property
     def inertia_limit(self) -> int:
         """Longest entry of B that is written in the user's symbols."""
@@ -113,8 +111,6 @@ class DynamicForm:
         if rest:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
         return sympy.Add(*terms)
-
-    # -- sums over rates
 
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], writing: RateWriting) -> Expr:
         """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``."""

@@ -132,7 +132,6 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
     if not proves and not points:
         remedy = "check its roots and denominators"
         raise CheckError("formula without a real value at any of many random points", remedy=remedy)
-    # Where they differ most visibly.
     worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
     return Verdict(not proves and worst <= CLOSE, proves, shown if worst > CLOSE else None)
 

@@ -188,11 +188,7 @@ class PrimeField(_ArrayMasks):
 
 
 def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:
-    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton.
-
-    Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
-    infinity.
-    """
+    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton."""
     # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
     ways = [(k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)]
     leads = [np.abs(way[..., 4]) / np.maximum(np.abs(way).max(axis=-1), 1e-300) for _, way in ways]

@@ -83,7 +83,6 @@ class GraphWalk(Generic[N, M]):
         graph = self.graph
         found = {u.joints: (node.index, k) for node in graph.nodes for k, u in enumerate(node.unknowns)}
         homes = [found[(i,)] for i in range(graph.robot.n)]
-        # Branches that only formulas for special poses have come last.
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):

@@ -140,11 +140,7 @@ class Scribe:
         return Solved(towards - apart, square >= along**2)
 
     def two_equations(self, unknown: Expr, label: str, first: Linear, second: Linear) -> Expr:
-        """A cos + B sin = C twice (type 3): one angle.
-
-        Where the second equation is the first turned by a right angle, two atan2 are subtracted; a divisor that is
-        positive is left out.
-        """
+        """A cos + B sin = C twice (type 3): one angle, where one is the other turned as a difference of atan2."""
         (a, b, c), (d, e, g) = self.simplest(first), self.simplest(second)
         if not b and not d:
             return self._quotients(unknown, label, (g, e), (c, a))

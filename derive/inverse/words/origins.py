@@ -85,10 +85,7 @@ def _position(robot: Robot, source: Provenance, places: tuple[int, ...], in_worl
 
 
 def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int | None:
-    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added.
-
-    Along the axis of a single joint its own length a adds nothing.
-    """
+    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added."""
     joints, last = robot.joints, source.last
     joint = joints[last - 1]
     is_open = source.outer_right or (last == robot.n and not to_end)
@@ -97,7 +94,7 @@ def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int 
     if robot.convention is Convention.STANDARD:
         if joint.is_revolute and (is_open or joint.d == ZERO):
             last -= 1
-        elif joint.a != ZERO and not (along and source.first == last):
+        elif joint.a != ZERO and not (along and source.first == last):  # a adds nothing along the axis of its joint
             return None
     elif joint.is_revolute and is_open and joint.d != ZERO:
         return None

@@ -129,6 +129,12 @@ class BaseSet:
     domain: PolynomialDomain | None  # the ring of the coefficients in ``relations``
     proven: bool  # whether there are certainly no fewer; else some are kept that others replace, in a formula too long
 
+    def fraction(self, coefficient: Quotient) -> tuple[Expression, Expression]:
+        """Numerator and denominator of a coefficient in ``relations``."""
+        assert self.domain is not None, "relations come with their ring"
+        numerator, denominator = coefficient.numerator, coefficient.denominator
+        return polynomial_expression(numerator, self.domain), polynomial_expression(denominator, self.domain)
+
 
 @lru_cache(maxsize=64)
 def base_set(robot: Robot) -> BaseSet:
@@ -201,7 +207,6 @@ def _independent(
             matrix[:, place[pair], j] = value.values[:, 0]
         for i, value in enumerate(units.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]
-    # Gauss and Jordan modulo the prime: pivots are the first independent columns from the left.
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, reduced
 

@@ -113,9 +113,7 @@ class ParameterFormulas:
         for relation in self._base.relations:
             moved = polynomial_expression(values[relation.parameter], domain)
             for parameter, factor in relation.terms:
-                assert self._base.domain is not None, "relations come with their ring"
-                numerator = polynomial_expression(factor.numerator, self._base.domain)
-                denominator = polynomial_expression(factor.denominator, self._base.domain)
+                numerator, denominator = self._base.fraction(factor)
                 sums[parameter].append(multiply(multiply(numerator, power(denominator, -1)), moved))
         return [_text(add(*terms)) for terms in sums.values()]
 

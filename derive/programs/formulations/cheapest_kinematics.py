@@ -231,7 +231,6 @@ def _origin_ways(
     """The origin of DH frame i: a step along and from the axis of its joint, or a vector from a station."""
     r, place = where
     end, joint = stations.chain.ends[i].position, stations.chain.joints[i]
-    # One step from the frame before.
     yield add(axis, add(scale(joint.offset, column(rotation, 2)), multiply(rotation, end)))
     v = add(place.origin, place.turned(end))
     # Or as one vector from any station before, in whose axes it is turned.

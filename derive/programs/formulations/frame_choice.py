@@ -170,12 +170,10 @@ class FrameChoiceSearch:
         """The cheapest choices found, and others that come close."""
         if self._chain.n > POLICY.frame_choice_joints:
             return (starts[0],)
-        # The best of the starts, as far as the work lasts.
         best = starts[0]
         self._cost(best)
         for start in starts[1:]:
             best = min(best, start, key=self._cost) if self._work_left > 0 else best
-        # Coordinate descent: sweeps over joints and choices until one changes nothing.
         while self._work_left > 0:
             before = best
             for i, name in product(range(self._chain.n), self._choices):

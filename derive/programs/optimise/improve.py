@@ -80,9 +80,6 @@ class Improvement:
         self._network.watcher = None
 
 
-# -- from an interned graph to a network of polynomials, and back
-
-
 def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -> Network:
     """The network of some outputs; sums in sums and products in either are one where the inner serves nothing else."""
     return _GraphReader(graph, outputs, body).network

@@ -99,7 +99,6 @@ class Network:
                 value = residue_of_coefficient(operand.coefficient)
                 values.append(value if operand.variable is None else value * residue[operand.variable] % PRIME)
             return residue_of(definition.op, values)
-        # sum k x y ... modulo the prime
         total = 0
         for monomial, coefficient in definition.items():
             product = residue_of_coefficient(coefficient)

@@ -118,7 +118,6 @@ class Extractor:
                 pairs = one.pairs
                 for other in terms[i + 1 :]:
                     found += pairs.get(other.number) or self._pair(one, other)
-        # One entry for each divisor, with all its places.
         groups: dict[int, Entry] = {}
         for entry in found:
             number = entry[0]

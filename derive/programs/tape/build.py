@@ -62,7 +62,6 @@ def schedule(graph: Graph, outputs: Sequence[Ref]) -> list[int]:
         needs.append(max([*(need + k for k, need in enumerate(parts)), int(own is not None)]))
     highest_first = [sorted(taken, key=needs.__getitem__, reverse=True) for taken in operands]
     orders = [list(range(len(nodes))), *(_depth_first(some, highest_first) for some in (roots, roots[::-1]))]
-    # Each order also with harmless operations moved forward; the least peak wins, then the least sum.
     orders += [_eager(order, work, users) for order in orders]
     return [nodes[k] for k in min(orders, key=lambda order: _live(work, order))]
 
