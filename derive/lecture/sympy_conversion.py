@@ -28,14 +28,7 @@ PLAIN = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.PARAMETER, Kind.R
 Write = Callable[[Any], Expr]  # writes an exact entry
 _order = cmp_to_key(Basic.compare)
 
-_FUNCTIONS = {
-    "sin": sympy.sin,
-    "cos": sympy.cos,
-    "tan": sympy.tan,
-    "sqrt": sympy.sqrt,
-    "atan2": sympy.atan2,
-    "sign": sympy.sign,
-}
+_FUNCTIONS = {name: getattr(sympy, name) for name in ("sin", "cos", "tan", "sqrt", "atan2", "sign")}
 _PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
 _RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 

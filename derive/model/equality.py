@@ -41,12 +41,8 @@ def _real_root(value: Real) -> Real:
 
 
 _FUNCTIONS: Mapping[str, Callable[..., Real]] = {
-    "sin": mpmath.sin,
-    "cos": mpmath.cos,
-    "tan": mpmath.tan,
+    **{name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "atan2", "sign")},
     "sqrt": _real_root,
-    "atan2": mpmath.atan2,
-    "sign": mpmath.sign,
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.algebra.residues import Residue, ResidueDomain
+from derive.algebra.residues import Residue, ResidueDomain, power
 from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.nodes import NodeFormula
 from derive.robot.evaluate import to_float
@@ -178,13 +178,7 @@ class PrimeField(_ArrayMasks):
     general = conic
 
     def _power(self, base: Residue, exponent: int) -> Residue:
-        result, values = np.ones_like(base.values), base.values
-        while exponent:
-            if exponent & 1:
-                result = result * values % self.prime
-            exponent >>= 1
-            values = values * values % self.prime
-        return Residue(self.prime, result)
+        return Residue(self.prime, power(base.values, exponent, self.prime))
 
 
 def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:

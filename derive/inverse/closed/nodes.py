@@ -30,16 +30,8 @@ class NodeKind(StrEnum):
     GENERAL = "general"  # several unknowns at once: elimination and an eigenvalue problem
 
 
-# How many values an unknown has for given coefficients.
-BRANCHES = {
-    NodeKind.GIVEN: 1,
-    NodeKind.SUM: 1,
-    NodeKind.TYPE_1: 1,
-    NodeKind.TYPE_2: 2,
-    NodeKind.TYPE_3: 1,
-    NodeKind.QUADRATIC: 2,
-    NodeKind.CONIC: 4,
-}
+# How many values an unknown has for given coefficients; of a general node its payload says it.
+BRANCHES = {**dict.fromkeys(NodeKind, 1), NodeKind.TYPE_2: 2, NodeKind.QUADRATIC: 2, NodeKind.CONIC: 4}
 
 
 @dataclass(frozen=True, slots=True)

@@ -397,7 +397,7 @@ def test_symbols_stay_symbols_until_the_graph_is_built() -> None:
 def test_runtime_names_stay_free_though_they_have_a_number() -> None:
     program = build_program(robot("q1", a="x + y", parameters="{x: 0.1, y: 2}", runtime="[y]"))
     assert program.parameters == ("y",)
-    assert program["forward_kinematics"].hoisted_operations == Operations(add=1)
+    assert program["forward_kinematics"].tape.hoisted_operations == Operations(add=1)
 
 
 def test_constants_are_rounded_once() -> None:
@@ -414,7 +414,7 @@ def test_cells_without_a_value_are_refused(cell: str) -> None:
 
 def test_division_in_cells_is_one_operation() -> None:
     program = build_program(robot("q1", a="x/y + y**-2"))
-    hoisted = program["forward_kinematics"].hoisted_operations
+    hoisted = program["forward_kinematics"].tape.hoisted_operations
     assert hoisted == Operations(mul=1, add=1, div=2)
     nodes = [node for function in program for node in function.tape.nodes]
     sources = [node.source for node in nodes if node.layer is Layer.BODY and node.source]
