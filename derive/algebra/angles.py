@@ -19,6 +19,9 @@ from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
 Terms = tuple[tuple[Expression, Fraction], ...]
+Axis = tuple[float, float, float]
+Groups = tuple[tuple[int, ...], ...]
+_UNIT_STEP = 0.737_912  # stand-in for the first symbolic angle; any value that is no multiple of pi will do
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +80,6 @@ def _split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
     if not rest:
         return number, one
     return number, rest[0] if len(rest) == 1 else Product(tuple(rest))
-
-
-Axis = tuple[float, float, float]
-Groups = tuple[tuple[int, ...], ...]
-
-_UNIT_STEP = 0.737_912  # stand-in for the first symbolic angle; any value that is no multiple of pi will do
 
 
 def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, tuple[int, ...]]:

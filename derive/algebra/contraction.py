@@ -80,11 +80,7 @@ def _shortest(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
 
 @cache
 def trees(size: int, sums: bool) -> tuple[Tree, ...]:
-    """The bases to try; the ring's own first, so that ties leave a polynomial as it is.
-
-    In a large group only those in which every generator is a sum of two angles at most: a longer sum has exponentially
-    many terms.
-    """
+    """The bases to try, the ring's own first, which wins ties; of large groups those of sums of two angles at most."""
     nodes = range(size + 1)
     own = tuple((0 if sums else i, i + 1) for i in range(size))
     others: list[Tree] = []

@@ -51,10 +51,7 @@ class Factoring:
         self._angles = [(i, places[Kind.COSINE, joint]) for (kind, joint), i in places.items() if kind is Kind.SINE]
 
     def factors(self, p: Polynomial) -> tuple[Factor, ...]:
-        """Factors whose product is exactly a polynomial: a constant, sines and cosines, then the others.
-
-        A factor that is a rational number stands first, where it is not 1.
-        """
+        """Factors of exactly a polynomial: a rational number that is not 1, sines and cosines, then the others."""
         if not p:
             return (Factor(p, 1),)
         simple, rest = [], p
@@ -76,8 +73,6 @@ class Factoring:
         # the product in the ring decides: it is multiplied out again, modulo s^2 + c^2 = 1
         product = prod((f.value**f.exponent for f in found), start=self._ring.one)
         return found if product == p else (Factor(p, 1),)
-
-    # -- sines and cosines
 
     def _divided(
         self, p: Polynomial, joints: tuple[int, ...], edge: Edge, kind: Kind
@@ -129,8 +124,6 @@ class Factoring:
             quotient, remainder = divmod(p.raw - s * by_sine, 1 - c**2)
             quotient = by_sine + s * quotient
         return None if remainder else self._ring.wrap(quotient)
-
-    # -- everything else
 
     def _half_angle_factors(self, p: Polynomial) -> tuple[list[tuple[Polynomial, int]], Polynomial]:
         """Factors with more than one term and their exponents, and a remainder; their product is exactly ``p``."""

@@ -97,8 +97,6 @@ class ResidueDomain(MappedDomain[Residue]):
             self._cache[key] = Residue(self.prime, self._residue(p, self._point))
         return self._cache[key]
 
-    # -- points
-
     def _draw_point(self) -> list[Array] | None:
         """A value per generator; None where a root or an inverse has none."""
         generators, index, p = self.domain.generators, self.domain.ring.index, self.prime
@@ -110,7 +108,7 @@ class ResidueDomain(MappedDomain[Residue]):
                 # (1 - t^2, 2t) / (1 + t^2) on the unit circle; 1 + t^2 has no zero modulo a prime 4k + 3
                 t = self._numbers(self.samples if g.kind is Kind.COSINE else 1)
                 square = t * t % p
-                scale = _power((1 + square) % p, p - 2, p)
+                scale = power((1 + square) % p, p - 2, p)
                 point[i], point[index[g.partner]] = (1 - square) % p * scale % p, 2 * t % p * scale % p
             elif i not in pending and g.kind not in (Kind.SINE, Kind.CONSTANT_SINE):
                 point[i] = self._numbers(self.samples if g.kind is Kind.VARIABLE else 1)
@@ -120,10 +118,10 @@ class ResidueDomain(MappedDomain[Residue]):
             ready = next(i for i, v in arguments.items() if not any(v.degrees()[k] for k in pending))
             value = self._residue(arguments[ready], point)
             if pending.pop(ready).kind is Kind.INVERSE:
-                point[ready] = _power(value, p - 2, p)  # Fermat: x^(p-2) = 1/x
+                point[ready] = power(value, p - 2, p)  # Fermat: x^(p-2) = 1/x
                 exists = value.all()
             else:
-                point[ready] = _power(value, (p + 1) // 4, p)  # a square root of x modulo p = 4k + 3, if x has one
+                point[ready] = power(value, (p + 1) // 4, p)  # a square root of x modulo p = 4k + 3, if x has one
                 exists = (point[ready] * point[ready] % p == value).all()
             if not exists:
                 return None
@@ -139,7 +137,7 @@ class ResidueDomain(MappedDomain[Residue]):
             term: Array = np.full((1, 1), fraction_residue(coefficient, self.prime), dtype=np.int64)
             for i, exponent in enumerate(exponents):
                 if exponent:
-                    term = term * _power(point[i], exponent, self.prime) % self.prime
+                    term = term * power(point[i], exponent, self.prime) % self.prime
             total = (total + term) % self.prime
         return total
 
@@ -150,10 +148,7 @@ def fraction_residue(value: Fraction, prime: int) -> int:
 
 
 def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
-    """The pivot columns of a matrix (m, n) modulo a prime, and its reduced row echelon form (rank, n).
-
-    Entry (k, j) of the form is the coefficient of pivot column k in column j.
-    """
+    """Pivot columns of a matrix (m, n) modulo a prime, and what of each (rank, n) is in every column (echelon form)."""
     entries = np.asarray(matrix, dtype=np.int64) % prime
     form, rank = nmod_mat(*entries.shape, entries.ravel().tolist(), prime).rref()
     rows = [[int(entry) for entry in row] for row in form.tolist()[:rank]]
@@ -161,8 +156,9 @@ def echelon(matrix: Array, prime: int) -> tuple[tuple[int, ...], Array]:
     return pivots, np.array(rows, dtype=np.int64).reshape(rank, entries.shape[1])
 
 
-def _power(base: Array, exponent: int, prime: int) -> Array:
-    result: Array = np.ones_like(base)  # by repeated squaring
+def power(base: Array, exponent: int, prime: int) -> Array:
+    """Powers of integers modulo a prime, by repeated squaring."""
+    result: Array = np.ones_like(base)
     while exponent:
         if exponent & 1:
             result = result * base % prime

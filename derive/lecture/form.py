@@ -46,10 +46,7 @@ class SymbolRoles:
 
     @classmethod
     def of(cls, robot: Robot) -> SymbolRoles:
-        """Symbols of masses, moments of inertia, gravity and offsets, by which expressions are grouped.
-
-        Lengths in a moment of inertia are none of them: of ``m*l**2/12`` the mass alone leads.
-        """
+        """Symbols by which expressions are grouped; lengths in a moment of inertia are none: m of ``m*l**2/12``."""
         masses: set[str] = set()
         moments: list[Expression] = []
         lengths = {name for joint in robot.joints for cell in (joint.a, joint.d) for name in names(cell)}

@@ -15,6 +15,8 @@ from derive.lecture.terms import Monomial, Terms, common_factor, divide, multipl
 
 # Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer.
 MAX_TRIED_AS_PRODUCT = 120
+# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
+LARGE_FACTOR = 1000
 
 
 @dataclass(frozen=True)
@@ -101,10 +103,7 @@ def joined(plans: Iterable[Plan]) -> Plan:
 
 
 def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
-    """Grouped by the first level, each coefficient by the next one, and so on; common factors outside.
-
-    ``c1*(a2*c2 + a3*c23)`` where the levels are the joints from the base outwards.
-    """
+    """Grouped level by level, joints from the base outwards ``c1*(a2*c2 + a3*c23)``; common factors outside."""
     if len(terms) <= 1:
         return flat(terms)
     if not levels:
@@ -148,10 +147,6 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
         coefficient *= Fraction(sign) ** exponent
         parts.append((write({m: sign * c for m, c in inner.items()}), exponent))
     return Times(coefficient, outer, tuple(parts)) if parts else Term(coefficient, outer)
-
-
-# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
-LARGE_FACTOR = 1000
 
 
 def with_plain_numbers(plan: Plan) -> Plan:

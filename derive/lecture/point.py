@@ -30,12 +30,8 @@ def _direction(y: Real, x: Real) -> Real:
 
 
 _FUNCTIONS: Mapping[Any, Callable[..., Real]] = {
-    sympy.sin: mpmath.sin,
-    sympy.cos: mpmath.cos,
-    sympy.tan: mpmath.tan,
-    sympy.atan2: _direction,
-    sympy.sign: mpmath.sign,
-    sympy.Abs: abs,
+    **{getattr(sympy, name): getattr(mpmath, name) for name in ("sin", "cos", "tan", "sign")},
+    **{sympy.atan2: _direction, sympy.Abs: abs},
 }
 
 

@@ -28,14 +28,9 @@ PLAIN = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE, Kind.PARAMETER, Kind.R
 Write = Callable[[Any], Expr]  # writes an exact entry
 _order = cmp_to_key(Basic.compare)
 
-_FUNCTIONS = {
-    "sin": sympy.sin,
-    "cos": sympy.cos,
-    "tan": sympy.tan,
-    "sqrt": sympy.sqrt,
-    "atan2": sympy.atan2,
-    "sign": sympy.sign,
-}
+_FUNCTIONS = {name: getattr(sympy, name) for name in ("sin", "cos", "tan", "sqrt", "atan2", "sign")}
+_PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
+_RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
 @cache
@@ -74,10 +69,6 @@ def factor_to_sympy(domain: PolynomialDomain, factor: PrintedFactor) -> Expr:
             return 1 / argument
         case _:
             return argument
-
-
-_PLAIN = _FUNCTIONS.keys() - {"sqrt"}  # a root comes as a power
-_RECIPROCAL = {"sec": "cos", "csc": "sin", "cot": "tan"}
 
 
 def expression_from_sympy(expression: Any) -> Expression:
@@ -163,11 +154,7 @@ def aligned_latex(lines: Sequence[str]) -> str:
 
 
 class ProductBuilder:
-    """Turns monomials over a `FactorTable` into SymPy products.
-
-    SymPy's canonical order of the factors is found once, by insertion; asking SymPy for it again and again takes most
-    of the time otherwise.
-    """
+    """Turns monomials into SymPy products, whose order is found once, by insertion: SymPy takes long for it."""
 
     def __init__(self, table: FactorTable) -> None:
         self._table = table

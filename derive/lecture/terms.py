@@ -106,11 +106,7 @@ class FactorTable:
         return result
 
     def _contract_part(self, part: list[Row], group: _Group) -> Iterator[Row]:
-        """Terms that differ in the generators of one group only.
-
-        The angles are counted in the sense of the group while they are contracted; before and after a sine of an angle
-        that turns the other way changes its sign, so that the first angle of every printed sum is positive.
-        """
+        """Terms that differ in the generators of one group only, contracted with opposed angles turned round."""
         joints = group.joints
         row, trig, _ = part[0]
         rest = {i: e for i, e in row.items() if i not in group.own}

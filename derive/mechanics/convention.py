@@ -168,7 +168,6 @@ class Cells:
 
     def cell(self, value: Polynomial, known: Iterable[Expression] = ()) -> Expression:
         """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
-        # A cell of the file that has this value, or minus it, is kept as it is written.
         for cell in known:
             negated = tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
             for written in (cell, negated):
@@ -222,7 +221,6 @@ def _links(robot: Robot, cells: Cells, moved: Sequence[Factor]) -> tuple[tuple[L
             if body.mass != link.mass:
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
         body = body if to_modified else body.through(behind.inverse)
-        # Cells that keep their value are kept as they are written.
         names, entries = [part.name for part in fields(Inertia)], vectors.from_matrix(body.inertia)
         known = [getattr(link.inertia, name) for name in names]
         inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
@@ -268,6 +266,5 @@ def has_equal_poses(conversion: Conversion) -> bool:
     values, angles = robot_cells(result)
     calls = [Call(name, (angle,)) for angle in angles for name in ("cos", "sin")]
     domain = PolynomialDomain(source, [*values, *calls], rates=False)
-    # Both products T in one ring, compared as polynomials.
     ours, theirs = (forward_kinematics(build_chain(robot, domain)) for robot in (source, result))
     return ours == theirs

@@ -48,10 +48,8 @@ class _Composite(Generic[S]):
         c, s, fixed, p, mass = joint.cosine, joint.sine, joint.fixed.rotation, origin(joint), self.mass
         # In the axes before the joint's turn: h and h' as vectors, P and E as R P R^T.
         first, (x, y, z) = joint_motion.turn_vector(c, s, self.first), joint_motion.turn_vector(c, s, self.first_rate)
-        second, second_rate = (
-            joint_motion.turn_about_z(c, s, self.second),
-            joint_motion.turn_matrix(c, s, self.second_rate),
-        )
+        second = joint_motion.turn_about_z(c, s, self.second)
+        second_rate = joint_motion.turn_matrix(c, s, self.second_rate)
         # The turn adds rate z x x to every x': rate z x h to h' and rate z^ P to E, whose third row stays.
         if joint.revolute:
             x, y = x - rate * first[1], y + rate * first[0]

@@ -13,6 +13,7 @@ from derive.robot.robot import Robot
 
 PolynomialFrame = Frame[Polynomial]
 PolynomialVector = Vector[Polynomial]
+JacobianColumn = tuple[Polynomial, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 
 class Kinematics:
@@ -24,8 +25,6 @@ class Kinematics:
         self.chain: Chain[Polynomial] = build_chain(robot, domain)
         self._frames: dict[tuple[int, int], PolynomialFrame] = {}
         self._joint_frames: list[PolynomialFrame] = [self.chain.base]
-
-    # -- frames
 
     def transform(self, i: int, j: int) -> PolynomialFrame:
         """DH frame j in DH frame i, without base and tool."""
@@ -55,8 +54,6 @@ class Kinematics:
             step = joint.fixed @ joint.motion(self.chain.zero, self.chain.one)
             self._joint_frames.append(self._joint_frames[-1] @ step)
         return self._joint_frames[i]
-
-    # -- Jacobians, as lists of columns
 
     def axis(self, i: int) -> PolynomialVector:
         """Axis of joint i in the world, in the sense of a positive rate of its variable."""
@@ -94,8 +91,6 @@ class Kinematics:
         columns[i - 1] = scale(self.domain.constant(motor.ratio), z)
         return columns
 
-    # -- potential energy
-
     @cached_property
     def potential(self) -> Polynomial:
         """U = -sum m g0.p over links and rotors, g0 in the world."""
@@ -105,9 +100,6 @@ class Kinematics:
     def gravity_vector(self) -> list[Polynomial]:
         """g = dU/dq, n entries."""
         return [self.domain.derivative(self.potential, k) for k in range(self.robot.n)]
-
-
-JacobianColumn = tuple[Polynomial, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 
 @dataclass(frozen=True, slots=True)

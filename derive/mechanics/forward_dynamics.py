@@ -62,10 +62,8 @@ def factorised(
 
 def carried(lifted: Sequence[Sequence[F]], pivots: Sequence[F], zero: F) -> list[list[F]]:
     """V^T (U D U^T)^-1 V of right-hand sides V, symmetric: the sum of y_k y_k^T / D_k with y = U^-1 V."""
-    divided, places = (
-        [[y / pivot for y, pivot in zip(side, pivots, strict=True)] for side in lifted],
-        range(len(lifted)),
-    )
+    divided = [[y / pivot for y, pivot in zip(side, pivots, strict=True)] for side in lifted]
+    places = range(len(lifted))
     half = [[sum(map(mul, divided[i], lifted[j]), zero) for j in range(i + 1)] for i in places]
     return [[half[max(i, j)][min(i, j)] for j in places] for i in places]
 
@@ -105,10 +103,7 @@ class _Articulated(Generic[F]):
         """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
         # In the axes of frame i-1 first, then about its origin.
         p = origin(joint)
-        mass, inertia = (
-            joint_motion.tensor_to_parent(joint, self.mass),
-            joint_motion.tensor_to_parent(joint, self.inertia),
-        )
+        mass, inertia = (joint_motion.tensor_to_parent(joint, tensor) for tensor in (self.mass, self.inertia))
         turned = joint_motion.matrix_to_parent(joint, self.coupling)
         m = mass.matrix
         # H' = H + p^ M: p x the columns of M, which is symmetric.

@@ -144,9 +144,8 @@ def _beyond_prismatic(
     """omega, alpha and U are those of the link before, in other axes."""
     omega, alpha = to_child(joint, before.omega), to_child(joint, before.alpha)
     twice = rate + rate
-    origin_acceleration = add(
-        _origin_acceleration(joint, before), (twice * omega[1], -(twice * omega[0]), acceleration)
-    )
+    at_rest = _origin_acceleration(joint, before)
+    origin_acceleration = add(at_rest, (twice * omega[1], -(twice * omega[0]), acceleration))
     if not choice.column:
         return _from_angular(omega, alpha, origin_acceleration)
     turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)

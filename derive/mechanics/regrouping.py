@@ -62,10 +62,7 @@ def _massless(chain: Chain[S]) -> Body[S]:
 
 
 def _split_revolute(chain: Chain[S], joint: ChainJoint[S], body: Body[S], half: S | None) -> tuple[Body[S], Body[S]]:
-    """What stays, and in joint frame i-1 the part symmetric about the axis, on which the joint's angle has no effect.
-
-    With ``half`` P_zz moves, else I_yy.
-    """
+    """What stays, and in joint frame i-1 the part symmetric about the axis: with ``half`` P_zz moves, else I_yy."""
     z, i = chain.zero, body.inertia
     x, y, along = body.first_moment
     if half is not None:

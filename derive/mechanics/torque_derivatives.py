@@ -125,10 +125,7 @@ class _Response(Generic[S]):
 
 
 def torque_velocity_derivative(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
-    """d tau / d qd: 2 C plus viscous friction; that of Coulomb friction is 0.
-
-    The factor 2 is on the inertial parameters, where it costs nothing at run time.
-    """
+    """d tau / d qd: 2 C, the factor on inertial parameters, plus viscous friction; that of Coulomb friction is 0."""
     joints = tuple(replace(joint, coupling=joint.coupling + joint.coupling) for joint in chain.joints)
     doubled = replace(chain, bodies=tuple(body + body for body in chain.bodies), joints=joints)
     matrix = coriolis_matrix(doubled, qd, half)

@@ -49,11 +49,7 @@ def dot(a: Vector[S], b: Vector[S]) -> S:
 
 def cross(a: Vector[S], b: Vector[S]) -> Vector[S]:
     """a x b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def multiply(m: Matrix[S], v: Vector[S]) -> Vector[S]:

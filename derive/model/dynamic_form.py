@@ -62,8 +62,6 @@ class DynamicForm:
     def _lumped_form(self) -> LectureForm:
         return LectureForm(self.dynamics.lumped, style=self.form.style)
 
-    # -- entries
-
     @cached_property
     def inertia_limit(self) -> int:
         """Longest entry of B that is written in the user's symbols."""
@@ -114,8 +112,6 @@ class DynamicForm:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
         return sympy.Add(*terms)
 
-    # -- sums over rates
-
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], writing: RateWriting) -> Expr:
         """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``."""
         known = [(p, rate) for p, rate in pairs if p]
@@ -148,10 +144,7 @@ class DynamicForm:
         return rates in (Rates.SYMBOL, Rates.FACTORED)
 
     def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
-        """Every product of lengths once, each mass or sum of masses with its combination of rates.
-
-        ``m2*l2**2*(qdd1 + qdd2) + (m1 + m2)*l1**2*qdd1``
-        """
+        """Every product of lengths once: ``m2*l2**2*(qdd1 + qdd2) + (m1 + m2)*l1**2*qdd1``."""
         form, parts = self.form, []
         by_geometry: dict[Monomial, dict[Monomial, Combination]] = {}
         for (body, geometry), rates in self._combinations(pairs).items():
@@ -171,10 +164,7 @@ class DynamicForm:
         return sympy.Add(*parts)
 
     def _by_geometry(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
-        """Every product of lengths once, in its bracket every product of rates with its masses.
-
-        ``a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)``
-        """
+        """Every product of lengths once, rates in its bracket: ``a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)``."""
         by_geometry: dict[Monomial, dict[Expr, list[Plan]]] = {}
         for (body, geometry), rates in self._combinations(pairs).items():
             for rate, value in rates.items():

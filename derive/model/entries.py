@@ -24,6 +24,8 @@ from derive.model.long_chain import NestedKinematics, TermCount, nested_term_cou
 from derive.model.model import Model
 from derive.robot.expression import ZERO
 
+Triple = tuple[int, int, int]  # i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k
+
 
 @dataclass(frozen=True, slots=True)
 class Entries:
@@ -54,9 +56,6 @@ class Entries:
             lambda i, j: self.terms(rows[i - 1], columns[j - 1]),
             lambda i, j: self.entry(rows[i - 1], columns[j - 1]),
         )
-
-
-Triple = tuple[int, int, int]  # i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k
 
 
 class RateTerm(NamedTuple):

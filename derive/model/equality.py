@@ -41,12 +41,8 @@ def _real_root(value: Real) -> Real:
 
 
 _FUNCTIONS: Mapping[str, Callable[..., Real]] = {
-    "sin": mpmath.sin,
-    "cos": mpmath.cos,
-    "tan": mpmath.tan,
+    **{name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "atan2", "sign")},
     "sqrt": _real_root,
-    "atan2": mpmath.atan2,
-    "sign": mpmath.sign,
 }
 
 
@@ -132,7 +128,6 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
     if not proves and not points:
         remedy = "check its roots and denominators"
         raise CheckError("formula without a real value at any of many random points", remedy=remedy)
-    # Where they differ most visibly.
     worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
     return Verdict(not proves and worst <= CLOSE, proves, shown if worst > CLOSE else None)
 

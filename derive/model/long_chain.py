@@ -26,6 +26,10 @@ from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.robot.robot import Robot
 
+# Entries of a transform with more terms are nested from the recursion instead of derived as polynomials.
+LONGEST_ENTRY = 300
+ALWAYS_SHORT = 8  # arms with so few joints are never long; measuring them would be wasted
+
 
 @dataclass(frozen=True)
 class NestedKinematics(Generic[S]):
@@ -56,11 +60,6 @@ def nested_kinematics(chain: Chain[S]) -> NestedKinematics[S]:
         end = joint.fixed @ end
     linear, angular = ([multiply(chain.base.rotation, v) for v in columns] for columns in (linear, angular))
     return NestedKinematics(end=chain.base @ end, linear=tuple(linear), angular=tuple(angular))
-
-
-# Entries of a transform with more terms are nested from the recursion instead of derived as polynomials.
-LONGEST_ENTRY = 300
-ALWAYS_SHORT = 8  # arms with so few joints are never long; measuring them would be wasted
 
 
 class LongChain:

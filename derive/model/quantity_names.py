@@ -12,6 +12,8 @@ from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.model.quantities import REGISTRY, Quantity
 
+_ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
+
 
 def evaluate(model: DynamicModel, text: str) -> Expr:
     """A quantity, or an entry of it, by name.
@@ -51,9 +53,6 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     raise QuantityError(
         f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
     )
-
-
-_ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
 
 
 def _key(word: str) -> str:

@@ -13,7 +13,7 @@ from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import program_cost
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows

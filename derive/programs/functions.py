@@ -21,6 +21,8 @@ from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
+# What functions of arms with links have in common.
+_OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
 
 
 def _has_regressor(robot: Robot) -> bool:
@@ -48,70 +50,62 @@ class FunctionRow:
         return self.is_optional or self.without_value is not None
 
 
-# What functions of arms with links have in common.
-_OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
-
-
 def _row(
     what: tuple[str, tuple[int | str, ...]],
-    words: tuple[str, str],
+    summary: str,
+    result: str,
     formulations: Callable[[Trace], Iterable[Formulation]],
     **options: Any,
 ) -> FunctionRow:
-    """A row by a call of the function, ``J = jacobian(q)``, and the shape, and words for it and its result."""
+    """A row by a call of the function and its shape, ``("J = jacobian(q)", (6, "n"))``."""
     call, shape = what
     symbol, _, rest = call.partition(" = ")
     name, _, arguments = rest.removesuffix(")").partition("(")
     taken = tuple(arguments.split(", ")) if arguments else ()
-    return FunctionRow(interface=Interface(name, taken, shape, symbol, *words), formulations=formulations, **options)
+    interface = Interface(name, taken, shape, symbol, summary, result)
+    return FunctionRow(interface=interface, formulations=formulations, **options)
 
 
 # In the order in which they are printed.
 ROWS = (
     _row(
         ("T = forward_kinematics(q)", (4, 4)),
-        ("Pose of the end effector in the world frame.", "base A_1 ... A_n tool, a 4x4 homogeneous transform"),
+        "Pose of the end effector in the world frame.",
+        "base A_1 ... A_n tool, a 4x4 homogeneous transform",
         kinematics.poses,
         margin=POLICY.kinematics_margin,
     ),
     _row(
         ("T_i = link_transforms(q)", ("n", 4, 4)),
-        ("Poses of the DH frames 1..n in the world frame.", "base A_1 ... A_i for i = 1..n, without the tool"),
+        "Poses of the DH frames 1..n in the world frame.",
+        "base A_1 ... A_i for i = 1..n, without the tool",
         kinematics.link_poses,
         margin=POLICY.kinematics_margin,
     ),
     _row(
         ("J = jacobian(q)", (6, "n")),
-        (
-            "Geometric Jacobian at the end effector, in the world frame.",
-            "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
-        ),
+        "Geometric Jacobian at the end effector, in the world frame.",
+        "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.jacobians,
         margin=POLICY.kinematics_margin,
     ),
     _row(
         ("J_end = jacobian_end(q)", (6, "n")),
-        (
-            "Geometric Jacobian at the end effector, in the end effector's axes.",
-            "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
-        ),
+        "Geometric Jacobian at the end effector, in the end effector's axes.",
+        "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.end_jacobians,
         margin=POLICY.kinematics_margin,
     ),
     _row(
         ("dJ/dt = jacobian_dot(q, qd)", (6, "n")),
-        (
-            "Rate of change of the geometric Jacobian, in the world frame.",
-            "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
-        ),
+        "Rate of change of the geometric Jacobian, in the world frame.",
+        "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
         kinematics.jacobian_rates,
     ),
     _row(
         ("H = jacobian_hessian(q)", (6, "n", "n")),
-        (
-            "Derivatives of the geometric Jacobian with respect to q, in the world frame.",
-            "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
-        ),
+        "Derivatives of the geometric Jacobian with respect to q, in the world frame.",
+        "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
         kinematics.hessians,
         exists=lambda robot: robot.n <= POLICY.most_derivatives,
         margin=POLICY.kinematics_margin,
@@ -120,11 +114,9 @@ ROWS = (
     *(
         _row(
             (f"J_A = analytic_jacobian_{kind}(q)", (6, "n")),
-            (
-                f"Analytic Jacobian for {angles}.",
-                f"rows: velocity of the end effector's origin [m/s], then rates of {rates} [rad/s], per unit of qd; no "
-                f"finite numbers where {singular} = 0",
-            ),
+            f"Analytic Jacobian for {angles}.",
+            f"rows: velocity of the end effector's origin [m/s], then rates of {rates} [rad/s], per unit of qd; no "
+            f"finite numbers where {singular} = 0",
             partial(kinematics.analytic_jacobians, kind),
             is_optional=True,
         )
@@ -135,84 +127,79 @@ ROWS = (
     ),
     _row(
         ("B = inertia_matrix(q)", ("n", "n")),
-        ("Inertia matrix, rotors and armatures included.", "symmetric; kinetic energy is qd^T B qd / 2"),
+        "Inertia matrix, rotors and armatures included.",
+        "symmetric; kinetic energy is qd^T B qd / 2",
         dynamics.inertia_matrices,
         **_OF_LINKS,
     ),
     _row(
         ("C = coriolis_matrix(q, qd)", ("n", "n")),
-        ("Coriolis and centrifugal matrix in Christoffel form.", "C qd is the velocity torque, and dB/dt = C + C^T"),
+        "Coriolis and centrifugal matrix in Christoffel form.",
+        "C qd is the velocity torque, and dB/dt = C + C^T",
         dynamics.coriolis_matrices,
         **_OF_LINKS,
     ),
     _row(
         ("g = gravity_vector(q)", ("n",)),
-        ("Torques that hold the arm against gravity.", "dU/dq, U the potential energy"),
+        "Torques that hold the arm against gravity.",
+        "dU/dq, U the potential energy",
         dynamics.gravity_vectors,
         **_OF_LINKS,
     ),
     _row(
         ("T = kinetic_energy(q, qd)", ()),
-        ("Kinetic energy, rotors and armatures included.", "qd^T B qd / 2 [J]"),
+        "Kinetic energy, rotors and armatures included.",
+        "qd^T B qd / 2 [J]",
         dynamics.kinetic_energies,
         **_OF_LINKS,
     ),
     _row(
         ("U = potential_energy(q)", ()),
-        (
-            "Potential energy of links and rotors in the field of gravity.",
-            "the sum of -m g . p [J], which is zero at the origin of the world frame",
-        ),
+        "Potential energy of links and rotors in the field of gravity.",
+        "the sum of -m g . p [J], which is zero at the origin of the world frame",
         dynamics.potential_energies,
         **_OF_LINKS,
     ),
     _row(
         ("tau = inverse_dynamics(q, qd, qdd)", ("n",)),
-        (
-            "Joint torques and forces of a motion, friction included.",
-            "B qdd + C qd + g + viscous*qd + coulomb*sign(qd)",
-        ),
+        "Joint torques and forces of a motion, friction included.",
+        "B qdd + C qd + g + viscous*qd + coulomb*sign(qd)",
         dynamics.torques,
         **_OF_LINKS,
     ),
     _row(
         ("qdd = forward_dynamics(q, qd, tau)", ("n",)),
-        ("Joint accelerations under given torques and forces.", "solution of tau = B qdd + C qd + g + friction"),
+        "Joint accelerations under given torques and forces.",
+        "solution of tau = B qdd + C qd + g + friction",
         dynamics.accelerations,
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
     _row(
         ("c = coriolis_vector(q, qd)", ("n",)),
-        ("Coriolis and centrifugal torques.", "C qd, quadratic in qd"),
+        "Coriolis and centrifugal torques.",
+        "C qd, quadratic in qd",
         dynamics.coriolis_vectors,
         exists=_has_links,
     ),
     _row(
         ("dtau/dq = inverse_dynamics_dq(q, qd, qdd)", ("n", "n")),
-        (
-            "Derivatives of the joint torques with respect to q.",
-            "row i, column j: d tau_i / d q_j at constant qd and qdd",
-        ),
+        "Derivatives of the joint torques with respect to q.",
+        "row i, column j: d tau_i / d q_j at constant qd and qdd",
         dynamics.torque_position_derivatives,
         exists=_has_links,
     ),
     _row(
         ("dtau/dqd = inverse_dynamics_dqd(q, qd)", ("n", "n")),
-        (
-            "Derivatives of the joint torques with respect to qd.",
-            "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
-        ),
+        "Derivatives of the joint torques with respect to qd.",
+        "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
         dynamics.torque_velocity_derivatives,
         exists=_has_links,
     ),
     _row(
         ("Y = regressor(q, qd, qdd)", ("n", "p")),
-        (
-            "Regressor: tau = Y pi for the standard parameters pi, friction included.",
-            "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's "
-            "origin",
-        ),
+        "Regressor: tau = Y pi for the standard parameters pi, friction included.",
+        "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's origin",
         dynamics.regressors,
         exists=_has_regressor,
         columns=dynamics.standard_columns,
@@ -220,10 +207,8 @@ ROWS = (
     ),
     _row(
         ("Y_b = base_regressor(q, qd, qdd)", ("n", "p")),
-        (
-            "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
-            "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
-        ),
+        "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
+        "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
         dynamics.base_regressors,
         exists=_has_regressor,
         columns=dynamics.base_columns,
@@ -231,10 +216,8 @@ ROWS = (
     ),
     _row(
         ("beta = base_parameters()", ("p",)),
-        (
-            "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
-            "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
-        ),
+        "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
+        "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
         dynamics.base_parameters,
         exists=_has_regressor,
         columns=dynamics.base_columns,
@@ -243,10 +226,8 @@ ROWS = (
     *(
         _row(
             (f"w = manipulability{'_' * (part != 'all')}{part.removeprefix('all')}(q)", ()),
-            (
-                f"Manipulability of the {what}.",
-                "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
-            ),
+            f"Manipulability of the {what}.",
+            "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             partial(kinematics.manipulabilities, part),
             exists=lambda robot: robot.n <= POLICY.most_derivatives,
             margin=1.0,
@@ -256,7 +237,8 @@ ROWS = (
     ),
     _row(
         ("dw/dq = manipulability_dq(q)", ("n",)),
-        ("Gradient of the manipulability of the task.", "d w / d q_j; where w = 0 of an oblong J no finite numbers"),
+        "Gradient of the manipulability of the task.",
+        "d w / d q_j; where w = 0 of an oblong J no finite numbers",
         kinematics.manipulability_gradients,
         exists=lambda robot: robot.n <= POLICY.most_derivatives,
         search=False,
@@ -267,20 +249,16 @@ ROWS = (
         for row in (
             _row(
                 (f"tau_h = wrench_torques{suffix}(q, h)", ("n",)),
-                (
-                    f"Torques and forces by which joints feel a wrench in the axes of the {axes}.",
-                    "J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h",
-                ),
+                f"Torques and forces by which joints feel a wrench in the axes of the {axes}.",
+                "J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h",
                 partial(kinematics.wrench_torques, frame),
                 margin=POLICY.kinematics_margin,
                 search=False,
             ),
             _row(
                 (f"dtau_h/dq = wrench_torques{suffix}_dq(q, h)", ("n", "n")),
-                (
-                    f"Derivatives of wrench_torques{suffix} with respect to q.",
-                    f"row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the {axes}",
-                ),
+                f"Derivatives of wrench_torques{suffix} with respect to q.",
+                f"row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the {axes}",
                 partial(kinematics.wrench_torque_derivatives, frame),
                 exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives,
                 margin=1.0,
@@ -290,10 +268,8 @@ ROWS = (
     ),
     _row(
         ("Lambda = task_inertia(q)", ("m", "m")),
-        (
-            "Inertia that a force on the end effector meets in the task.",
-            "(J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank",
-        ),
+        "Inertia that a force on the end effector meets in the task.",
+        "(J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank",
         dynamics.task_inertias,
         exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
         search=False,

@@ -37,7 +37,6 @@ from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, has_exact_rotations
 from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
-from derive.programs.tape.cases import is_nowhere_negative
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import Q, TapeDomain
@@ -75,6 +74,8 @@ FRAME_ENTRIES = 12  # of the first three rows of a frame
 MOST_SOLUTIONS = 16
 # By which singular poses are brought beside, row by row; lengths in the unit.
 MOTIONS = tuple(tuple(entry for row in motion for entry in row) for motion in BESIDE)
+# A program, what finds the solutions without one, or None and the reason why there is neither.
+Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,7 @@ class TapeField:
 
     def has_root(self, a: Value, scale: Value) -> Mask:
         """Whether a number is not below zero, but for rounding."""
-        if is_nowhere_negative(a.graph, a.ref):
+        if a.graph.is_nowhere_negative(a.ref):
             return self.truth(True)
         return ~Mask(a.less(abs(scale) * -Fraction(BEYOND)))
 
@@ -181,10 +182,6 @@ class TapeField:
     def general(self, formula: NodeFormula, values: Mapping[str, Value]) -> Sequence[Any]:
         """Graphs with eigenvalue problems have no program (`search_function`)."""
         raise NotImplementedError
-
-
-# A program, what finds the solutions without one, or None and the reason why there is neither.
-Solved = tuple[Inverse | InverseSearch | None, str]
 
 
 def solved(trace: Trace) -> Solved:
@@ -242,17 +239,11 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
 
 def around(graph: SolutionGraph) -> Around:
     """Where solutions that are alone are looked for where others are free."""
-    joints = range(graph.robot.n)
-    return Around(
-        motions=MOTIONS,
-        starts=tuple(
-            tuple(0.0 if k in graph.given else row[k] for k in joints) for row in starts(graph.robot.n).tolist()
-        ),
-        nudge=tuple(
-            0.0 if k in graph.given else round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in joints
-        ),
-        is_short=graph.is_short,
-    )
+    n = graph.robot.n
+    nudge = [round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in range(n)]
+    rows = (nudge, *starts(n).tolist())
+    free = [tuple(0.0 if k in graph.given else entry for k, entry in enumerate(row)) for row in rows]
+    return Around(motions=MOTIONS, starts=tuple(free[1:]), nudge=free[0], is_short=graph.is_short)
 
 
 def count_text(graph: SolutionGraph) -> str:

@@ -95,16 +95,11 @@ class Function:
         return self.tape.operations
 
     @property
-    def hoisted_operations(self) -> Operations:
-        """Operations on run-time parameters alone, done once per call."""
-        return self.tape.hoisted_operations
-
-    @property
     def notes(self) -> tuple[str, ...]:
         """Formulation and cost, for a docstring."""
         lines = [f"{self.formulation[0].upper()}{self.formulation[1:]}: {cost_text(self.operations)}."]
-        if self.hoisted_operations.total:
-            lines.append(f"Once per set of parameters: {cost_text(self.hoisted_operations)}.")
+        if self.tape.hoisted_operations.total:
+            lines.append(f"Once per set of parameters: {cost_text(self.tape.hoisted_operations)}.")
         return tuple(lines)
 
 
@@ -215,7 +210,7 @@ class Program:
     @property
     def hoisted_operations(self) -> dict[str, dict[str, int]]:
         """Counts of the work on run-time parameters alone, by function."""
-        return {function.name: function.hoisted_operations.as_dict() for function in self.all_functions}
+        return {function.name: function.tape.hoisted_operations.as_dict() for function in self.all_functions}
 
 
 def cost_text(operations: Operations) -> str:

@@ -24,6 +24,7 @@ Command = tuple[str, ...]
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_running: set[subprocess.Popen[str]] = set()  # compilers at work
 
 
 def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
@@ -80,9 +81,6 @@ def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, op
     if process.returncode != 0:
         reason = next((line for line in said.splitlines() if "error" in line), "without saying why")
         raise TargetError(f"the C compiler {compiler[0]} failed: {reason.strip()}")
-
-
-_running: set[subprocess.Popen[str]] = set()  # compilers at work
 
 
 def _end(process: subprocess.Popen[str]) -> None:

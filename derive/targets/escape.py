@@ -110,10 +110,7 @@ def c_prefix(name: str) -> str:
 
 
 def matlab_package(name: str) -> str:
-    """A robot's name as that of a package of MATLAB and Octave, which keywords and functions of theirs do not have.
-
-    Functions of one word are many, and a package of that name would hide them or be hidden; hardly one has underscores.
-    """
+    """A robot's name as that of a package of MATLAB and Octave, whose functions hardly ever have underscores."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
     is_free = "_" in plain and plain[0].isalpha() and plain not in _MATLAB_KEYWORDS
     return (plain if is_free else f"robot_{plain}")[:_MATLAB_NAME_LENGTH].rstrip("_")

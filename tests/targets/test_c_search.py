@@ -9,8 +9,7 @@ import pytest
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
-from derive.targets.c import c_inverse, c_search, render_c
-from derive.targets.c_function import c_function
+from derive.targets.c import c_function, c_inverse, c_search, render_c
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import PUBLISHED
 from tests.targets.generated_models import c_model, casadi_model, needs_compiler, small_program, source_of

@@ -30,6 +30,8 @@ TURNED = 1e-12
 SHORT = Fraction(1, 10**10)
 # Where a radicand keeps all its digits its two roots are one below this part of what it usually is.
 FOLDED = Fraction(1, 10**12)
+# Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.
+CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
 
 
 class Mask(Protocol):
@@ -237,7 +239,3 @@ class Solver(Generic[N, M]):
                 near = f.divide(self.evaluate(exact), self.evaluate(factor))
                 return near * (one - sign * known), near * f.number(Fraction(1, 2)) + f.number(FOLDED)
         return one - known * known, one
-
-
-# Exponents of cosine and sine in the order in which `Field.conic` takes the coefficients.
-CONIC_TERMS: tuple[Exponents, ...] = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.algebra.residues import Residue, ResidueDomain
+from derive.algebra.residues import Residue, ResidueDomain, power
 from derive.inverse.closed.conic import line_points
 from derive.inverse.closed.nodes import NodeFormula
 from derive.robot.evaluate import to_float
@@ -178,21 +178,11 @@ class PrimeField(_ArrayMasks):
     general = conic
 
     def _power(self, base: Residue, exponent: int) -> Residue:
-        result, values = np.ones_like(base.values), base.values
-        while exponent:
-            if exponent & 1:
-                result = result * values % self.prime
-            exponent >>= 1
-            values = values * values % self.prime
-        return Residue(self.prime, result)
+        return Residue(self.prime, power(base.values, exponent, self.prime))
 
 
 def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:
-    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton.
-
-    Before, t is replaced by (t + k)/(1 - k t): the angle is counted from another zero, at which no root is near
-    infinity.
-    """
+    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton."""
     # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
     ways = [(k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)]
     leads = [np.abs(way[..., 4]) / np.maximum(np.abs(way).max(axis=-1), 1e-300) for _, way in ways]

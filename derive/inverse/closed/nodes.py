@@ -14,6 +14,8 @@ from typing import Any
 
 from derive.algebra.ring import Polynomial
 
+Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unknown
+
 
 class NodeKind(StrEnum):
     """How a node is solved; the types are those of Khalil and Dombre, 2002, chapter 4."""
@@ -28,16 +30,8 @@ class NodeKind(StrEnum):
     GENERAL = "general"  # several unknowns at once: elimination and an eigenvalue problem
 
 
-# How many values an unknown has for given coefficients.
-BRANCHES = {
-    NodeKind.GIVEN: 1,
-    NodeKind.SUM: 1,
-    NodeKind.TYPE_1: 1,
-    NodeKind.TYPE_2: 2,
-    NodeKind.TYPE_3: 1,
-    NodeKind.QUADRATIC: 2,
-    NodeKind.CONIC: 4,
-}
+# How many values an unknown has for given coefficients; of a general node its payload says it.
+BRANCHES = {**dict.fromkeys(NodeKind, 1), NodeKind.TYPE_2: 2, NodeKind.QUADRATIC: 2, NodeKind.CONIC: 4}
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +46,6 @@ class Unknown:
     def is_angle(self) -> bool:
         """Whether it is an angle, and not a length."""
         return len(self.generators) == 2
-
-
-Exponents = tuple[int, ...]  # of cosine and sine, or of the length, of the unknown
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,17 @@ from derive.mechanics.vectors import (
 )
 from derive.robot.robot import Robot
 
+_PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
+# Entries of the rotation and the position, and the invariants that lectures use.
+ENTRIES = (
+    *(f"R{place}" for place in _PLACES),
+    *(f"{name}[{k}]" for name in "pu" for k in (1, 2, 3)),
+    "p.p",
+    "p.xy",
+    "u.xy",
+)
+HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)  # the invariants of Raghavan and Roth besides
+
 
 @dataclass(frozen=True, slots=True)
 class Atoms(Generic[S]):
@@ -122,19 +133,6 @@ class Atoms(Generic[S]):
         if matrix is None:
             raise KeyError(name)
         return matrix[first][second[0]]
-
-
-_PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
-
-# Entries of the rotation and the position, and the invariants that lectures use.
-ENTRIES = (
-    *(f"R{place}" for place in _PLACES),
-    *(f"{name}[{k}]" for name in "pu" for k in (1, 2, 3)),
-    "p.p",
-    "p.xy",
-    "u.xy",
-)
-HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)  # the invariants of Raghavan and Roth besides
 
 
 def dimension(entry: str) -> int:

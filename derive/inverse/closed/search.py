@@ -21,6 +21,8 @@ from derive.inverse.closed.unknowns import State
 
 CONSIDERED = 16  # equations of a step that are looked at, the shortest ones
 UNLIKE = 6  # what it costs a pair of equations that they stand in different matrices or are of different kinds
+RANK = {NodeKind.QUADRATIC: 3, NodeKind.CONIC: 30}  # how unwelcome a type is at equal numbers of branches
+POWERS = {1: 0, 2: 1, 4: 2}  # logarithms of branch numbers, which add up
 
 
 @dataclass(frozen=True)
@@ -45,10 +47,6 @@ class SearchStep:
     def best(self) -> Choice:
         """The best way."""
         return self.choices[0]
-
-
-RANK = {NodeKind.QUADRATIC: 3, NodeKind.CONIC: 30}  # how unwelcome a type is at equal numbers of branches
-POWERS = {1: 0, 2: 1, 4: 2}  # logarithms of branch numbers, which add up
 
 
 class Search:
@@ -194,10 +192,7 @@ class Search:
         return 8 * touched + np.array(own, dtype=np.int64)
 
     def others(self, step: SearchStep, first: Choice, special: Evidence) -> Iterator[Choice]:
-        """Choices for poses at which the first one fails, the one that helps at most of them first.
-
-        Where two equations are not enough any more one may be: there the joint has two values.
-        """
+        """Choices for poses at which the first one fails, the most helpful first; one equation may do there."""
         change, p = self.change(step.group, step.parts[1]), self.evidence.prime
         table = special.effects[change].coefficients
         degrees = self.evidence.effects[change].degrees

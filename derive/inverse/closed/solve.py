@@ -83,10 +83,7 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
 
 
 def usual_task(robot: Robot) -> Task:
-    """The task by which textbooks solve an arm: that of its file, or coordinates of the position alone.
-
-    These are asked of two or three joints that move the end effector in as many coordinates.
-    """
+    """The task by which textbooks solve an arm: its file's, or of two or three joints as many coordinates."""
     if robot.inverse != InverseOptions() or robot.n not in (2, 3):
         return robot.inverse.task
     moved = tuple(row for row in TASKS["position"] if Freedom(robot, (row,)).rank)
@@ -159,10 +156,7 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
 
 
 def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> int:
-    """The number of leaves that lead to random complex poses; 0 where it is not the same at most of them.
-
-    Quartics have no roots modulo a prime as often as not, but over the complex numbers they have all four.
-    """
+    """The number of leaves that lead to random complex poses; 0 where it is not the same at most of them."""
     rng = np.random.default_rng(4)
     values: dict[str, Fraction | float] = {name: to_float(value, {}) for name, value in numbers.items()}
     values |= {name: float(rng.uniform(0.3, 1)) for name in free_symbols(graph.robot) if name not in values}
@@ -188,10 +182,7 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
 
 
 def _misses(run: GraphWalk[Any, Any], leaf: Leaf[Any, Any]) -> list[Any]:
-    """What a leaf's pose misses of the wanted entries, and by how much c^2 + s^2 of its joints differ from 1.
-
-    A pose may be right with pairs that are of no angle.
-    """
+    """What a leaf misses of the wanted entries, and of c^2 + s^2 = 1: a pose may be right with pairs of no angle."""
     again = pose_of(run, leaf.joints)
     rows = [[*again.rotation[i], again.position[i]] for i in range(3)]
     missed = [rows[i][j] - run.pose[i][j] for i, j in run.graph.places]

@@ -57,11 +57,7 @@ class State:
 
 
 class InverseDomain(PolynomialDomain):
-    """The ring in which inverse kinematics is derived.
-
-    Besides what a robot's ring has, it holds the cosine and sine of every sum of neighbouring angles of a group, and of
-    the pose and that within the arm entries and invariants, `POSE_NAMES`.
-    """
+    """A robot's ring with cosine and sine of every sum of neighbouring angles of a group, and with `POSE_NAMES`."""
 
     def __init__(self, robot: Robot, extra: Iterable[Expression] = ()) -> None:
         super().__init__(robot, extra, sums=lambda group: False, contraction=Contraction.OPPOSED, rates=False)

@@ -27,6 +27,8 @@ from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame
 from derive.robot.description import Joint
 
+Plan = Fraction | tuple[int, "Plan", "Plan"]  # a number, or generator * plan + plan
+
 
 @dataclass(frozen=True)
 class Value(Generic[N, M]):
@@ -81,7 +83,6 @@ class GraphWalk(Generic[N, M]):
         graph = self.graph
         found = {u.joints: (node.index, k) for node in graph.nodes for k, u in enumerate(node.unknowns)}
         homes = [found[(i,)] for i in range(graph.robot.n)]
-        # Branches that only formulas for special poses have come last.
         usual = [graph.nodes[i].formulas[0].branches for i in graph.choices]
         every = product(*(range(graph.nodes[i].branches) for i in graph.choices))
         for branches in sorted(every, key=lambda own: any(k >= most for k, most in zip(own, usual, strict=True))):
@@ -98,10 +99,7 @@ class GraphWalk(Generic[N, M]):
             yield Leaf(joints, exists, free, boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
-        """The joint variables of a solution: angles in (-pi, pi] before their shifts are taken off, and lengths.
-
-        Joints that are given have the numbers that were given.
-        """
+        """The joint variables of a solution: angles in (-pi, pi] less their shifts, lengths, and what was given."""
         plain = (self.field.angle(*numbers) if len(numbers) == 2 else numbers[0] for numbers in leaf.joints)
         shifts = map(self.field.constant, self.graph.shifts)
         found = [value - shift for value, shift in zip(plain, shifts, strict=True)]
@@ -239,9 +237,6 @@ class Posture(MappedDomain[N]):
 def pose_of(run: GraphWalk[N, M], joints: Sequence[Sequence[N]]) -> Frame[N]:
     """The pose of an arm at one of its solutions."""
     return forward_kinematics(build_chain(run.graph.robot, Posture(run, joints)))
-
-
-Plan = Fraction | tuple[int, "Plan", "Plan"]  # a number, or generator * plan + plan
 
 
 @cache

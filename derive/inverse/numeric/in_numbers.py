@@ -19,6 +19,7 @@ from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
 Numbers = dict[Expr, Any]  # numbers by symbol
+_FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np.cos, sympy.atan2: np.arctan2}
 
 
 def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
@@ -48,9 +49,6 @@ def array_value(e: Expr, known: Numbers) -> Any:
         found = _FUNCTIONS[e.func](*arguments)
     known[e] = found
     return found
-
-
-_FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np.cos, sympy.atan2: np.arctan2}
 
 
 class DigitsDomain(FloatDomain):

@@ -30,6 +30,9 @@ from derive.robot.robot import Robot
 
 # Entries of the upper three rows of a pose.
 PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
+_SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
+_PLACE = re.compile(r"W\[(\d),(\d)\]")
+_SHORTHAND = ("c", "s")
 
 
 def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
@@ -241,10 +244,7 @@ class PrintedDerivation:
         return add(*(multiply(Number(Fraction(sign)), cells[j]) for j, sign in signed))
 
     def _equation(self, unknown: Unknown, equation: NodeEquation) -> tuple[PrintedEquation, Linear]:
-        """An equation in the variable itself, and its coefficients: of cosine, sine and 1, or of r^2, r and 1.
-
-        The last one stands on the right of an equation of an angle.
-        """
+        """An equation in the variable itself, and its coefficients: of A cos + B sin = C, or of r^2, r and 1."""
         shift, symbol = self._sum(unknown, self._graph.shifts), self._symbol(unknown)  # more than the variables
         if not unknown.is_angle:
             square, slope, rest = (self._composed(equation.coefficient(k)) for k in (2, 1, 0))
@@ -319,8 +319,3 @@ class PrintedDerivation:
         if is_negative(left):
             left, right = -left, -right
         return PrintedEquation(left, right, self._origins(equation.source))
-
-
-_SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
-_PLACE = re.compile(r"W\[(\d),(\d)\]")
-_SHORTHAND = ("c", "s")

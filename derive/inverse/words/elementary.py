@@ -17,6 +17,8 @@ from derive.lecture.sympy_conversion import Expr
 
 LONGEST_ARGUMENTS = 12  # operations of both arguments of an atan2 together; longer ones stand on lines of their own
 LONGEST_INLINE = 3  # operations of a quantity that is written where it is used; a longer one gets a name
+Write = Callable[[Polynomial], Expr]
+Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
 
 
 class Sign(sympy.Symbol):  # type: ignore[misc]
@@ -52,10 +54,6 @@ class Solved:
 
     value: Expr  # the unknown
     exists: Expr = sympy.true  # the condition that it exists (SymPy's true where it always does)
-
-
-Write = Callable[[Polynomial], Expr]
-Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
 
 
 @dataclass
@@ -142,11 +140,7 @@ class Scribe:
         return Solved(towards - apart, square >= along**2)
 
     def two_equations(self, unknown: Expr, label: str, first: Linear, second: Linear) -> Expr:
-        """A cos + B sin = C twice (type 3): one angle.
-
-        Where the second equation is the first turned by a right angle, two atan2 are subtracted; a divisor that is
-        positive is left out.
-        """
+        """A cos + B sin = C twice (type 3): one angle, where one is the other turned as a difference of atan2."""
         (a, b, c), (d, e, g) = self.simplest(first), self.simplest(second)
         if not b and not d:
             return self._quotients(unknown, label, (g, e), (c, a))
@@ -245,10 +239,7 @@ def is_negative(e: Expr) -> bool:
 
 
 def _atan2(sine: Expr, cosine: Expr) -> Expr:
-    """An atan2 as it is written: SymPy would turn it into something else where an argument is a number.
-
-    That of the sine and cosine of an angle is the angle.
-    """
+    """An atan2 as it is written: SymPy would change one with a number; that of a sine and cosine is their angle."""
     if sine.func is sympy.sin and cosine.func is sympy.cos and sine.args == cosine.args:
         return sine.args[0]
     return sympy.atan2(sine, cosine, evaluate=False)

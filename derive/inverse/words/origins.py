@@ -15,6 +15,9 @@ from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Expression
 from derive.robot.robot import Robot
 
+# The last matrix of a product, and the rows of its fourth column that are meant; None where there is no such product.
+Seen = tuple[int, tuple[int, ...]] | None
+
 
 class OriginForm(StrEnum):
     """What is made of the entries."""
@@ -66,10 +69,6 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)
 
 
-# The last matrix of a product, and the rows of its fourth column that are meant; None where there is no such product.
-Seen = tuple[int, tuple[int, ...]] | None
-
-
 def _position(robot: Robot, source: Provenance, places: tuple[int, ...], in_world: bool, to_end: bool) -> Seen:
     """The position at which M ends, seen from where it begins."""
     first, standard = source.first, robot.convention is Convention.STANDARD
@@ -86,10 +85,7 @@ def _position(robot: Robot, source: Provenance, places: tuple[int, ...], in_worl
 
 
 def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int | None:
-    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added.
-
-    Along the axis of a single joint its own length a adds nothing.
-    """
+    """The last matrix of the shortest product that ends where M does, carried on to where nothing more is added."""
     joints, last = robot.joints, source.last
     joint = joints[last - 1]
     is_open = source.outer_right or (last == robot.n and not to_end)
@@ -98,7 +94,7 @@ def _end(robot: Robot, source: Provenance, to_end: bool, *, along: bool) -> int 
     if robot.convention is Convention.STANDARD:
         if joint.is_revolute and (is_open or joint.d == ZERO):
             last -= 1
-        elif joint.a != ZERO and not (along and source.first == last):
+        elif joint.a != ZERO and not (along and source.first == last):  # a adds nothing along the axis of its joint
             return None
     elif joint.is_revolute and is_open and joint.d != ZERO:
         return None

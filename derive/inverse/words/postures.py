@@ -78,10 +78,7 @@ def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
 
 
 class Shape:
-    """Which parts an arm has: the middle joint of its wrist, the elbow (from 0), whether a shoulder turns it.
-
-    ``up`` is the direction against gravity.
-    """
+    """The middle joint of a wrist, the elbow (from 0), whether a shoulder turns it; ``up`` is against gravity."""
 
     def __init__(self, robot: Robot, example: Placed, up: Vector) -> None:
         self._robot, n = robot, robot.n

@@ -147,10 +147,8 @@ class _Reading:
                     others.append(step.unknown)  # a condition on more than the geometry
             if formula.kind is NodeKind.TYPE_2 and len(node.unknown.joints) == 1:
                 self._remember(node.unknown.joints[0], a, b, right, node.unknown.generators)
-        for (
-            u,
-            *_,
-        ) in self._turned:  # distances along the turned arm, counted so that its offset is positive: (rho - a1)^2
+        # Distances along the turned arm, counted so that its offset is positive: (rho - a1)^2.
+        for u, *_ in self._turned:
             parts = [term for bound in bounds for term in sympy.Add.make_args(bound.quantity) if term.has(u)]
             if parts and all(t.is_Pow and t.exp == 2 and self._number(t.base.subs(u, 0)) > 0 for t in parts):
                 turned = {term: (u - term.base.subs(u, 0)) ** 2 for term in parts}

@@ -265,10 +265,7 @@ class InverseKinematics:
         return build_chain(robot, domain(robot, [q[symbol] for symbol in self._variables], values))
 
     def error(self, values: Numbers, numbers: Numbers) -> Any:
-        """The largest difference of an entry of a solution's pose from that which was asked for.
-
-        ``values`` are those of `values_at`, ``numbers`` those of `Solution.numbers`.
-        """
+        """The largest difference of an entry of the pose of `Solution.numbers` from that of `values_at`."""
         end = forward_kinematics(self._chain(values, {**values, **numbers}))
         reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
         wanted = self._pose

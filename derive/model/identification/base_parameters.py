@@ -40,6 +40,11 @@ from derive.robot.robot import Robot
 MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
 # By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry.
 RegressorColumn = Mapping[Hashable, Polynomial]
+REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
+PRISMATIC_PARTS = ("m", "mx", "my", "mz")
+# Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
+MAX_PROOF_TERMS = 20_000
+_FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
 
 
 class Unproven(DeriveError):
@@ -103,14 +108,6 @@ def _reduced(top: Polynomial, bottom: Polynomial) -> Quotient:
     return Quotient(numerator, denominator)
 
 
-REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
-PRISMATIC_PARTS = ("m", "mx", "my", "mz")
-
-# Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
-MAX_PROOF_TERMS = 20_000
-_FEWEST_SAMPLES = 6  # configurations at first; more where something seems dependent that is not
-
-
 @dataclass(frozen=True, slots=True)
 class Relation:
     """A column that others replace: column(parameter) = sum of coefficient * column(base parameter)."""
@@ -131,6 +128,12 @@ class BaseSet:
     relations: tuple[Relation, ...]  # candidates that the kept ones replace
     domain: PolynomialDomain | None  # the ring of the coefficients in ``relations``
     proven: bool  # whether there are certainly no fewer; else some are kept that others replace, in a formula too long
+
+    def fraction(self, coefficient: Quotient) -> tuple[Expression, Expression]:
+        """Numerator and denominator of a coefficient in ``relations``."""
+        assert self.domain is not None, "relations come with their ring"
+        numerator, denominator = coefficient.numerator, coefficient.denominator
+        return polynomial_expression(numerator, self.domain), polynomial_expression(denominator, self.domain)
 
 
 @lru_cache(maxsize=64)
@@ -204,7 +207,6 @@ def _independent(
             matrix[:, place[pair], j] = value.values[:, 0]
         for i, value in enumerate(units.gravity(parameter)):
             matrix[:, len(place) + i, j] = value.values[:, 0]
-    # Gauss and Jordan modulo the prime: pivots are the first independent columns from the left.
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, reduced
 

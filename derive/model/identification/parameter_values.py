@@ -19,6 +19,8 @@ from derive.robot.expression import ZERO, Expression, add, multiply, power, to_t
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, coulomb_parts
 from derive.robot.robot import Robot
 
+MAX_TEXT = 1000  # longest formula, in characters, that is written
+
 
 def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domain[S]) -> list[S]:
     """The parameters as the file gives them, each link's in its DH frame, about the frame's origin."""
@@ -82,9 +84,6 @@ def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain
     return domain.constant(cells[p.part])
 
 
-MAX_TEXT = 1000  # longest formula, in characters, that is written
-
-
 class ParameterFormulas:
     """Formulas of a robot's parameters; empty where a cell is outside of what polynomials can hold."""
 
@@ -114,9 +113,7 @@ class ParameterFormulas:
         for relation in self._base.relations:
             moved = polynomial_expression(values[relation.parameter], domain)
             for parameter, factor in relation.terms:
-                assert self._base.domain is not None, "relations come with their ring"
-                numerator = polynomial_expression(factor.numerator, self._base.domain)
-                denominator = polynomial_expression(factor.denominator, self._base.domain)
+                numerator, denominator = self._base.fraction(factor)
                 sums[parameter].append(multiply(multiply(numerator, power(denominator, -1)), moved))
         return [_text(add(*terms)) for terms in sums.values()]
 

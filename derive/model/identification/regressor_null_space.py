@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain as joined
 
-from derive.algebra.domain import polynomial_expression
 from derive.mechanics.chain import Body, Chain, build_chain
 from derive.mechanics.joint_motion import body_to_parent
 from derive.mechanics.vectors import Symmetric
@@ -50,7 +49,6 @@ def body_of(parameters: Sequence[Exact]) -> Body[Exact]:
 def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[Direction]:
     """A basis of the changes of bodies that change no torque."""
     found, zero = [], [chain.zero] * WIDTH
-    # What a link may leave to the one before.
     for i, joint in enumerate(chain.joints):
         # Mass, m z and the second moment along z look the same from link i-1 however joint i turns.
         units = [("m",), ("mz",), ("Ixx", "Iyy")] if joint.revolute else [(part,) for part in LINK_PARTS[4:]]
@@ -61,17 +59,14 @@ def directions(robot: Robot, chain: Chain[Exact], domain: ExactDomain) -> list[D
             if i:
                 links[i - 1] = parameters_of(body_to_parent(joint, body_of(own)))
             found.append(list(joined.from_iterable(links)))
-    # What the relations of base parameters say of links.
     base = base_set(robot)
     for relation in base.relations:
         if not relation.parameter.of_link:
             continue
-        assert base.domain is not None, "relations come with their ring"
         direction = zero * chain.n
         direction[_place(relation.parameter)] = domain.number(1)
         for parameter, factor in relation.terms:
-            numerator = domain.constant(polynomial_expression(factor.numerator, base.domain))
-            denominator = domain.constant(polynomial_expression(factor.denominator, base.domain))
+            numerator, denominator = map(domain.constant, base.fraction(factor))
             direction[_place(parameter)] = -numerator / denominator
         found.append(direction)
     return found

@@ -71,8 +71,6 @@ class UnitDynamics(Generic[S]):
     def _rotor_velocities(self, i: int) -> list[Vector[S]]:
         return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._before(i)[0]] if i else []
 
-    # -- frames
-
     def _before(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
         """Screws and gravity in frame i; only as far out as needed, for further out they may be too long to write."""
         while len(self._known) <= i:

@@ -143,10 +143,7 @@ def find_witness(
 
 
 def _starts(columns: Array, values: Array, prices: Array, energy: Array) -> Iterator[Array]:
-    """Combinations of functions that may be a witness but for rounding: the dual of the search with some energy in it.
-
-    Where a solver was not accurate enough about the dual, the one that is wanted is looked for itself.
-    """
+    """What may be a witness but for rounding: the dual with some energy in it; else the one that is wanted itself."""
     scaled = np.array([prices.ravel() / np.linalg.norm(prices), energy / np.linalg.norm(energy)]).T
     dual, among = np.linalg.lstsq(columns, scaled, rcond=None)[0].T
     yield from ((1 - part) * dual + part * among for part in ADDED)
@@ -156,10 +153,7 @@ def _starts(columns: Array, values: Array, prices: Array, energy: Array) -> Iter
 
 
 def _least_function(columns: Array, values: Array, energy: Array) -> Array:
-    """The combination of functions that are seen, nowhere negative and of trace 1, with the least integral.
-
-    They are looked at where kinetic energy is positive, since elsewhere they are zero.
-    """
+    """Of the functions seen, of trace 1 and nowhere negative where energy is positive, that of the least integral."""
     limits, total = [], np.zeros(len(values))
     for matrices, moving in zip(columns.reshape(-1, 4, 4, len(values)), energy.reshape(-1, 4, 4), strict=True):
         # A 4x4 quadratic form restricted to where it may be positive.

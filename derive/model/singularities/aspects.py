@@ -34,6 +34,10 @@ MILESTONES = 500  # random configurations by way of which a path is looked for
 GRIDS = {1: 4096, 2: 300, 3: 72}  # cells along each joint, for factors of so many joints
 SPECK = 2e-4  # sets smaller than this part of a grid lie between its lines where two curves cross
 PAIRS = 8  # pairs of solutions between which a path is looked for
+_NEIGHBOURS = 12
+_STEPS = 48  # places on a straight piece of a path at which it is tried
+_HALVINGS = 14
+CLEAR = 1e-7  # of a configuration without a singularity det J is larger than this part of its largest value
 
 
 @dataclass(frozen=True)
@@ -231,11 +235,6 @@ def connected(code: Array, closed: Sequence[bool]) -> Array:
 
 # -- paths on which an arm is never singular: looked for by way of random configurations, then verified
 
-_NEIGHBOURS = 12
-_STEPS = 48  # places on a straight piece of a path at which it is tried
-_HALVINGS = 14
-CLEAR = 1e-7  # of a configuration without a singularity det J is larger than this part of its largest value
-
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
@@ -246,10 +245,7 @@ class Crossing:
 
 
 class ScaledDeterminant:
-    """det J in numbers, of the rows that decide its rank; in parts of its largest value.
-
-    `basis` has orthonormal rows of what the joints move, None where they are not as many as the joints.
-    """
+    """det J in parts of its largest value, of orthonormal rows `basis`, None where these are not as many as joints."""
 
     def __init__(self, chain: NumericChain) -> None:
         self._chain, self._scale = chain, 1.0

@@ -211,10 +211,7 @@ class CommonZeros:
         return ring.wrap(p.raw.compose(*(image[i].raw if i in image else g for i, g in enumerate(ring.context.gens()))))
 
     def images(self, factor: Factor) -> list[dict[int, Polynomial]]:
-        """What each solution of a factor makes of the generators of one joint; none where it has no such solutions.
-
-        The zeros of a sine are 0 and pi, those of a cosine -pi/2 and pi/2.
-        """
+        """What each solution of a factor makes of the generators of one joint; none where it has no such solutions."""
         domain, ring = self._domain, self._domain.ring
         if factor.kind is None:
             joints = self.zeros.moving(factor.value)

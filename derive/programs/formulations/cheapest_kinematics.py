@@ -23,6 +23,7 @@ from derive.mechanics.vectors import (
     add,
     column,
     cross,
+    identity,
     matmul,
     multiply,
     scale,
@@ -35,6 +36,8 @@ from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
 from derive.programs.tape.value import Value
 
+Ways = list[Vector[Value]]
+
 
 class Stations:
     """Stations 0 to ``last`` of an arm with exact base and tool; ``few``: all ways over them can be tried."""
@@ -45,6 +48,7 @@ class Stations:
         self.last = len(runs)
         self.few = self.last <= POLICY.most_stations and chain.n <= POLICY.most_joints_all_ways
         self._fixed = [*(run.fixed for run in runs), chain.tool]
+        self.axes = identity(chain.zero, chain.one)  # the axes of each station in itself
 
     @cached_property
     def rotations(self) -> list[Matrix[Value]]:
@@ -109,14 +113,11 @@ def _turned_about_z(rotation: Matrix[Value], place: Placement) -> Matrix[Value]:
     return (x, y, z)
 
 
-Ways = list[Vector[Value]]
-
-
 def cheapest_pose(stations: Stations) -> Frame[Value]:
     """T: the end effector in the world frame, tool included."""
     end = stations.last
     # Each column of R by its own ways, and as the cross product of the other two.
-    axes = [[stations.world(end, _unit(stations, k), m) for m in _meetings(stations, end)] for k in range(3)]
+    axes = [[stations.world(end, stations.axes[k], m) for m in _meetings(stations, end)] for k in range(3)]
     crossed = [[cross(a, b) for a, b in product(axes[(k + 1) % 3], axes[(k + 2) % 3])] for k in range(3)]
     base = stations.chain.base.position
     # The origin as a sum of one vector for each run, by all routes.
@@ -130,7 +131,7 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
     groups: list[Ways] = []
     for r, run in enumerate(stations.runs):
         # One axis for the whole run, and a linear column for each of its joints.
-        groups.append([stations.world(r, _unit(stations, 2), meeting) for meeting in _meetings(stations, r)])
+        groups.append([stations.world(r, stations.axes[2], meeting) for meeting in _meetings(stations, r)])
         for k in range(len(run.placements)):
             groups.append(_linear_ways(stations, r, k))
     return [list(row) for row in zip(*_columns(stations, groups, 1), strict=True)]
@@ -162,7 +163,7 @@ def cheapest_end_jacobian(stations: Stations) -> list[list[Value]]:
         start = add(multiply(transpose(stations.constants[r]), arm), stations.entries[r])
         arm = turn_vector(run.last.cosine, -run.last.sine, add(start, run.last.origin))
         meetings = _meetings(stations, r)
-        axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
+        axes = [stations.world(r, stations.axes[2], meeting) for meeting in meetings]
         groups.append(axes)
         for place, joint, pose in zip(run.placements, chain.joints[run.first :], poses, strict=False):
             x, y, _ = add(start, place.origin)
@@ -230,7 +231,6 @@ def _origin_ways(
     """The origin of DH frame i: a step along and from the axis of its joint, or a vector from a station."""
     r, place = where
     end, joint = stations.chain.ends[i].position, stations.chain.joints[i]
-    # One step from the frame before.
     yield add(axis, add(scale(joint.offset, column(rotation, 2)), multiply(rotation, end)))
     v = add(place.origin, place.turned(end))
     # Or as one vector from any station before, in whose axes it is turned.
@@ -256,11 +256,6 @@ def _meetings(stations: Stations, r: int) -> Sequence[int]:
     return range(r, -1 if stations.few else max(r - POLICY.near_stations, -1), -1)
 
 
-def _unit(stations: Stations, k: int) -> Vector[Value]:
-    zero, one = stations.chain.zero, stations.chain.one
-    return (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
-
-
 def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
     """Velocity of the end effector per unit rate of a joint about the run's axis, or along its own slide."""
     place = stations.runs[r].placements[k]
@@ -277,7 +272,7 @@ def _linear_ways(stations: Stations, r: int, k: int) -> Ways:
         arm = add(stations.entries[r + 1], stations.reach(r + 1, beyond=True))
         velocity = cross(stations.constants[r + 1][2], arm)
         ways += [stations.world(r + 1, velocity, meeting) for meeting in _meetings(stations, r + 1)]
-    axes = [stations.world(r, _unit(stations, 2), meeting) for meeting in meetings]
+    axes = [stations.world(r, stations.axes[2], meeting) for meeting in meetings]
     arms = _distinct(_reach(stations, r, k, route) for route in _routes(stations, r))
     return ways + [cross(z, arm) for z, arm in product(axes, arms)]
 
@@ -311,7 +306,7 @@ def _reach(stations: Stations, r: int, joint: int, route: _Route) -> Vector[Valu
         along = [axis for axis in range(3) if v[axis].ref != ZERO]
         if route.scaled and len(along) == 1:
             # A multiple of an axis, which other columns may have turned already.
-            way = scale(v[along[0]], stations.world(k, _unit(stations, along[0]), meeting))
+            way = scale(v[along[0]], stations.world(k, stations.axes[along[0]], meeting))
         else:
             way = stations.world(k, v, meeting)
         total = way if total is None else add(way, total)

@@ -17,13 +17,15 @@ from operator import or_
 from derive.algebra.constants import Constant, exact_number
 from derive.programs.optimise.improve import Improvement
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.build import Replacements, bake, copy, cut, reachable
-from derive.programs.tape.cost import Cost, program_cost
+from derive.programs.tape.build import Cost, Replacements, bake, copy, cut, program_cost, reachable
 from derive.programs.tape.graph import Graph, Ref, node_of
 from derive.programs.tape.tape import OPERATION_COST, PARAMETER, InputSource, Layer, Tape
 from derive.programs.tape.value import Value
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.robot import Robot
+
+# The ways to compute one group of outputs; each gives the same outputs in the same order.
+Options = Sequence[Sequence[Ref]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +66,7 @@ class FormulationChoice:
         return tuple(f for f, cost in zip(traced, costs, strict=True) if cost <= margin * min(costs))
 
     def cheapest(self, formulations: Sequence[Formulation], *, search: bool = True) -> tuple[Formulation, Tape]:
-        """The cheapest formulation once all are improved, the first of equals.
-
-        All are improved for a short time; a longer search is spent on those close to the best.
-        """
+        """The cheapest formulation once all are improved, the first of equals."""
         outputs = [[value.ref for value in formulation.trace()] for formulation in formulations]
         programs = [bake(self._graph, refs, self.numbers) for refs in outputs]
         if self._effort is Effort.QUICK:
@@ -89,10 +88,6 @@ class FormulationChoice:
         for draft in drafts:
             draft.close()
         return formulations[winner], tape
-
-
-# The ways to compute one group of outputs; each gives the same outputs in the same order.
-Options = Sequence[Sequence[Ref]]
 
 
 def choose(graph: Graph, groups: Sequence[Options]) -> tuple[int, ...]:

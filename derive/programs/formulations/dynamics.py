@@ -9,7 +9,6 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
-from derive.algebra.domain import polynomial_expression
 from derive.algebra.quotients import Quotient
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
@@ -250,9 +249,7 @@ def base_parameters(trace: Trace) -> Iterator[Formulation]:
     base = base_set(trace.robot)
 
     def _value(coefficient: Quotient) -> Value:
-        assert base.domain is not None, "relations come with their ring"
-        parts = (coefficient.numerator, coefficient.denominator)
-        numerator, denominator = (trace.domain.constant(polynomial_expression(p, base.domain)) for p in parts)
+        numerator, denominator = map(trace.domain.constant, base.fraction(coefficient))
         return numerator / denominator
 
     yield Formulation("grouped from the tip inwards", lambda: base_values(trace.robot, base, trace.domain, _value))

@@ -25,13 +25,16 @@ from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Vector, add, scale
 from derive.programs.formulations.parallel_axes import SumOfTurns, Turn
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.cost import Cost
+from derive.programs.tape.build import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
 from derive.programs.tape.value import Value
 
 FrameChoices = tuple[FrameChoice, ...]  # what is chosen at each joint
 CHAIN_CHOICES = ("place", "held", "second_moments")
 ALL_CHOICES = (*CHAIN_CHOICES, "column", "squares", "grown")
+Outputs = tuple[Ref, ...]
+Trial = Callable[[FrameChoices], Outputs]  # traces a function with some choices
+Price = Callable[[Outputs], Cost]  # what some outputs cost
 
 
 def arrange(
@@ -147,11 +150,6 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
 
 
-Outputs = tuple[Ref, ...]
-Trial = Callable[[FrameChoices], Outputs]  # traces a function with some choices
-Price = Callable[[Outputs], Cost]  # what some outputs cost
-
-
 class FrameChoiceSearch:
     """Searches the cheapest frame choices for one function of one chain.
 
@@ -172,12 +170,10 @@ class FrameChoiceSearch:
         """The cheapest choices found, and others that come close."""
         if self._chain.n > POLICY.frame_choice_joints:
             return (starts[0],)
-        # The best of the starts, as far as the work lasts.
         best = starts[0]
         self._cost(best)
         for start in starts[1:]:
             best = min(best, start, key=self._cost) if self._work_left > 0 else best
-        # Coordinate descent: sweeps over joints and choices until one changes nothing.
         while self._work_left > 0:
             before = best
             for i, name in product(range(self._chain.n), self._choices):

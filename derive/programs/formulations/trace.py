@@ -1,15 +1,27 @@
-"""One robot's graph, and what all functions that are traced on it start from."""
+"""One robot's graph, and what all functions that are traced on it start from.
 
-from collections.abc import Callable, Sequence
+Among it closed forms of the dynamics: exact polynomials, expanded and then factored. For small arms, or where most
+inertial parameters vanish, they cost less than a recursion once common parts are found. For others they grow out of
+bounds, so only short ones are offered.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.generators import Generator, Kind
+from derive.algebra.ring import Polynomial, TooManyTerms
+from derive.errors import ExpressionError
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.coriolis import coriolis_matrix
+from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
+from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.vectors import Frame
 from derive.programs.formulations.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
 from derive.programs.formulations.choice import FormulationChoice
-from derive.programs.formulations.closed_form import ClosedForm
 from derive.programs.formulations.frame_choice import (
     CHAIN_CHOICES,
     FrameChoices,
@@ -20,21 +32,110 @@ from derive.programs.formulations.frame_choice import (
 from derive.programs.formulations.parallel_axes import ParallelRun, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph
-from derive.programs.tape.scalars import QD, TapeDomain
+from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols, robot_symbols
+from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
-_TOLERANCE = 1e-14
+_ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
+_LATE = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)  # what depends on the arguments
+Polynomials = Sequence[Polynomial]
+# The functions that have one, from the chain, the joints' rates and accelerations, and 1/2.
+CLOSED_FORMS: Mapping[str, Callable[[Chain[Polynomial], Polynomials, Polynomials, Polynomial], Polynomials]] = {
+    "inertia_matrix": lambda chain, qd, qdd, half: [b for row in inertia_matrix(chain) for b in row],
+    "coriolis_matrix": lambda chain, qd, qdd, half: [c for row in coriolis_matrix(chain, qd, half) for c in row],
+    "gravity_vector": lambda chain, qd, qdd, half: gravity_vector(chain),
+    "kinetic_energy": lambda chain, qd, qdd, half: [kinetic_energy(chain, qd, half)],
+    "potential_energy": lambda chain, qd, qdd, half: [potential_energy(chain)],
+    "inverse_dynamics": lambda chain, qd, qdd, half: inverse_dynamics(chain, qd, qdd),
+}
+Monomial = tuple[tuple[int, int], ...]  # generator indices with their exponents, ascending
+_TOLERANCE = 1e-14  # of rotations
 _TRIALS = (0.37, 0.83)  # values of the first free symbol; the others are spread above
 
 
-def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
-    """Whether base and tool are rotations to rounding, whatever the values of free symbols.
+class ClosedForm:
+    """The dynamics of one robot as polynomials in one choice of angles, which ``words`` tell."""
 
-    A file may write them in decimals with six places; then identities of rotations hold to six places only.
-    """
+    def __init__(self, robot: Robot, tape: TapeDomain, *, sums: bool) -> None:
+        self.words = "closed form in sums of angles" if sums else "closed form"
+        self._robot = robot
+        self._tape = tape
+        self._sums = sums
+
+    @cached_property
+    def _domain(self) -> PolynomialDomain:
+        terms = POLICY.closed_form_terms
+        sums = self._sums
+        return PolynomialDomain(self._robot, sums=lambda group: sums, contraction=Contraction.OPPOSED, max_terms=terms)
+
+    @cached_property
+    def _chain(self) -> Chain[Polynomial]:
+        return build_chain(self._robot, self._domain)
+
+    def values(self, function: str) -> list[Value] | None:
+        """The outputs of a function, row by row, torques without friction; None where they are long."""
+        try:
+            domain, joints = self._domain, range(self._robot.n)
+            rates, accelerations = [domain.rate(i) for i in joints], [domain.acceleration(i) for i in joints]
+            found = CLOSED_FORMS[function](self._chain, rates, accelerations, domain.number(Fraction(1, 2)))
+        except (TooManyTerms, ExpressionError):
+            return None
+        if sum(len(entry) for entry in found) > POLICY.closed_form_terms:
+            return None
+        return [self._value(entry) for entry in found]
+
+    @cached_property
+    def _values(self) -> list[Value]:
+        return [self._generator(generator) for generator in self._domain.generators]
+
+    def _value(self, p: Polynomial) -> Value:
+        """A polynomial, expanded: what does not depend on the arguments is gathered first, so that it is hoisted."""
+        zero, one = self._tape.number(0), self._tape.number(1)
+        groups: dict[Monomial, Value] = {}
+        for exponents, coefficient in p.terms():
+            used = tuple((i, e) for i, e in enumerate(exponents) if e)
+            late = tuple((i, e) for i, e in used if self._domain.generators[i].kind in _LATE)
+            early = self._product(tuple(pair for pair in used if pair not in late), self._tape.number(coefficient))
+            groups[late] = groups.get(late, zero) + early
+        return sum((factor * self._product(late, one) for late, factor in groups.items()), zero)
+
+    def _product(self, monomial: Monomial, start: Value) -> Value:
+        for i, exponent in monomial:
+            start = start * self._values[i] ** exponent
+        return start
+
+    def _generator(self, generator: Generator) -> Value:
+        tape, kind = self._tape, generator.kind
+        match kind:
+            case Kind.SINE:
+                return self._angle(generator.joint).sin()
+            case Kind.COSINE:
+                return self._angle(generator.joint).cos()
+            case Kind.VARIABLE | Kind.RATE | Kind.ACCELERATION:
+                return tape.argument(_ARGUMENTS[kind], generator.joint)
+            case Kind.CONSTANT_COSINE:
+                return tape.cosine_sine(generator.argument)[0]
+            case Kind.CONSTANT_SINE:
+                return tape.cosine_sine(generator.argument)[1]
+            case Kind.ROOT | Kind.PRIME_ROOT:
+                return tape.constant(generator.argument).sqrt()
+            case Kind.INVERSE:
+                return 1 / tape.constant(generator.argument)
+            case Kind.PARAMETER | Kind.PI:
+                return tape.constant(generator.argument)
+
+    def _angle(self, joint: int) -> Value:
+        """The sum of joint variables of which a generator is the sine or cosine."""
+        members, directions = self._domain.angles[joint], self._domain.directions
+        turns = (directions[members[0]] * directions[m] * self._tape.argument(Q, m) for m in members)
+        return sum(turns, self._tape.number(0))
+
+
+def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
+    """Whether base and tool, in a file perhaps to six decimals, are rotations to rounding for any free symbols."""
     numbers = dict(robot.parameters)
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
     for first in _TRIALS:

@@ -11,11 +11,12 @@ from derive.programs.optimise.coefficients import Coefficients
 from derive.programs.optimise.network import ROOT, Definition, Monomial, Network, Opaque, Operand, Polynomial
 from derive.programs.optimise.search import Search
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.build import apply, copy, copy_leaf, reachable
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import apply, copy, copy_leaf, program_cost, reachable
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, node_of, ref_to, signed
 from derive.programs.tape.tape import LEAVES, Layer, Op
 from derive.programs.tape.value import Value
+
+_SUMS = (Op.ADD, Op.SUBTRACT)
 
 
 def improve(graph: Graph, outputs: Sequence[Ref]) -> tuple[Graph, tuple[Ref, ...]]:
@@ -79,16 +80,8 @@ class Improvement:
         self._network.watcher = None
 
 
-# -- from an interned graph to a network of polynomials, and back
-
-_SUMS = (Op.ADD, Op.SUBTRACT)
-
-
 def network_of(graph: Graph, outputs: Sequence[Ref], body: Layer = Layer.BODY) -> Network:
-    """The network of some outputs.
-
-    Sums in sums and products in products or sums, where the inner one serves nothing else, are taken as one.
-    """
+    """The network of some outputs; sums in sums and products in either are one where the inner serves nothing else."""
     return _GraphReader(graph, outputs, body).network
 
 

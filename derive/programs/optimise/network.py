@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
-from derive.programs.tape.cost import polynomial_cost
 from derive.programs.tape.graph import ONE, UNITS, ZERO, Ref, is_negative, signed
 from derive.programs.tape.tape import OPERATION_COST, Op
 
@@ -100,7 +99,6 @@ class Network:
                 value = residue_of_coefficient(operand.coefficient)
                 values.append(value if operand.variable is None else value * residue[operand.variable] % PRIME)
             return residue_of(definition.op, values)
-        # sum k x y ... modulo the prime
         total = 0
         for monomial, coefficient in definition.items():
             product = residue_of_coefficient(coefficient)
@@ -299,3 +297,17 @@ def single(polynomial: Polynomial) -> Operand | None:
     if len(monomial) == 1 and coefficient in UNITS:
         return Operand(monomial[0], coefficient)
     return None
+
+
+def term_cost(monomial: Monomial, coefficient: Ref) -> int:
+    """Multiplications of a coefficient and a product of variables."""
+    return len(monomial) - (coefficient in UNITS) if monomial else 0
+
+
+def polynomial_cost(polynomial: Polynomial) -> int:
+    """Multiplications and additions of a sum of products."""
+    cost = len(polynomial) - 1
+    for monomial, coefficient in polynomial.items():
+        if monomial:
+            cost += len(monomial) - (coefficient in UNITS)
+    return cost if cost > 0 else 0

@@ -10,9 +10,16 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from operator import attrgetter
 
-from derive.programs.optimise.network import Definition, Monomial, Network, Operand, Polynomial
+from derive.programs.optimise.network import (
+    Definition,
+    Monomial,
+    Network,
+    Operand,
+    Polynomial,
+    polynomial_cost,
+    term_cost,
+)
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.cost import polynomial_cost, term_cost
 from derive.programs.tape.graph import ONE, UNITS, Ref, is_negative, signed
 
 Place = tuple[tuple[Monomial, ...], Monomial, Ref, int]
@@ -21,6 +28,7 @@ coefficient, and the operations that are saved there, the divisor itself not cou
 
 # The number of a divisor, its places in one polynomial, and what they save together.
 Entry = tuple[int, list[Place], int]
+_IN_ORDER = attrgetter("content")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +39,6 @@ class _Term:
     content: tuple[Monomial, Ref]
     factors: list[Entry]
     pairs: dict[int, list[Entry]]
-
-
-_IN_ORDER = attrgetter("content")
 
 
 class Extractor:
@@ -113,7 +118,6 @@ class Extractor:
                 pairs = one.pairs
                 for other in terms[i + 1 :]:
                     found += pairs.get(other.number) or self._pair(one, other)
-        # One entry for each divisor, with all its places.
         groups: dict[int, Entry] = {}
         for entry in found:
             number = entry[0]

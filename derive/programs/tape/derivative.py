@@ -8,7 +8,6 @@ has fewer nodes to differentiate.
 from collections.abc import Mapping, Sequence
 
 from derive.programs.tape.build import reachable
-from derive.programs.tape.cases import less, select
 from derive.programs.tape.graph import ONE, ZERO, Graph, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import LEAVES, Op
 from derive.programs.tape.value import Value
@@ -91,11 +90,11 @@ def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
             return graph.divide(graph.subtract(graph.multiply(x, da), graph.multiply(a, dx)), square)
         case Op.SELECT:
             # Cases are constant almost everywhere: the rate of the one that holds.
-            return select(graph, a, rates[1], rates[2])
+            return graph.select(a, rates[1], rates[2])
         case Op.MAXIMUM:
-            return select(graph, less(graph, a, ref_to(operands[1])), rates[1], da)
+            return graph.select(graph.less(a, ref_to(operands[1])), rates[1], da)
         case Op.MINIMUM:
-            return select(graph, less(graph, a, ref_to(operands[1])), da, rates[1])
+            return graph.select(graph.less(a, ref_to(operands[1])), da, rates[1])
         case Op.ABSOLUTE:
             return graph.multiply(graph.sign(a), da)
         case _:

@@ -3,6 +3,9 @@
 Building a value that exists already returns it. A value is referred to by a node and a sign (`Ref`): -x and x are one
 node, products and quotients pass signs on, and a sum of two negatives is a negative sum. Commutative operands are in
 the order of their creation; numbering depends on nothing else.
+
+A case is 1 or 0, so *and* is a product or a minimum, *or* a maximum, and *not* the difference from 1. They are folded
+as sums and products are: choices between opposites are opposite, and known cases leave no trace.
 """
 
 from collections.abc import Mapping
@@ -223,3 +226,83 @@ class Graph:
         self.operands.append(operands)
         self.layer.append(layer)
         return ref_to(len(self.op) - 1)
+
+    # -- comparisons, cases and choices: what stands for an *if* in programs without branches
+
+    def less(self, a: Ref, b: Ref) -> Ref:
+        """A comparison."""
+        left, right = self.constant_of(a), self.constant_of(b)
+        if left is not None and right is not None:
+            return ONE if constants.less(left, right) else ZERO
+        if a == b:
+            return ZERO
+        if is_negative(a) and (is_negative(b) or b == ZERO):
+            a, b = negated(b), negated(a)
+        elif a == ZERO and is_negative(b):
+            a, b = negated(b), ZERO
+        return self.intern(Op.LESS, self.plain(a), self.plain(b))
+
+    def opposite(self, case: Ref) -> Ref:
+        """The opposite of a case; that of the opposite is the case."""
+        return ref_to(self.operands[case >> 1][1]) if self._is_opposite(case) else self.subtract(ONE, case)
+
+    def is_case(self, a: Ref) -> bool:
+        """Whether a value is 1 or 0 by the way in which it is written: a comparison, or *and*, *or*, *not* of such."""
+        if a in (ZERO, ONE):
+            return True
+        if is_negative(a):
+            return False
+        op, operands = self.op[a >> 1], self.operands[a >> 1]
+        if op in (Op.MULTIPLY, Op.MAXIMUM, Op.MINIMUM):
+            return all(self.is_case(ref_to(k)) for k in operands)
+        return op is Op.LESS or (self._is_opposite(a) and self.is_case(ref_to(operands[1])))
+
+    def _is_opposite(self, case: Ref) -> bool:
+        return self.op[case >> 1] is Op.SUBTRACT and self.operands[case >> 1][0] == node_of(ONE)
+
+    def select(self, case: Ref, a: Ref, b: Ref) -> Ref:
+        """One of two values; the other one may be anything."""
+        known = self.constant_of(case)
+        if known is not None or a == b:
+            return b if known == 0 else a
+        index = case >> 1
+        if self._is_opposite(case):
+            return self.select(self.opposite(case), b, a)
+        if a == ONE and b == ZERO:
+            return case
+        negative = is_negative(a if self.layer[b >> 1] is Layer.CONSTANT and a != ZERO else b)
+        if negative:  # choices between opposites are opposite
+            a, b = negated(a), negated(b)
+        return signed(self.intern(Op.SELECT, index, self.plain(a), self.plain(b)), negative)
+
+    def is_nowhere_negative(self, a: Ref) -> bool:
+        """Whether a value is at least 0 by the way in which it is written: squares, roots, their sums and the like."""
+        stack = [a]
+        while stack:
+            ref = stack.pop()
+            op, operands = self.op[ref >> 1], self.operands[ref >> 1]
+            is_square = op is Op.MULTIPLY and operands[0] == operands[1]
+            if is_negative(ref) or (op is Op.CONSTANT and self.constants[ref >> 1] < 0):
+                return False
+            if op in (Op.ADD, Op.MULTIPLY) and not is_square:
+                stack += map(ref_to, operands)
+            elif not is_square and op not in (Op.CONSTANT, Op.ROOT, Op.ABSOLUTE, Op.LESS):
+                return False
+        return True
+
+    def extreme(self, op: Op, a: Ref, b: Ref) -> Ref:
+        """The larger or the smaller of two values."""
+        left, right = self.constant_of(a), self.constant_of(b)
+        if left is not None and right is not None:
+            return b if constants.less(left, right) == (op is Op.MAXIMUM) else a
+        if a == b:
+            return a
+        for one, other in ((a, b), (b, a)):
+            if one in (ZERO, ONE) and self.is_case(other):
+                return other if (one == ZERO) == (op is Op.MAXIMUM) else one
+        if op is Op.MAXIMUM and ZERO in (a, b) and self.is_nowhere_negative(a if b == ZERO else b):
+            return a if b == ZERO else b
+        negative = (is_negative(a) or a == ZERO) and (is_negative(b) or b == ZERO)
+        first, second = sorted(self.plain(negated(ref) if negative else ref) for ref in (a, b))
+        dual = Op.MINIMUM if op is Op.MAXIMUM else Op.MAXIMUM
+        return signed(self.intern(dual if negative else op, first, second), negative)

@@ -24,10 +24,7 @@ Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
 
 
 class TapeDomain:
-    """Implements `derive.mechanics.chain.Domain` for one robot and one graph; each cell is evaluated once.
-
-    Run-time parameter k of the traced graph is ``robot_symbols(robot)[k]``.
-    """
+    """A `derive.mechanics.chain.Domain` on a graph, whose run-time parameter k is ``robot_symbols(robot)[k]``."""
 
     def __init__(self, robot: Robot, graph: Graph) -> None:
         self.graph = graph
@@ -92,10 +89,7 @@ class TapeDomain:
         return self._cosine_sine(self._signed(index, joint), joint.theta)
 
     def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
-        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints.
-
-        The angles are added, which costs one addition each and no further sine and cosine.
-        """
+        """Cosine and sine of a signed sum of the angles ``sign*q + theta`` of revolute joints, which are added."""
         variable, offset = self.number(0), []
         for index, direction in turns:
             joint = self._joints[index]

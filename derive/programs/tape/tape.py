@@ -57,7 +57,7 @@ OPERATION_COST: Mapping[Op, int] = {
     **dict.fromkeys((Op.CONSTANT, Op.INPUT, Op.NEGATE, Op.SIGN, Op.ABSOLUTE), 0),
     **dict.fromkeys((Op.SINE, Op.COSINE, Op.ARCTANGENT), 25),
 }
-"""By what candidates are compared, here and nowhere else; `derive.programs.tape.cost` adds it up.
+"""By what candidates are compared, here and nowhere else; `program_cost` and `polynomial_cost` add it up.
 
 Vectorised over configurations, a sine and a cosine of one angle take as long as 50 to 100 multiplications and
 additions, so one more pair must save many of them.

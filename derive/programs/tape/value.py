@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from derive.programs.tape import cases
 from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, node_of
 from derive.programs.tape.tape import Op
 
@@ -93,23 +92,23 @@ class Value:
 
     def less(self, other: Value | int | Fraction) -> Value:
         """A comparison."""
-        return Value(self.graph, cases.less(self.graph, self.ref, self._other(other)))
+        return Value(self.graph, self.graph.less(self.ref, self._other(other)))
 
     def select(self, a: Value | int | Fraction, b: Value | int | Fraction) -> Value:
         """One of two values, this being the case."""
-        return Value(self.graph, cases.select(self.graph, self.ref, self._other(a), self._other(b)))
+        return Value(self.graph, self.graph.select(self.ref, self._other(a), self._other(b)))
 
     def opposite(self) -> Value:
         """0 where this is 1, 1 where it is 0."""
-        return Value(self.graph, cases.opposite(self.graph, self.ref))
+        return Value(self.graph, self.graph.opposite(self.ref))
 
     def maximum(self, other: Value | int | Fraction) -> Value:
         """The larger of two values."""
-        return Value(self.graph, cases.extreme(self.graph, Op.MAXIMUM, self.ref, self._other(other)))
+        return Value(self.graph, self.graph.extreme(Op.MAXIMUM, self.ref, self._other(other)))
 
     def minimum(self, other: Value | int | Fraction) -> Value:
         """The smaller of two values."""
-        return Value(self.graph, cases.extreme(self.graph, Op.MINIMUM, self.ref, self._other(other)))
+        return Value(self.graph, self.graph.extreme(Op.MINIMUM, self.ref, self._other(other)))
 
     def __abs__(self) -> Value:
         return Value(self.graph, self.graph.absolute(self.ref))

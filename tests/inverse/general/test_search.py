@@ -16,9 +16,8 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.candidates import candidates, finished
-from derive.inverse.general.choice import eliminations, find_general
+from derive.inverse.general.choice import count_solutions, eliminations, find_general
 from derive.inverse.general.closure import Loop, closures, middle_part
-from derive.inverse.general.count import count_solutions
 from derive.inverse.general.elimination import EigenProblem
 from derive.inverse.general.rigid_motion import BESIDE, beside, motion_by, pose_features
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled

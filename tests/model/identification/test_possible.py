@@ -9,7 +9,7 @@ import pytest
 from derive.errors import DeriveError
 from derive.mechanics.space import exactly
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction
-from derive.model.identification.nearest_bodies import (
+from derive.model.identification.possible import (
     MARGIN,
     Bodies,
     in_own_units,
@@ -17,11 +17,11 @@ from derive.model.identification.nearest_bodies import (
     most_room,
     nearest,
     needed,
+    possible,
     pseudo_inertias,
     targets,
     weighed,
 )
-from derive.model.identification.possible import possible
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import NoSuchBodies, Witness

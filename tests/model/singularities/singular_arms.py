@@ -11,7 +11,7 @@ import sympy
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.exact_kinematics import Reference
 from derive.model.kinematic_model import KinematicModel
-from derive.model.singularities.blocks import ALL
+from derive.model.singularities.determinant import ALL
 from derive.model.singularities.singularities import Condition, Outcome
 from derive.robot.names import robot_symbols
 from derive.robot.options.inverse import POSE

@@ -20,7 +20,6 @@ from derive.programs.build import build_program
 from derive.programs.formulations import dynamics, kinematics
 from derive.programs.formulations.cheapest_kinematics import cheapest_jacobian, cheapest_links, cheapest_pose
 from derive.programs.formulations.choice import choose
-from derive.programs.formulations.closed_form import CLOSED_FORMS, ClosedForm
 from derive.programs.formulations.frame_choice import (
     ALL_CHOICES,
     FrameChoices,
@@ -30,10 +29,9 @@ from derive.programs.formulations.frame_choice import (
     starting_choices,
 )
 from derive.programs.formulations.parallel_axes import parallel_runs
-from derive.programs.formulations.trace import Trace, flat
+from derive.programs.formulations.trace import CLOSED_FORMS, ClosedForm, Trace, flat
 from derive.programs.optimise.search_policy import POLICY, Effort
-from derive.programs.tape.build import bake, cut
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import bake, cut, program_cost
 from derive.programs.tape.graph import Graph, Ref
 from derive.programs.tape.scalars import QD, QDD, Q
 from derive.programs.tape.tape import PARAMETER, Operations, evaluate
@@ -300,7 +298,7 @@ def recursions(trace: Trace) -> list[list[Value]]:
 @pytest.mark.parametrize("sums", [False, True], ids=["angles", "sums"])
 @pytest.mark.parametrize("seed", range(8))
 def test_closed_forms_are_the_recursions(seed: int, sums: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("derive.programs.formulations.closed_form.POLICY", replace(POLICY, closed_form_terms=4000))
+    monkeypatch.setattr("derive.programs.formulations.trace.POLICY", replace(POLICY, closed_form_terms=4000))
     robot = random_robot(random.Random(seed), 1 + seed % 2)
     trace = Trace(Robot.from_text(robot.text))
     form = ClosedForm(trace.robot, trace.domain, sums=sums)

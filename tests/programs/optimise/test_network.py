@@ -12,15 +12,12 @@ from derive.errors import DeriveError
 from derive.programs.build import build_program
 from derive.programs.optimise.coefficients import PRIME, Coefficients, residue_of, scatter
 from derive.programs.optimise.improve import graph_of, improve, network_of
-from derive.programs.optimise.network import Network, Opaque
-from derive.programs.optimise.resubstitute import Resubstitution
-from derive.programs.optimise.search import Search
+from derive.programs.optimise.network import Network, Opaque, polynomial_cost
+from derive.programs.optimise.search import Resubstitution, Search
 from derive.programs.optimise.search_policy import POLICY, Effort, Policy, effort_named
 from derive.programs.optimise.sharing import Extractor
-from derive.programs.tape.build import cut
-from derive.programs.tape.cost import polynomial_cost
+from derive.programs.tape.build import cut, schedule
 from derive.programs.tape.graph import ZERO, Graph, negated
-from derive.programs.tape.schedule import schedule
 from derive.programs.tape.tape import LEAVES, OPERATION_COST, PARAMETER, Op, Operations, evaluate
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot

@@ -20,9 +20,7 @@ from derive.errors import QuantityError
 from derive.programs.build import build_program
 from derive.programs.formulations.choice import FormulationChoice
 from derive.programs.optimise.improve import improve, improved_values
-from derive.programs.tape import cases
-from derive.programs.tape.build import bake, cut, reachable
-from derive.programs.tape.cost import program_cost
+from derive.programs.tape.build import bake, cut, program_cost, reachable
 from derive.programs.tape.derivative import derivative, gradient_columns
 from derive.programs.tape.graph import ONE, ZERO, Graph, ref_to
 from derive.programs.tape.scalars import TapeDomain
@@ -211,19 +209,19 @@ def test_a_case_is_known_by_how_it_is_written() -> None:
     x, y, z = variables()
     case, other = x.less(y), y.less(z)
     for known in (case, case * other, case.maximum(other), case.opposite(), (case * other).opposite()):
-        assert cases.is_case(x.graph, known.ref)
+        assert x.graph.is_case(known.ref)
     for unknown in (x, -case, case + other, case * z, x.opposite()):
-        assert not cases.is_case(x.graph, unknown.ref)
+        assert not x.graph.is_case(unknown.ref)
     assert case.opposite().opposite().ref == case.ref
 
 
 def test_squares_roots_and_their_sums_are_nowhere_negative() -> None:
     x, y, _ = variables()
     for known in (x * x, x.sqrt() * abs(y), x * x + abs(y) + 2, x.less(y)):
-        assert cases.is_nowhere_negative(x.graph, known.ref)
+        assert x.graph.is_nowhere_negative(known.ref)
         assert known.maximum(0).ref == known.ref
     for unknown in (x, x * y, -(x * x), x * x - 1, x * x + y):
-        assert not cases.is_nowhere_negative(x.graph, unknown.ref)
+        assert not x.graph.is_nowhere_negative(unknown.ref)
 
 
 @given(point=st.lists(fractions(), min_size=3, max_size=3))
@@ -399,7 +397,7 @@ def test_symbols_stay_symbols_until_the_graph_is_built() -> None:
 def test_runtime_names_stay_free_though_they_have_a_number() -> None:
     program = build_program(robot("q1", a="x + y", parameters="{x: 0.1, y: 2}", runtime="[y]"))
     assert program.parameters == ("y",)
-    assert program["forward_kinematics"].hoisted_operations == Operations(add=1)
+    assert program["forward_kinematics"].tape.hoisted_operations == Operations(add=1)
 
 
 def test_constants_are_rounded_once() -> None:
@@ -416,7 +414,7 @@ def test_cells_without_a_value_are_refused(cell: str) -> None:
 
 def test_division_in_cells_is_one_operation() -> None:
     program = build_program(robot("q1", a="x/y + y**-2"))
-    hoisted = program["forward_kinematics"].hoisted_operations
+    hoisted = program["forward_kinematics"].tape.hoisted_operations
     assert hoisted == Operations(mul=1, add=1, div=2)
     nodes = [node for function in program for node in function.tape.nodes]
     sources = [node.source for node in nodes if node.layer is Layer.BODY and node.source]
