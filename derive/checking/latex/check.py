@@ -29,7 +29,7 @@ from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Name, add, is_constant, names, negate
+from derive.robot.expression import ZERO, Name, is_constant, names
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,6 @@ def check_latex(
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
-_SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
@@ -235,31 +234,6 @@ class _Check(SideReading):
                 left = taken_apart(side.text)
                 if left is None or not left.is_point or self._stands_for(left) is None:
                     self._skip_for(side, f"defines {name}, which no other formula uses")
-
-    def _singular(self, equation: Sides) -> tuple[Finding, ...]:
-        """That the arm is singular where an equation holds, as the sentence around it says."""
-        first, *others = equation
-        around = self.text[max(first.start - 200, 0) : equation[-1].end + 200]
-        if len(others) == 1 and _SINGULAR.search(around):
-            with suppress(CheckError):
-                zero = add(self.reader.formula(first), negate(self.reader.formula(others[0])))
-                if not names_of_pose(zero) and self._values.is_singular(zero):
-                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
-                    return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
-        return ()
-
-    def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
-        """What sides of an equation are by their values, where its first side is a name of the author's own."""
-        first, *others = equation
-        with suppress(CheckError):
-            self.reader.value(first)
-            return
-        for side in others:
-            with suppress(CheckError):
-                where = self.plain.location(side.start)
-                value = next(self._matrices.values(side), None) or self.reader.value(side)
-                if found := self._by_value(value, first.text, self._typed(side), where):
-                    yield found
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""

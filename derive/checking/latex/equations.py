@@ -258,7 +258,8 @@ def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
         if not complete and not (words and not done):
             continue
         left = text[stop : rest[0][0]].strip(" \v\n\r") if rest else ""
-        left = _SEPARATOR.sub(" ", left).strip(" \v\n\r")
+        is_solution = ALTERNATIVE.fullmatch(text[first:stop]) and _SEPARATOR.search(left)  # of two, before another name
+        left = "" if is_solution else _SEPARATOR.sub(" ", left).strip(" \v\n\r")
         if left and not _OPERATOR.match(left):
             cuts.append((first, stop))
     edges = [begin, *(edge for cut in cuts for edge in cut), end]

@@ -28,7 +28,7 @@ from derive.robot.expression import Expression, Name, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
-_ENTRY = re.compile(r"(J[a-z]+(?=[0-9]{2})|b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:[0-9]+,?)+|[xyz])")
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
 _OF_ROTATION = re.compile(r"R([0-9]{2}),?([1-3])([1-3])")  # R_{36,23}
 _SEEN_FROM = re.compile(r"([pPnsoa])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(

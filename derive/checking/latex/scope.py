@@ -21,7 +21,7 @@ from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
-from derive.checking.latex.whole import chained, factors
+from derive.checking.latex.whole import base_letters, chained, factors, named_columns, opposes_gravity
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
@@ -43,8 +43,6 @@ _SUBTRACTED = re.compile(
 
 
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
-_FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
-_GRAVITY = re.compile(r"([+-]|^(?=\\tau))(?:\\tau_?)?[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
@@ -82,14 +80,14 @@ class Scope:
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
         self._foreign = self._other_capitals(words)
         self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
-        columns = self._named_columns() if document else {}
+        columns = named_columns(self.equations) if document else {}
         self.meanings.columns = columns
         self.poses = Poses(model, plain, columns) if document else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
-        self.meanings.bases = self._base_letters() if document else frozenset()
+        self.meanings.bases = base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
         # by name the formulas that it is given, each with the number of its equation
@@ -103,7 +101,8 @@ class Scope:
         self.meanings.reading = self._settled_reading()
         self._settle_world()
         self.meanings.is_angular_first = self._settled_rows()
-        self.meanings.has_gravity_opposed = any(map(self._opposes_gravity, self.equations))
+        texts = ([self.text[side.start : side.end] for side in equation] for equation in self.equations)
+        self.meanings.has_gravity_opposed = any(map(opposes_gravity, texts))
         if self.meanings.has_gravity_opposed:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
@@ -211,32 +210,6 @@ class Scope:
             self.readings.append(f"Jacobians are read with {rows}")
         return vote > 0
 
-    def _base_letters(self) -> frozenset[str]:
-        """A letter that is the reference of all matrices with scripts before them, and the frame of none."""
-        sides = (side for equation in self.equations for side in equation if not side.matrices)
-        lefts = [left for side in sides if (left := taken_apart(side.text)) and left.before and left.head in "TMRHJA"]
-        letters = {left.before for left in lefts}
-        frames = {left.sub + left.before_sub for left in lefts}
-        return frozenset(letters if len(letters) == 1 and len(lefts) > 2 and not letters & frames else ()) - set(
-            "0123456789"
-        )
-
-    def _named_columns(self) -> dict[str, int]:
-        """Letters of the columns of a pose that a matrix of the text names, such as m, n, o and p."""
-        for matrix in (matrix for equation in self.equations for side in equation for matrix in side.matrices):
-            rows = matrix.rows[:3]
-            if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
-                continue
-            cells = [[taken_apart(cell.text) for cell in row] for row in rows]
-            plain = [
-                x.head if x and x.is_plain and x.sub == a else ""
-                for a, row in zip(AXES, cells, strict=True)
-                for x in row
-            ]
-            if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
-                return {head: column for column, head in enumerate(plain[:4], 1)}
-        return {}
-
     def _settle_jacobian(self) -> None:
         """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
         for left, table in self._pairs(lambda left: left.head == "J" and left.sub + left.turned == "", each=True):
@@ -260,14 +233,6 @@ class Scope:
             for head, count in heads.most_common(1):
                 if lefts and count > 2 and lefts[0].head not in ("T", "A", "H", "R"):
                     yield index, head, lefts[0]
-
-    def _opposes_gravity(self, equation: Sides) -> bool:
-        r"""Whether an equation of motion in symbols has gravity with the torques, as in ``M \ddot q = \tau + g``."""
-        sides = ["".join(_FONTS.sub("", self.text[side.start : side.end]).split()) for side in equation]
-        if len(sides) != 2 or not any("ddot" in side for side in sides) or re.search("[0-9]|sin|cos", "".join(sides)):
-            return False
-        signs = [(sign, "ddot" in side) for side in sides for sign in _GRAVITY.findall(side)]
-        return any((sign == "-") == is_moving for sign, is_moving in signs)
 
     def _settled_torque(self) -> int:
         """Which index of Christoffel symbols is that of the torque: what most of them need, else the first."""

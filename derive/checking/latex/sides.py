@@ -1,6 +1,7 @@
 """What the sides of one printed equation say: quantities by their names, formulas, matrices, products of transforms."""
 
 import re
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
@@ -9,22 +10,25 @@ from operator import mul
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
 from derive.checking.latex.comparing import Comparing, Side
+from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
+from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import between, chained, factors, frames_of
 from derive.errors import CheckError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import ZERO, Expression, Name, Number, is_constant, names, number, substitute
+from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
 from derive.robot.names import acceleration_name
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
+_SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
@@ -81,6 +85,31 @@ class SideReading(Comparing):
                 role = Role.PRINTED if quantity else Role.IDENTITY
                 return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
         return None
+
+    def _singular(self, equation: Sides) -> tuple[Finding, ...]:
+        """That the arm is singular where an equation holds, as the sentence around it says."""
+        first, *others = equation
+        around = self.text[max(first.start - 200, 0) : equation[-1].end + 200]
+        if len(others) == 1 and _SINGULAR.search(around):
+            with suppress(CheckError):
+                zero = add(self.reader.formula(first), negate(self.reader.formula(others[0])))
+                if not names_of_pose(zero) and self._values.is_singular(zero):
+                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
+                    return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
+        return ()
+
+    def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
+        """What sides of an equation are by their values, where its first side is a name of the author's own."""
+        first, *others = equation
+        with suppress(CheckError):
+            self.reader.value(first)
+            return
+        for side in others:
+            with suppress(CheckError):
+                where = self.plain.location(side.start)
+                value = next(self._matrices.values(side), None) or self.reader.value(side)
+                if found := self._by_value(value, first.text, self._typed(side), where):
+                    yield found
 
     def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
         """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""

@@ -1,7 +1,7 @@
 """Printed matrices as a whole: names of entries, one cause of slips, another factorisation of C, chains of frames."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations, pairwise
 
@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.checking.formulas.findings import Finding
-from derive.checking.latex.left import Left, Turned, taken_apart
+from derive.checking.latex.equations import Sides
+from derive.checking.latex.left import AXES, Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
@@ -35,6 +36,8 @@ _FRAMES = re.compile(r"(?P<kind>[AT]|base|tool|end)(?:\[(?P<first>[0-9]+)(?:,(?P
 _COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
 _NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
 _LIST_OF_NAMES = re.compile(rf"[\[(]{_NAME}(?:,{_NAME})+[\])](?:\^.*)?")  # [x, y, \theta]^T
+_FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
+_GRAVITY = re.compile(r"([+-]|^(?=\\tau))(?:\\tau_?)?[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -48,6 +51,41 @@ def names_its_columns(piece: LatexPiece) -> bool:
         return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in plain)
     plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
     return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
+
+
+def base_letters(equations: Iterable[Sides]) -> frozenset[str]:
+    """A letter that is the reference of all matrices with scripts before them, and the frame of none."""
+    sides = (side for equation in equations for side in equation if not side.matrices)
+    lefts = [left for side in sides if (left := taken_apart(side.text)) and left.before and left.head in "TMRHJA"]
+    letters = {left.before for left in lefts}
+    frames = {left.sub + left.before_sub for left in lefts}
+    return frozenset(letters if len(letters) == 1 and len(lefts) > 2 and not letters & frames else ()) - set(
+        "0123456789"
+    )
+
+
+def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
+    """Letters of the columns of a pose that a matrix of the text names, such as m, n, o and p."""
+    for matrix in (matrix for equation in equations for side in equation for matrix in side.matrices):
+        rows = matrix.rows[:3]
+        if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
+            continue
+        cells = [[taken_apart(cell.text) for cell in row] for row in rows]
+        plain = [
+            x.head if x and x.is_plain and x.sub == a else "" for a, row in zip(AXES, cells, strict=True) for x in row
+        ]
+        if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
+            return {head: column for column, head in enumerate(plain[:4], 1)}
+    return {}
+
+
+def opposes_gravity(texts: Iterable[str]) -> bool:
+    r"""Whether an equation of motion in symbols has gravity with the torques, as in ``M \ddot q = \tau + g``."""
+    sides = ["".join(_FONTS.sub("", text).split()) for text in texts]
+    if len(sides) != 2 or not any("ddot" in side for side in sides) or re.search("[0-9]|sin|cos", "".join(sides)):
+        return False
+    signs = [(sign, "ddot" in side) for side in sides for sign in _GRAVITY.findall(side)]
+    return any((sign == "-") == is_moving for sign, is_moving in signs)
 
 
 def is_no_claim(piece: LatexPiece) -> bool:
