@@ -157,10 +157,6 @@ def test_what_is_too_long_is_listed_with_its_number_of_terms() -> None:
     assert "3" in found.omitted[0]
 
 
-def test_places_go_row_by_row_from_one() -> None:
-    assert entries_of([[A, B], [C, D]]).places == [(1, 1), (1, 2), (2, 1), (2, 2)]
-
-
 MARK = re.compile(r"\\(?:brk|fac)[0-9] ")
 
 

@@ -197,11 +197,6 @@ def test_cells_have_their_unit_and_every_digit(unit: str, kind: str, cell: str, 
     assert joined(written[name]()).tex == expected
 
 
-def test_a_joint_without_limits_has_a_dash() -> None:
-    data, robot = data_printer("a: 1")
-    assert joined(data.limits(robot.joints[0])).tex == "\\text{--}"
-
-
 @pytest.mark.parametrize(
     ("limits", "expected"),
     [("[-2.5, 2]", "[-2{,}5;\\, 2]"), ("[-pi, 2]", "[-\\pi ,\\, 2]"), ("[-3, 2]", "[-3,\\, 2]")],

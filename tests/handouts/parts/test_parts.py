@@ -89,11 +89,6 @@ def assert_closed(rows: list[str]) -> None:
             assert line.count(opening) - arrows[0] == line.count(closing) - arrows[1], line
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_no_part_is_empty_for_a_robot_with_everything(part: str) -> None:
-    assert blocks(part, "scara-perugia", Derivation.RESULT) or part == "convention"
-
-
 @pytest.mark.parametrize("revolute", [True, False])
 @pytest.mark.parametrize("standard", [True, False])
 def test_the_recursion_goes_outward_over_motion_and_inward_over_forces(standard: bool, revolute: bool) -> None:

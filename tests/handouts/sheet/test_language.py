@@ -23,10 +23,6 @@ CATALOGUES = messages.catalogues()
 NAMES = [path.stem for path in CATALOGUES]
 
 
-def test_the_languages_of_the_package_are_english_italian_and_portuguese() -> None:
-    assert {"en", "it", "pt"} <= set(languages())
-
-
 @pytest.mark.parametrize("path", CATALOGUES, ids=NAMES)
 def test_no_message_is_missing_or_unconfirmed(path: Path) -> None:
     confirmed = {
