@@ -157,7 +157,6 @@ def test_two_halves_share_a_line(lines: float) -> None:
 
 
 def test_what_is_left_out_for_the_page_limit_is_not_asked_for() -> None:
-    """Nor is it spoken of."""
     context, whole, sheet, _ = sheets_of("scara-perugia")
     short = exercise(within(whole, 2, context.text), context.text)
     assert len(questions(short)) < len(questions(sheet))

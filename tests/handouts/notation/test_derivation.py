@@ -120,10 +120,7 @@ def test_an_arm_without_bounds_says_what_to_do() -> None:
 ORTHOGONAL = """
 name: orthogonal
 convention: standard
-joints:
-  - {type: revolute, a: 1, alpha: -pi/2}
-  - {type: revolute, d: 1, a: 2, alpha: pi/2}
-  - {type: revolute, a: 1.5}
+joints: [{type: revolute, a: 1, alpha: -pi/2}, {type: revolute, d: 1, a: 2, alpha: pi/2}, {type: revolute, a: 1.5}]
 inverse: {task: position}
 """
 

@@ -271,9 +271,7 @@ MIXED = """\
 name: arm
 convention: standard
 units: {angle: deg, length: mm}
-joints:
-  - {type: revolute, d: 400, a: a1 + 20, alpha: beta - 90}
-  - {type: prismatic, d: q2 - 10, limits: [0, 180]}
+joints: [{type: revolute, d: 400, a: a1 + 20, alpha: beta - 90}, {type: prismatic, d: q2 - 10, limits: [0, 180]}]
 tool: [[1, 0, 0, 12.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
 links: [{mass: 2, com: [150, 0, 0]}, {mass: m}]
 parameters: {a1: 0.3, beta: pi/6, m: 3}
