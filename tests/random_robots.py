@@ -102,7 +102,6 @@ def random_robot(
     dynamics: bool = True,
     symbols: bool = True,
 ) -> RandomRobot:
-    """A random robot."""
     return _Writer(rng, n or rng.randint(1, 7), standard, dynamics, symbols).robot()
 
 

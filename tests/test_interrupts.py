@@ -6,6 +6,7 @@ import shutil
 import signal
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -39,11 +40,6 @@ class Elsewhere:
         self._sent.wait()
 
 
-def interrupt_here() -> None:
-    """As a terminal does, where there is but one thread."""
-    os.kill(os.getpid(), signal.SIGINT)
-
-
 def test_a_folder_goes_with_its_block_or_with_its_last_holder() -> None:
     with TemporaryFolder() as folder:
         (folder.path / "file").write_text("")
@@ -66,7 +62,8 @@ def test_a_folder_that_a_message_names_is_kept() -> None:
 @posix
 @pytest.mark.parametrize("through", ["the main thread", "another thread"])
 def test_an_interrupt_waits_until_a_folder_is_gone(through: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    interrupt = interrupt_here if through == "the main thread" else Elsewhere().interrupt
+    here = partial(os.kill, os.getpid(), signal.SIGINT)  # as a terminal does, where there is but one thread
+    interrupt = here if through == "the main thread" else Elsewhere().interrupt
     remove = shutil.rmtree
 
     def slowly(path: Path, ignore_errors: bool) -> None:

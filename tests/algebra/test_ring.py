@@ -1,5 +1,6 @@
 """The ring of polynomials in sines, cosines and symbols: factors, quotients, residues."""
 
+import math
 import random
 from fractions import Fraction
 
@@ -129,14 +130,10 @@ RING = DOMAIN.ring
 
 
 def product(p: Polynomial) -> Polynomial:
-    result = RING.one
-    for factor in Factoring(DOMAIN).factors(p):
-        result = result * factor.value**factor.exponent
-    return result
+    return math.prod((factor.value**factor.exponent for factor in Factoring(DOMAIN).factors(p)), start=RING.one)
 
 
 def some(rng: random.Random) -> Polynomial:
-    """A linear form in sines, cosines and lengths."""
     c, s = DOMAIN.cosine_sine_of(rng.randrange(1, 5))
     a, b, d = (RING.generator(name) for name in rng.sample(["a2", "a3", "d3", "d4"], 3))
     return a * c + rng.choice([b, -b, RING.zero]) * s + rng.randint(-1, 1) * d

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.api.check import check, check_formula, check_inverse, check_latex
+from derive.api.check import check, check_formula, check_inverse
 from derive.errors import UnknownNameError
 
 NOTES = """\
@@ -41,13 +41,6 @@ def test_one_formula_is_text_or_latex() -> None:
     assert "is wrong" in str(found)
     with pytest.raises(UnknownNameError, match="zz"):
         check_formula("scara-perugia", "p[1]", "zz")
-
-
-def test_latex_has_a_verdict_for_each_formula() -> None:
-    found = check_latex("planar-2r-perugia", r"x = a_1 c_1 + a_2 c_{12} \\ y = a_1 s_1 - a_2 s_{12}")
-    assert [verdict.outcome for verdict in found.verdicts] == ["same form", "wrong"]
-    assert found.verdicts[1].change == "sign of the 2nd term, -a2*s12"
-    assert not found.passed
 
 
 def test_numbers_have_six_digits_for_people_and_all_for_programs() -> None:

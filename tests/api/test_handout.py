@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.api.handout import fragment, handout
+from derive.api.handout import handout
 from derive.api.robots import load
 from derive.errors import DeriveError, QuantityError, TargetError
 from derive.robot.presentation import with_options
@@ -27,10 +27,6 @@ def test_what_is_not_chosen_is_as_the_file_says() -> None:
     assert chosen.handout.parts == ("table",)
     assert chosen.handout.language == robot.handout.language
     assert chosen.figure.q is not None
-
-
-def test_a_fragment_is_latex_for_other_notes() -> None:
-    assert "a_{1}" in fragment("scara-perugia", "T")
 
 
 @pytest.mark.parametrize(

@@ -1,21 +1,14 @@
 """What `derive` shows: every public name, in every order of imports, and no more."""
 
 import inspect
-import subprocess
-import sys
 
 import pytest
 
 import derive
+from tests.interpreters import printed_by
 from tests.places import ROOT
 
 FUNCTIONS = sorted(name for name in derive.__all__ if inspect.isfunction(getattr(derive, name)))
-
-
-def in_a_fresh_process(code: str) -> str:
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
 
 
 RUN, SOLVER = "from derive.cli.main import main; main", "derive.inverse.closed.solve"
@@ -31,11 +24,11 @@ UNNEEDED = {
 @pytest.mark.parametrize(("statement", "heavy"), UNNEEDED.items())
 def test_what_is_not_needed_is_not_imported(statement: str, heavy: str) -> None:
     code = f"{statement}; import sys; print([name for name in {heavy.split()} if name in sys.modules])"
-    assert in_a_fresh_process(code).splitlines()[-1] == "[]"
+    assert printed_by(code).splitlines()[-1] == "[]"
 
 
 def test_dir_shows_the_public_names_before_anything_is_imported() -> None:
-    assert in_a_fresh_process("import derive; print(*dir(derive))").split() == sorted(derive.__all__)
+    assert printed_by("import derive; print(*dir(derive))").split() == sorted(derive.__all__)
 
 
 @pytest.mark.parametrize("functions_first", [True, False])
@@ -45,7 +38,7 @@ def test_no_subpackage_takes_the_place_of_a_function(functions_first: bool) -> N
     functions = f"found = [getattr(derive, name) for name in {FUNCTIONS!r}]"
     first, second = (functions, everything) if functions_first else (everything, functions)
     same = f"print(all(inspect.isfunction(f) and f is getattr(derive, n) for f, n in zip(found, {FUNCTIONS!r})))"
-    assert in_a_fresh_process(f"import derive, inspect; {first}; {second}; {same}") == "True"
+    assert printed_by(f"import derive, inspect; {first}; {second}; {same}") == "True"
     assert not [name for name in FUNCTIONS if (ROOT / "derive" / name).exists()]
 
 

@@ -58,7 +58,6 @@ def _printed(stream: io.TextIOWrapper) -> str:
 def _run_main(
     arguments: Sequence[str], folder: Path, variables: Mapping[str, str], out: io.TextIOWrapper, err: io.TextIOWrapper
 ) -> int:
-    """The exit status."""
     with (
         contextlib.chdir(folder),
         mock.patch.dict(os.environ, variables),
@@ -96,6 +95,13 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def is_one_message(text: str) -> bool:
     return text.startswith("derive") and ": error: " in text and text.count("\n") == 1
+
+
+def accepted(*arguments: str, folder: Path, **variables: str) -> Outcome:
+    """Run ``derive`` with what it must do: status 0."""
+    done = derive(*arguments, folder=folder, **variables)
+    assert done.status == 0, done.stderr
+    return done
 
 
 def refused(*arguments: str, folder: Path, **variables: str) -> Outcome:

@@ -1,6 +1,5 @@
 """``derive build`` as scripts and people use it: reports, silence, staleness, several robots."""
 
-import json
 import os
 import pty
 import re
@@ -15,29 +14,10 @@ from derive.publish.targets import targets_named
 from tests.cli.command import PENDULUM, contents, derive, derive_process, environment, is_one_message, refused
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("built")
-    (folder / "arm.yaml").write_text(PENDULUM)
-    outcome = derive_process("build", "arm.yaml", folder=folder)
-    assert outcome.status == 0, outcome.stderr
-    return folder
-
-
-def test_models_go_to_a_package_named_after_the_robot(built: Path) -> None:
-    files = {path.name for path in (built / "generated" / "pendulum").iterdir()}
-    assert {"__init__.py", "MANIFEST.json", "README.md", "model_numpy.py", "model_casadi.py", "sheet.tex"} <= files
-
-
-def test_check_of_current_models_succeeds_and_writes_nothing(built: Path) -> None:
-    before = contents(built)
-    assert derive("build", "arm.yaml", "--check", folder=built).status == 0
-    assert contents(built) == before
-
-
 def test_check_names_what_is_stale_or_missing_and_exits_with_1(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     assert derive("build", "arm.yaml", folder=tmp_path).status == 0
+    assert derive("build", "arm.yaml", "--check", folder=tmp_path).status == 0
     folder = tmp_path / "generated" / "pendulum"
     with (folder / "model_numpy.py").open("a") as file:
         file.write("# mine\n")
@@ -77,14 +57,6 @@ def _read(terminal: int) -> bytes:
         return os.read(terminal, 4096)
     except OSError:  # the other end is closed
         return b""
-
-
-def test_several_robots_keep_their_order_whatever_finishes_first(tmp_path: Path) -> None:
-    outcome = derive(
-        "build", "scara-sankyo", "planar-3r", "skeleton", "--effort", "quick", "--jobs", "2", "--json", folder=tmp_path
-    )
-    assert [row["robot"] for row in json.loads(outcome.stdout)] == ["scara-sankyo", "planar-3r", "skeleton"]
-    assert outcome.status == 0
 
 
 def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:

@@ -246,12 +246,6 @@ def test_latex_in_a_file_is_checked_like_the_rest(folder: Path) -> None:
     assert lines[-1] == "latex.yaml: 4 equal (4 in the same form), 1 wrong (1 marked as errata), 1 undecidable"
 
 
-def test_latex_in_a_file_that_cannot_be_read_is_refused_at_its_place(folder: Path) -> None:
-    (folder / "latex.yaml").write_text(LATEX.replace("- a_2 s_{12}", r"\foo"))
-    done = refused("check", "latex.yaml", folder=folder)
-    assert "latex.yaml:12:17: unknown macro" in done.stderr
-
-
 PLANAR = "D = (x**2 + y**2 - a1**2 - a2**2)/(2*a1*a2); theta2 = atan2({}sqrt(1 - D**2), D)"
 
 

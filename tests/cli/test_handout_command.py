@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.command import PENDULUM, Outcome, derive, refused
+from tests.cli.command import PENDULUM, Outcome, accepted, refused
 from tests.handouts.latex_runner import overfull, require_latex, run_latex
 
 BARE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n%s\n\\end{document}\n"
@@ -19,7 +19,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def handout(folder: Path, *arguments: str) -> Outcome:
-    return derive("handout", "arm.yaml", *arguments, folder=folder)
+    return accepted("handout", "arm.yaml", *arguments, folder=folder)
 
 
 def names(folder: Path) -> set[str]:
@@ -28,7 +28,6 @@ def names(folder: Path) -> set[str]:
 
 def test_the_latex_file_is_written_by_default(folder: Path) -> None:
     outcome = handout(folder)
-    assert outcome.status == 0, outcome.stderr
     assert names(folder) == {"pendulum.tex"}
     assert outcome.stdout.startswith("pendulum.tex\n")
     log = run_latex((folder / "pendulum.tex").read_text(), folder)
@@ -39,7 +38,6 @@ def test_the_latex_file_is_written_by_default(folder: Path) -> None:
 def test_a_pdf_comes_with_its_source_and_the_number_of_pages(folder: Path) -> None:
     require_latex()
     outcome = handout(folder, "--pdf", "--out", "sheets/new", "--json")
-    assert outcome.status == 0, outcome.stderr
     assert names(folder / "sheets" / "new") == {"pendulum.tex", "pendulum.pdf"}
     report = json.loads(outcome.stdout)
     assert [Path(file["path"]).name for file in report["files"]] == ["pendulum.tex", "pendulum.pdf"]
@@ -49,14 +47,13 @@ def test_a_pdf_comes_with_its_source_and_the_number_of_pages(folder: Path) -> No
 
 
 def test_a_web_page_is_one_file(folder: Path) -> None:
-    outcome = handout(folder, "--html")
-    assert outcome.status == 0, outcome.stderr
+    handout(folder, "--html")
     assert names(folder) == {"pendulum.html"}
     assert "http-equiv" in (folder / "pendulum.html").read_text()
 
 
 def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:
-    assert handout(folder).status == 0
+    handout(folder)
     before = (folder / "pendulum.tex").read_bytes()
     options = ("--pdf", "--notation", "inertia=M", "--force")
     outcome = refused("handout", "arm.yaml", *options, folder=folder, PATH=str(folder))
@@ -67,7 +64,7 @@ def test_a_refusal_of_latex_leaves_what_was_there(folder: Path) -> None:
 
 def test_an_exercise_asks_for_what_its_solutions_tell(folder: Path) -> None:
     require_latex()
-    assert handout(folder, "--exercise", "--pdf", "--derivation", "steps").status == 0
+    handout(folder, "--exercise", "--pdf", "--derivation", "steps")
     sheets = {f"pendulum-{kind}.{form}" for kind in ("exercise", "solutions") for form in ("tex", "pdf")}
     assert names(folder) == sheets
     question, answer = ((folder / f"pendulum-{kind}.tex").read_text() for kind in ("exercise", "solutions"))
@@ -82,7 +79,6 @@ def test_an_exercise_asks_for_what_its_solutions_tell(folder: Path) -> None:
 @pytest.mark.parametrize("name", ["inertia", "christoffel[1,1,1]"])
 def test_fragments_go_into_notes_that_load_amsmath(name: str, folder: Path) -> None:
     outcome = handout(folder, "--fragment", name)
-    assert outcome.status == 0, outcome.stderr
     assert outcome.stdout.startswith("%")
     assert "documentclass" not in outcome.stdout
     assert r"needs \usepackage{amsmath}" in outcome.stdout.splitlines()[0]
@@ -91,10 +87,9 @@ def test_fragments_go_into_notes_that_load_amsmath(name: str, folder: Path) -> N
 
 def test_a_sheet_keeps_to_the_pages_that_are_asked_for(folder: Path) -> None:
     outcome = handout(folder, "--pages", "1")
-    assert outcome.status == 0, outcome.stderr
     assert "--pages 0 prints everything" in outcome.stdout
     assert "within the page limit (1)" in (folder / "pendulum.tex").read_text()
-    assert handout(folder, "--pages", "0", "--force").status == 0
+    handout(folder, "--pages", "0", "--force")
     assert "page limit" not in (folder / "pendulum.tex").read_text()
 
 
@@ -104,19 +99,19 @@ def test_lines_of_a_fragment_are_as_wide_as_is_asked_for(folder: Path) -> None:
 
 def test_a_fragment_goes_to_a_file(folder: Path) -> None:
     outcome = handout(folder, "--fragment", "B", "-o", "notes/b.tex")
-    assert (outcome.status, outcome.stdout) == (0, "")
+    assert outcome.stdout == ""
     assert "b_{11} = " in (folder / "notes" / "b.tex").read_text()
 
 
 def test_options_win_over_the_robot_file(folder: Path) -> None:
     with (folder / "arm.yaml").open("a") as file:
         file.write("handout: {parts: [inertia, gravity], language: it, notation: {inertia: D}}\n")
-    assert handout(folder).status == 0
+    handout(folder)
     text = (folder / "pendulum.tex").read_text()
     assert "\\mathbf{D}" in text
     assert text.count("\\section") == 2
     options = ("--parts", "gravity,inertia,table", "--lang", "en", "--notation", "inertia=M,angle=vartheta")
-    assert handout(folder, *options, "--force").status == 0
+    handout(folder, *options, "--force")
     text = (folder / "pendulum.tex").read_text()
     assert "\\mathbf{M}" in text
     assert "\\vartheta" in text
@@ -127,9 +122,9 @@ def test_options_win_over_the_robot_file(folder: Path) -> None:
 def test_a_configuration_is_computed(folder: Path) -> None:
     with (folder / "arm.yaml").open("a") as file:
         file.write("parameters: {a1: 0.5, l1: 0.2, m1: 2, I1: 0.1, g: 9.81}\n")
-    assert handout(folder, "-q", "pi/2", "--parts", "example").status == 0
+    handout(folder, "-q", "pi/2", "--parts", "example")
     default = (folder / "pendulum.tex").read_text()
-    assert handout(folder, "-q=-1/4", "--parts", "example", "--force").status == 0
+    handout(folder, "-q=-1/4", "--parts", "example", "--force")
     assert (folder / "pendulum.tex").read_text() != default
 
 
@@ -164,4 +159,4 @@ def test_dynamics_of_a_robot_without_links_is_refused_as_a_fragment(folder: Path
     (folder / "arm.yaml").write_text("name: bare\nconvention: standard\njoints: [{type: revolute}]\n")
     for name in ("B", "inertia"):
         assert "links" in refused("handout", "arm.yaml", "--fragment", name, folder=folder).stderr
-    assert handout(folder).status == 0
+    handout(folder)

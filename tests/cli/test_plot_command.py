@@ -69,13 +69,9 @@ def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tu
     ("package", "option"), [("matplotlib", ()), ("matplotlib", ("--workspace",)), ("shapely", ("--workspace",))]
 )
 def test_a_figure_without_its_packages_says_how_to_install_them(
-    package: str,
-    option: tuple[str, ...],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    package: str, option: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    assert main(["plot", "planar-2r-perugia", *option, "-o", str(tmp_path / "a.svg")]) == 2
-    assert install_extra("handout") in capsys.readouterr().err
+    done = refused("plot", "planar-2r-perugia", *option, "-o", "a.svg", folder=tmp_path)
+    assert install_extra("handout") in done.stderr
     assert list(tmp_path.iterdir()) == []

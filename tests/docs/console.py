@@ -109,16 +109,9 @@ def agrees(shown: tuple[str, ...], printed: list[str]) -> bool:
         if line.strip() == "...":
             pattern += r"(?:.*\n)*?"
         else:
-            pattern += ".*?".join(_line(part.rstrip()) for part in line.split("...")) + r"[ ]*\n"
+            parts = (map(re.escape, _ROUNDING_ERROR.split(part.rstrip())) for part in line.split("..."))
+            pattern += ".*?".join(map(_ANY_ROUNDING_ERROR.join, parts)) + r"[ ]*\n"
     return re.fullmatch(pattern, "".join(f"{line}\n" for line in printed)) is not None
-
-
-def _line(part: str) -> str:
-    return _ANY_ROUNDING_ERROR.join(re.escape(text) for text in _ROUNDING_ERROR.split(part))
-
-
-def refreshed(block: Block, folder: Path, variables: dict[str, str]) -> str:
-    return "".join(_shown(command, *run(command, folder, variables)) for command in commands(block))
 
 
 def _shown(command: Command, printed: list[str], status: int) -> str:
@@ -138,7 +131,8 @@ def refresh(page: Path) -> None:
             if block.file:
                 (folder / "work" / block.file).write_text(block.body, encoding="utf-8")
             if block.language == "console":
-                text = text.replace(block.body, refreshed(block, folder / "work", variables), 1)
+                shown = (_shown(command, *run(command, folder / "work", variables)) for command in commands(block))
+                text = text.replace(block.body, "".join(shown), 1)
     page.write_text(text, encoding="utf-8")
 
 

@@ -28,16 +28,11 @@ def decimal(value: float) -> Expression:
     return number(Fraction(round(value * 10000), 10000))
 
 
-def chosen_numbers(robot: Robot) -> dict[str, Expression]:
-    """Lengths for the symbols that have none."""
-    random = np.random.default_rng(len(robot.name))
-    symbols = dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot)))
-    return {name: decimal(random.uniform(0.3, 0.9)) for name in symbols if name not in dict(robot.parameters)}
-
-
 def numeric(name: str) -> Robot:
-    robot = Robot.load(name)
-    return with_numbers(robot, chosen_numbers(robot))
+    """A robot of the catalogue with lengths for the symbols that have none."""
+    robot, random = Robot.load(name), np.random.default_rng(len(name))
+    known, symbols = dict(robot.parameters), dict.fromkeys((*robot_symbols(robot), *limit_symbols(robot)))
+    return with_numbers(robot, {each: decimal(random.uniform(0.3, 0.9)) for each in symbols if each not in known})
 
 
 def dressed(name: str, *, rotors: bool = False, coulomb: bool = False, calm: bool = False) -> Robot:

@@ -1,12 +1,11 @@
 """Robot files in the other convention, with the printed regrouping."""
 
 import random
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import pytest
 
-from derive.errors import DeriveError, RobotFileError
-from derive.exchange.convert import convention_named, converted, moves
+from derive.exchange.convert import converted, moves
 from derive.exchange.derivation import derivation_text
 from derive.mechanics.convention import convert, has_equal_poses
 from derive.robot.description import Convention
@@ -16,6 +15,7 @@ from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 from tests.random_robots import robot_text as random_text
 from tests.random_robots import swept, swept_catalogue
+from tests.robot.test_writer import differing
 
 ARM = """\
 # Source: notes, page 3.
@@ -51,12 +51,6 @@ OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Conventi
 
 def without_comments(text: str) -> str:
     return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
-
-
-def differing(ours: Robot, theirs: Robot) -> list[str]:
-    """Data that differ, but for what tells one file from another."""
-    told = [part.name for part in fields(ours) if part.compare and part.name not in ("digest", "source")]
-    return [name for name in told if getattr(ours, name) != getattr(theirs, name)]
 
 
 @pytest.mark.parametrize("name", catalogue_names())
@@ -107,20 +101,6 @@ def test_a_comment_that_is_no_factor_of_this_robot_is_passed_over(spoilt: str) -
     back = converted(Robot.from_text(text), Convention.STANDARD)
     assert back.conversion.entering.is_one
     assert back.robot.joints[-1].type == "prismatic"
-
-
-@pytest.mark.parametrize("convention", ["modifed", "Craig", "", "sdh\n"])
-def test_an_unknown_convention_and_the_one_that_a_table_has_are_refused(convention: str) -> None:
-    with pytest.raises(DeriveError, match=r"unknown convention .*; allowed: standard \(distal\), modified \(Craig"):
-        convention_named(convention)
-    with pytest.raises(DeriveError, match="arm has a standard table already; write --convention modified"):
-        converted(Robot.from_text(ARM), Convention.STANDARD)
-
-
-@pytest.mark.parametrize("name", ["My Arm", "import", "", "a/b"])
-def test_a_name_that_no_robot_may_have_is_refused(name: str) -> None:
-    with pytest.raises(RobotFileError, match="is not a robot name"):
-        converted(Robot.from_text(ARM), Convention.MODIFIED, name)
 
 
 PLANAR = """\

@@ -155,7 +155,6 @@ def with_least(robot: Robot, model: mujoco.MjModel) -> Robot:
 
 
 def inertia_of(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
-    """B(q) of MuJoCo."""
     rows = np.zeros((model.nv, model.nv))
     for row, unit in zip(rows, np.eye(model.nv), strict=True):
         mujoco.mj_mulM(model, data, row, unit)
@@ -168,7 +167,6 @@ def relative(found: np.ndarray, wanted: np.ndarray) -> float:
 
 
 def read(text: str, name: str) -> tuple[Urdf | None, str]:
-    """A URDF, or why there is none."""
     try:
         return read_urdf(text.encode(), name), ""
     except DeriveError as error:

@@ -16,23 +16,11 @@ from derive.exchange.robot_of_arm import TOUCHING
 from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
-from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import random_chain
 from tests.exchange.urdfs import J, Reading, pose, urdf
 
 ROUNDING = 1e-12
-
-
-def furthest(robot: Robot) -> float:
-    """The largest cell that is a length."""
-    return max(abs(evaluate(cell, {})) for joint in robot.joints for cell in (joint.d, joint.a))
-
-
-def least_slant(robot: Robot, least: float) -> float:
-    """The smallest sine of an angle between axes that nobody may take as parallel; 1 where there is none."""
-    sines = (abs(math.sin(evaluate(joint.alpha, {}))) for joint in robot.joints)
-    return min((sine for sine in sines if sine > 0.99 * least), default=1.0)
 
 
 def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convention) -> None:
@@ -50,7 +38,9 @@ def check(seed: int, snap: Fraction, conventions: Iterable[Convention] = Convent
         apart = pose(imported.robot, q) - reading.pose(q, tip)
         said = f"{seed} {convention.value}"
         least = (TURNED if snap else AS_WRITTEN) * min(1.0, 1 / max(arm.reach, ROUNDING)) / 2
-        far, slant = furthest(imported.robot), least_slant(imported.robot, least)
+        far = max(abs(evaluate(cell, {})) for joint in imported.robot.joints for cell in (joint.d, joint.a))
+        sines = (abs(math.sin(evaluate(joint.alpha, {}))) for joint in imported.robot.joints)
+        slant = min((sine for sine in sines if sine > 0.99 * least), default=1.0)  # of axes that are not parallel
         assert np.linalg.norm(apart[:3, 3]) <= bound.position + ROUNDING * max(1.0, far), said
         assert np.linalg.norm(apart[:3, :3], 2) <= bound.rotation + ROUNDING, said
         assert far <= FAR * arm.reach + ROUNDING or far <= 2 * arm.reach / slant, said

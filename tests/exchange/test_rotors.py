@@ -26,9 +26,7 @@ SEEDS = [*range(6), *swept(*range(6, 500))]
 TWO = """
 name: two
 convention: standard
-joints:
-  - {type: revolute, theta: q1, a: 0.5}
-  - {type: revolute, theta: q2, a: 0.4}
+joints: [{type: revolute, theta: q1, a: 0.5}, {type: revolute, theta: q2, a: 0.4}]
 gravity: [0, -9.81, 0]
 links:
   - {mass: 2, com: [-0.25, 0, 0], inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}}

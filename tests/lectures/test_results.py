@@ -85,12 +85,6 @@ def test_gravity_enters_through_the_acceleration_of_the_base() -> None:
         assert last.following.f == last.following.n == (0.0, 0.0, 0.0)
 
 
-def test_only_stopping_at_the_first_joint_gives_all_torques() -> None:
-    (erratum,) = METHODS["algorithm"]["errata"]
-    visited = {stop: len(range(5, first - 1, -1)) for stop, first in (("n", 5), ("1", 1))}
-    assert visited[erratum["printed_stop"]] < visited[erratum["correct_stop"]] == 5
-
-
 def test_every_general_formula_of_lagrange_is_tested() -> None:
     assert {item["name"] for item in METHODS["lagrange"]} == FORMULAS.keys()
 

@@ -35,7 +35,6 @@ class Arm:
         return self.chain_of(self.robot)
 
     def chain_of(self, robot: Robot) -> Chain[float]:
-        """The chain of a robot at this configuration."""
         return build_chain(robot, FloatDomain(robot, self.q.tolist()))
 
     def expected(self, function: str, *arguments: Array) -> Array:
@@ -45,7 +44,6 @@ class Arm:
 
 @cache
 def arm_of(seed: int) -> Arm:
-    """One to seven joints of all kinds."""
     drawn = random_robot(random.Random(seed), 1 + seed % 7)
     robot = Robot.from_text(drawn.text)
     known = dict(robot.parameters) | {name: Number(Fraction(value)) for name, value in drawn.values.items()}

@@ -28,19 +28,11 @@ joints:
   - {{type: {kind}, {fixed}, a: a3, alpha: -pi/2}}
 gravity: [gx, gy, -9.81]
 links:
-  - mass: m1
-    com: [x1, y1, z1]
-    inertia: {{xx: 0.1, yy: 0.2, zz: 0.3, xy: 0.01, xz: 0.02, yz: 0.03}}
-    motor: {{mass: u1, inertia: J1, ratio: 3}}
-  - mass: {mass}
-    com: [x2, 0.2, 0]
-    inertia: {{yy: I2}}
-    motor: {{mass: u2, inertia: J2, ratio: 5}}
-    friction: {{viscous: b2, coulomb: f2}}
-  - mass: 0.7
-    com: [0, 0, l3]
-    armature: 0.25
-    motor: {{mass: u3, inertia: J3, ratio: 7}}
+  - {{mass: m1, com: [x1, y1, z1], inertia: {{xx: 0.1, yy: 0.2, zz: 0.3, xy: 0.01, xz: 0.02, yz: 0.03}},
+      motor: {{mass: u1, inertia: J1, ratio: 3}}}}
+  - {{mass: {mass}, com: [x2, 0.2, 0], inertia: {{yy: I2}}, motor: {{mass: u2, inertia: J2, ratio: 5}},
+      friction: {{viscous: b2, coulomb: f2}}}}
+  - {{mass: 0.7, com: [0, 0, l3], armature: 0.25, motor: {{mass: u3, inertia: J3, ratio: 7}}}}
 """
 """Rotors with mass at offset joints, everything symbolic."""
 
@@ -149,13 +141,8 @@ def test_any_factor_may_be_taken_out_of_a_tool() -> None:
 TOOL = """\
 name: tool
 convention: modified
-joints:
-  - {{type: revolute}}
-tool:
-  - [1, 0, 0, {x}]
-  - [0, {c}, -({s}), 0]
-  - [0, {s}, {c}, 0]
-  - [0, 0, 0, 1]
+joints: [{{type: revolute}}]
+tool: [[1, 0, 0, {x}], [0, {c}, -({s}), 0], [0, {s}, {c}, 0], [0, 0, 0, 1]]
 """
 
 

@@ -196,9 +196,7 @@ def test_an_unknown_style_or_contraction_is_refused_with_the_known_ones(option: 
 ARM = """\
 name: two-bars
 convention: standard
-joints:
-  - {type: revolute, a: a1, alpha: pi/2}
-  - {type: prismatic, a: a2, d: q2 + d2}
+joints: [{type: revolute, a: a1, alpha: pi/2}, {type: prismatic, a: a2, d: q2 + d2}]
 gravity: [0, 0, -g]
 links:
   - {mass: m1, com: [l1, 0, 0], inertia: {yy: I1}, motor: {mass: mm1, inertia: 1e-4, ratio: k}}

@@ -3,7 +3,6 @@
 import random
 
 import pytest
-import sympy
 
 from derive.checking.formulas.findings import same_form
 from derive.lecture.shorthand import read_formula
@@ -178,20 +177,3 @@ def test_long_entries_are_not_expanded() -> None:
     long, short = form.entry(entry, 10**6), form.entry(entry, 0)
     assert short != long
     assert len(short.free_symbols) <= len(long.free_symbols)
-
-
-@pytest.mark.parametrize("name", ["planar-2r-perugia", "scara-matlab"])
-def test_torques_are_regressors_times_parameters(name: str) -> None:
-    tau, model = Model(Robot.load(name)).tau, DynamicModel(Robot.load(name))
-    pairs = ((model.regressor, model.standard_parameters), (model.regressor_base, model.base_parameters))
-    for regressor, values in pairs:
-        assert all(entry.expand(trig=True).equals(0) for entry in regressor * values - tau)
-    assert len(model.base_set.parameters) <= len(model.standard_set)
-
-
-def test_base_parameters_collect_what_they_have_in_common() -> None:
-    """The masses that link 1 carries, once: by geometry where that is shorter, else by body."""
-    model = Model(Robot.load("planar-2r-perugia"))
-    a1, ml2, mm2 = sympy.symbols("a1 ml2 mm2")
-    assert a1**2 * (ml2 + mm2) in model.base_parameters[2].args
-    assert a1 * (ml2 + mm2) in model.base_parameters[0].args

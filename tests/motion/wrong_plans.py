@@ -42,9 +42,7 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "path: {a: b}": "6:7: path: found a mapping; allowed: a list; check the indentation; texts with ': ' or '{'",
         "curves: {q1: t}\ntime: 1": "4:3: points: points beside curves, and there is no path; leave points out",
     },
-    "path: [a,": {
-        "path: [1,": "6:8: path entry 1: unknown point '1'; allowed: a, b",
-    },
+    "path: [a,": {"path: [1,": "6:8: path entry 1: unknown point '1'; allowed: a, b"},
     "{to: b, time: 1}": {
         "{time: 1}": "6:11: path entry 2: key 'to' is missing; add it",
         "{to: , time: 1}": "6:15: path entry 2, to: found nothing; allowed: a, b",
@@ -54,9 +52,7 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
         "{to: b, time: 1, via: pass}, {to: a, time: 1, profile: cubic}": "6:33: path entry 2, via: b is not passed: "
         "the arm stops between quintic and cubic; write {to: b, via: stop",
     },
-    "[a,": {
-        "[{to: a, time: 3},": "6:22: path entry 1, time: time at the start of the path; allowed: a point; write a",
-    },
+    "[a,": {"[{to: a, time: 3},": "6:22: path entry 1, time: time at the start of the path; allowed: a point; write a"},
     "time: 1": {
         "time: [1]": "6:25: path entry 2, time: found a list; allowed: one number, name or expression; check the",
         "time: 0": "6:25: path entry 2, time: found '0'; allowed: a time above zero [s]",
@@ -120,7 +116,7 @@ BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
     },
     "{to: b, time: 1}]": {
         "{to: b, time: 1}, {to: a, time: 1, line: yes}]\nvia: pass": "7:6: via: b is not passed: the arm stops between "
-        "a line or an arc and another segment; write {to: b, via:",
+        "a line or an arc and another segment; write {to: b, via:"
     },
 }
 """What is replaced in it (nothing: what follows it), by what, and the message from the line on."""

@@ -145,7 +145,6 @@ def test_no_file_names_this_machine_or_a_registry() -> None:
 
 
 def nodes(kind: Any) -> Iterator[tuple[Path, Any]]:
-    """Every node of a kind in the package, with its file."""
     for path in modules().values():
         yield from ((path, node) for node in ast.walk(tree(path)) if isinstance(node, kind))
 

@@ -39,7 +39,6 @@ CURVES = "robot: planar-2r-perugia\ncurves: {q1: sin(t)}\ntime: 5\n"
 def refusal(text: str) -> str:
     with pytest.raises(DeriveError) as caught:
         plan_from_bytes(text.encode(), "plan.yaml")
-    assert caught.value.exit_status == 2
     return str(caught.value)
 
 
@@ -92,7 +91,6 @@ def test_a_wrong_plan_is_one_message_when_it_is_loaded(old: str, new: str, messa
     with pytest.raises(DeriveError) as caught:
         Motion.from_text(text, "plan.yaml")
     assert str(caught.value).startswith(f"plan.yaml:{message}")
-    assert caught.value.exit_status == 2
     assert "\n" not in str(caught.value)
 
 
@@ -307,6 +305,5 @@ def test_on_a_base_that_moves_an_arm_has_torques_which_fastest_motions_do_not_kn
     assert all(len(found.loads) == 4 for found in motion.peaks)
     points = "points: {a: [0, 0, 0, 0], b: [1, 1, 1, 1]}\npath: [a, {to: b}]\n"
     limits = "profile: fastest\nspeed: [1, 1, 1, 1]\nacceleration: [1, 1, 1, 1]\ntorque: [9, 9, 9, 9]\n"
-    with pytest.raises(DeriveError, match=r"torques of a fastest motion.*base that moves") as caught:
+    with pytest.raises(DeriveError, match=r"torques of a fastest motion.*base that moves"):
         _ = Motion.from_text(f"robot: scara-matlab\n{points}{limits}base: {{x: t}}\n").trajectory
-    assert caught.value.exit_status == 2

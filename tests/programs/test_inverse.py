@@ -361,8 +361,8 @@ def test_frames_and_motions_between_them_are_the_pose() -> None:
     frames[:, :3] = np.reshape(np.array(values, dtype=float), (robot.n + 1, 3, FRAME_ENTRIES // 3))
     q = np.random.default_rng(1).uniform(-2, 2, robot.n)
     pose = np.eye(4)
-    for joint, frame, value in zip(robot.joints, frames[:-1], joint_values(robot.joints, q), strict=True):
-        motion = np.eye(4)
+    for joint, frame, variable in zip(robot.joints, frames[:-1], q, strict=True):
+        motion, value = np.eye(4), joint.sign * variable
         if joint.is_revolute:
             motion[:2, :2] = [[np.cos(value), -np.sin(value)], [np.sin(value), np.cos(value)]]
         else:
@@ -370,11 +370,6 @@ def test_frames_and_motions_between_them_are_the_pose() -> None:
         pose = pose @ frame @ motion
     expected = forward_kinematics(numeric_arm(robot, PARAMETERS), q[None])[0]
     np.testing.assert_allclose(pose @ frames[-1], expected, atol=1e-14)
-
-
-def joint_values(joints: tuple, q: np.ndarray) -> list[float]:  # type: ignore[type-arg]
-    """How far each joint moves about or along its axis."""
-    return [joint.sign * value for joint, value in zip(joints, q, strict=True)]
 
 
 def test_general_arms_have_eliminations_and_a_count_and_others_neither() -> None:

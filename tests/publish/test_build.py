@@ -25,10 +25,11 @@ from derive.publish.build import (
     check_robot,
     folder_of,
 )
-from derive.publish.targets import TARGETS, targets_named
+from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import find_compiler
 from derive.targets.target import Target
+from tests.cli.command import contents
 
 ALL_FILES = {name for target in targets_named() for name in target.files} | {"MANIFEST.json", "__init__.py"}
 quickly = partial(build_robot, verified=False, effort=Effort.QUICK)
@@ -36,9 +37,7 @@ ARM = """\
 name: two-bars
 title: Two bars
 convention: standard
-joints:
-  - {type: revolute, a: a1, limits: [-pi, pi]}
-  - {type: prismatic, alpha: pi/2}
+joints: [{type: revolute, a: a1, limits: [-pi, pi]}, {type: prismatic, alpha: pi/2}]
 gravity: [0, -g, 0]
 links:
   - {mass: m1, com: [l1, 0, 0], inertia: {zz: I1}, friction: {viscous: b1, coulomb: f1}}
@@ -50,10 +49,6 @@ parameters: {a1: 0.5, Im2: 1e-4}
 @pytest.fixture
 def arm() -> Robot:
     return Robot.from_text(ARM)
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> None:
@@ -168,13 +163,6 @@ def test_a_build_that_is_overtaken_by_one_of_other_targets_keeps_what_that_has_a
     assert seen == [tuple(target.name for target in targets_named(names)) for names in asked]
     assert set(contents(result.folder)) == {*ALL_FILES, "model.mjs", "model_casadi.c", "model_casadi.h"}
     assert os.listdir(tmp_path) == ["two_bars"]
-
-
-def test_all_names_every_target() -> None:
-    assert targets_named(["all"]) == targets_named("all") == tuple(TARGETS.values())
-    assert targets_named(["numpy"], present=["javascript", "of another version"]) == targets_named(
-        ["javascript", "numpy"]
-    )
 
 
 def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path: Path) -> None:

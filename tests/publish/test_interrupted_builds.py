@@ -28,11 +28,6 @@ STARTED, LONGEST = 0.6, 6.0
 """Seconds after which a build is under way, and after which it may be over; it starts where the interpreter does."""
 
 
-def heed_interrupts() -> None:
-    """What was started in the background ignores interrupts, and so do its children."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
 def descendants(group: int) -> list[str]:
     """Command lines of the processes of a session or of one that it has started, wherever they are now."""
     mark = f"DERIVE_TEST={group}".encode()
@@ -66,7 +61,7 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=heed_interrupts,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # the background ignores them
     )
     time.sleep(moment)
     built = all((tmp_path / "generated" / robot).exists() for robot in robots)

@@ -12,6 +12,7 @@ import pytest
 from derive.errors import DeriveError, OutputError
 from derive.publish import atomic_folder
 from derive.publish.atomic_folder import heal, locked, publish
+from tests.cli.command import contents
 
 
 def files(mark: str, *extra: str) -> dict[str, bytes]:
@@ -22,10 +23,6 @@ def files(mark: str, *extra: str) -> dict[str, bytes]:
 
 def put(target: Path, mark: str, *extra: str) -> None:
     publish(files(mark, *extra), target, "arm", lambda folder: None)
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.fixture
@@ -42,7 +39,6 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def alone(target: Path) -> bool:
-    """Whether nothing lies beside the folder."""
     return os.listdir(target.parent) == [target.name]
 
 

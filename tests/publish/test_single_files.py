@@ -15,6 +15,10 @@ from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 NEW = b"new"
 
 
+def no_links(*_: object) -> None:
+    raise OSError(errno.EPERM, "no links here")
+
+
 def _put(path: Path, data: bytes) -> None:
     path.write_bytes(data)
 
@@ -31,14 +35,10 @@ STATES: dict[str, tuple[Callable[[Path], None], bool, bool]] = {
 
 
 def contents(folder: Path) -> dict[str, object]:
-    return {
-        str(path.relative_to(folder)): os.readlink(path)
-        if path.is_symlink()
-        else path.read_bytes()
-        if path.is_file()
-        else None
-        for path in folder.rglob("*")
-    }
+    def of(path: Path) -> object:
+        return os.readlink(path) if path.is_symlink() else path.is_file() and path.read_bytes()
+
+    return {str(path.relative_to(folder)): of(path) for path in folder.rglob("*")}
 
 
 @pytest.mark.parametrize(("first", "second"), [*product(STATES, STATES)])
@@ -75,9 +75,6 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
         usual(path, data)
         two.write_bytes(b"theirs")
 
-    def no_links(*_: object) -> None:
-        raise OSError(errno.EPERM, "no links here")
-
     monkeypatch.setattr(atomic_folder, "_write_new", slow)
     if not links:
         monkeypatch.setattr(os, "link", no_links)
@@ -87,9 +84,6 @@ def test_a_name_that_is_taken_meanwhile_stays_with_who_took_it(
 
 
 def test_where_files_have_one_name_they_are_written_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_links(*_: object) -> None:
-        raise OSError(errno.EPERM, "no links here")
-
     monkeypatch.setattr(os, "link", no_links)
     write_files({tmp_path / "one": NEW})
     assert contents(tmp_path) == {"one": NEW}

@@ -2,7 +2,6 @@
 
 import pytest
 
-from derive.errors import UnknownRobotError
 from derive.robot.evaluate import evaluate
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.names import free_symbols
@@ -38,8 +37,3 @@ def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_moto
     rotors = (200e-6, 200e-6, 200e-6, 33e-6, 33e-6, 33e-6)
     assert reflected == pytest.approx([ratio**2 * rotor for ratio, rotor in zip(ratios, rotors, strict=True)])
     assert free_symbols(robot) == ()
-
-
-def test_unknown_catalogue_names_are_refused() -> None:
-    with pytest.raises(UnknownRobotError, match="did you mean 'kuka-kr5'"):
-        Robot.load("kuka-kr6")

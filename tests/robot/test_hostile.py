@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from derive.errors import DeriveError, ExpressionError, RobotFileError
 from derive.robot.load import catalogue_names, catalogue_text
 from derive.robot.robot import Robot
-from tests.robot.hostile import GOOD, HOSTILE
+from tests.robot.hostile import HOSTILE
 
 SECONDS = 5.0
 
@@ -23,10 +23,6 @@ def refusal(path: Path) -> str:
     assert time.process_time() - begin < SECONDS
     assert caught.value.location is not None
     return str(caught.value)
-
-
-def test_the_file_that_the_broken_ones_are_made_from_is_good() -> None:
-    assert Robot.from_text(GOOD).n == 2
 
 
 @pytest.mark.parametrize("name", HOSTILE)

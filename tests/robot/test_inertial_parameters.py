@@ -4,12 +4,7 @@ import random
 
 import pytest
 
-from derive.robot.inertial_parameters import (
-    LINK_PARTS,
-    Parameter,
-    has_regressor,
-    standard_parameters,
-)
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter, has_regressor, standard_parameters
 from derive.robot.robot import Robot
 from tests.random_robots import random_robot
 

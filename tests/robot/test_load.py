@@ -44,13 +44,6 @@ def test_a_full_row_is_read_cell_by_cell() -> None:
     assert [to_text(cell) for cell in cells] == ["pi/2", "d1 + 1", "2159/5000", "al", "-pi", "x"]
 
 
-def test_a_robot_is_frozen_and_hashable() -> None:
-    robot = arm("{type: revolute}")
-    assert hash(robot) == hash(arm("{type: revolute}"))
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        robot.name = "s"  # type: ignore[misc]
-
-
 def test_quoted_and_bare_cells_mean_the_same() -> None:
     bare = arm("{type: revolute, a: 0.10, d: 1e3, theta: q1 + 1}")
     quoted = arm("{type: 'revolute', a: '0.10', d: \"1e3\", theta: \"q1 + 1\"}")

@@ -27,11 +27,7 @@ joints:
   - {type: revolute, a: 2*a2, limits: [-90, top]}
   - {type: revolute, theta: q3 + beta, a: sqrt(2)*a3 + 20, alpha: -90}
   - {type: prismatic, d: q4 + a4*cos(gamma), limits: [0, s]}
-tool:
-  - [1, 0, 0, t]
-  - [0, cos(delta), -sin(delta), 0]
-  - [0, sin(delta), cos(delta), 5]
-  - [0, 0, 0, 1]
+tool: [[1, 0, 0, t], [0, cos(delta), -sin(delta), 0], [0, sin(delta), cos(delta), 5], [0, 0, 0, 1]]
 gravity: [0, 0, -g]
 links:
   - {mass: m1, com: [0, l1/2, 0], inertia: {xx: m1*l1**2/12}, friction: {viscous: b}}

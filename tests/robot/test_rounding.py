@@ -22,7 +22,6 @@ NUMBERS = st.builds(
 
 
 def read(text: str) -> Fraction:
-    """The number that the parser of cells reads."""
     value = parse_expression(text.removeprefix("-"), Location("test")).value
     return -value if text.startswith("-") else value
 

@@ -31,9 +31,7 @@ PLANAR = """
 name: planar
 title: "two links"
 convention: standard
-joints:
-  - {type: revolute, a: a1, limits: [-pi, 2]}
-  - {type: prismatic, a: a2, alpha: pi/2}
+joints: [{type: revolute, a: a1, limits: [-pi, 2]}, {type: prismatic, a: a2, alpha: pi/2}]
 gravity: [0, -9.81, 0]
 links:
   - {mass: m1, com: [-0.1, 0, 0], inertia: {zz: 0.02}, friction: {viscous: 0.5, coulomb: [0.2, 0.3]}}

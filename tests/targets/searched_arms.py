@@ -42,10 +42,7 @@ CROOKED = """
 name: crooked
 convention: standard
 base: [[0.70710678, -0.70710678, 0, 0.1], [0.70710678, 0.70710678, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]]
-joints:
-  - {type: revolute, d: 0.3, alpha: pi/2}
-  - {type: revolute, a: 0.4}
-  - {type: revolute, a: 0.3}
+joints: [{type: revolute, d: 0.3, alpha: pi/2}, {type: revolute, a: 0.4}, {type: revolute, a: 0.3}]
 inverse: {task: position}
 """
 """An arm with formulas, but for its base, which is a rotation to eight digits."""

@@ -1,11 +1,8 @@
 """The CasADi module and CasADi's own C export: named inputs and outputs; and that texts depend on the robot alone."""
 
 import hashlib
-import os
 import random
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import casadi
@@ -17,8 +14,7 @@ from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi, render_casadi_c
 from derive.targets.numpy import render_numpy
 from derive.targets.target import Source
-from tests.hash_seeds import another_hash_seed
-from tests.places import ROOT
+from tests.interpreters import another_hash_seed, printed_by
 from tests.random_robots import random_robot
 from tests.targets.generated_models import (
     FUNCTIONS,
@@ -76,9 +72,6 @@ def test_a_build_compiles_and_verifies_the_export(tmp_path: Path) -> None:
     assert report.worst < 1e-12
 
 
-SCRIPT = "from tests.targets.test_casadi import digest; print(digest({0}))"
-
-
 def digest(seeds: tuple[int, ...]) -> str:
     found = hashlib.sha256()
     for seed in seeds:
@@ -92,7 +85,5 @@ def digest(seeds: tuple[int, ...]) -> str:
 @pytest.mark.parametrize("seeds", [(0, 1, 2), pytest.param((3,), marks=pytest.mark.sweep)])
 def test_hash_seeds_change_nothing(seeds: tuple[int, ...]) -> None:
     """What this process makes, whose seed is another in every run, is what one with a given seed makes."""
-    environment = os.environ | {"PYTHONHASHSEED": another_hash_seed(), "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", SCRIPT.format(seeds)]
-    other = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert other.stdout.strip() == digest(seeds)
+    code = f"from tests.targets.test_casadi import digest; print(digest({seeds}))"
+    assert printed_by(code, PYTHONHASHSEED=another_hash_seed()) == digest(seeds)

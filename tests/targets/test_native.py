@@ -19,8 +19,7 @@ from derive.cli.main import main
 from derive.errors import TargetError, VerificationError
 from derive.programs.optimise.search_policy import Effort
 from derive.publish import build
-from derive.publish.build import build_robot, check_robot, library_names
-from derive.publish.targets import targets_named
+from derive.publish.build import build_robot, check_robot
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, compiling_meanwhile, find_compiler, require_compiler
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
@@ -122,11 +121,6 @@ def test_a_compiler_that_fails_leaves_the_old_folder(tmp_path: Path, monkeypatch
         build_robot(robot, tmp_path, ["native"], only=True)
     assert {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".derive-")] == []
-
-
-def test_only_native_is_compiled() -> None:
-    assert library_names(targets_named()) == ()
-    assert library_names(targets_named(["native"])) == (LIBRARY,)
 
 
 class Interrupt:

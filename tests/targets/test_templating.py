@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from jinja2 import nodes
 
-from derive.errors import TargetError
 from derive.handouts.sheet.latex_writer import latex_template
 from derive.programs.optimise.search_policy import Effort
 from derive.publish.build import build_robot
@@ -57,8 +56,9 @@ def test_targets_are_chosen_by_name() -> None:
     assert [target.name for target in targets_named(["native"])] == native
     assert [target.name for target in targets_named(["latex", "numpy", "latex"], only=True)] == ["numpy", "latex"]
     assert targets_named(only=True) == targets_named()
-    with pytest.raises(TargetError, match="numpy, casadi, casadi-c, c, native, javascript, octave, latex, readme"):
-        targets_named(["matlab"])
+    assert targets_named(["all"]) == targets_named("all") == tuple(TARGETS.values())
+    present = ["javascript", "of another version"]
+    assert targets_named(["numpy"], present=present) == targets_named(["javascript", "numpy"])
 
 
 @pytest.mark.parametrize(("name", "argument"), [("puma560-corke", "puma560-corke"), ("my-arm", "my-arm.yaml")])

@@ -59,8 +59,7 @@ def test_javascript_strings_are_json_without_tags(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("written", "ends"),
-    [(escape.c_comment, ("*/", "/*", "??", "\\")), (escape.javascript_comment, ("*/", "</", "<!"))],
+    ("written", "ends"), [(escape.c_comment, ("*/", "/*", "??", "\\")), (escape.javascript_comment, ("*/", "</", "<!"))]
 )
 @given(text=hostile)
 def test_comments_end_where_the_line_ends(written: Callable[[str], str], ends: tuple[str, ...], text: str) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from tests.targets.generated_models import PARAMETERS, arguments, numpy_model, planar
 from tests.targets.languages import languages, running
+from tests.targets.test_numpy import same
 
 JACOBIANS = {"world": "jacobian", "end": "jacobian_end"}
 
@@ -22,10 +23,6 @@ def model(request: pytest.FixtureRequest) -> Iterator[ModuleType]:
         yield found.module
 
 
-def close(found: Any, wanted: Any, tolerance: float = 1e-12) -> None:
-    np.testing.assert_allclose(found, wanted, rtol=tolerance, atol=tolerance)
-
-
 @pytest.mark.parametrize("frame", JACOBIANS)
 @pytest.mark.parametrize("batch", [(), (3,), (40,), (0,)])
 def test_a_wrench_takes_its_torques_off_and_forward_dynamics_undoes_that(
@@ -34,12 +31,12 @@ def test_a_wrench_takes_its_torques_off_and_forward_dynamics_undoes_that(
     a, loaded = arguments(*batch), {"wrench_frame": frame, "params": PARAMETERS}
     felt = np.einsum("...ij,...i->...j", getattr(model, JACOBIANS[frame])(a["q"]), a["h"])
     tau = model.inverse_dynamics(a["q"], a["qd"], a["qdd"], wrench=a["h"], **loaded)
-    close(tau, model.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS) - felt)
-    close(model.forward_dynamics(a["q"], a["qd"], tau, wrench=a["h"], **loaded), a["qdd"], 1e-10)
+    same(tau, model.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS) - felt)
+    same(model.forward_dynamics(a["q"], a["qd"], tau, wrench=a["h"], **loaded), a["qdd"], 1e-10)
     out = np.empty((4, *batch, 2))
     several = model.inverse_dynamics(a["q"], a["qd"], a["qdd"], wrench=np.stack(4 * [a["h"]]), out=out, **loaded)
     assert several is out
-    close(out, np.stack(4 * [tau]))
+    same(out, np.stack(4 * [tau]))
 
 
 @pytest.mark.parametrize("frame", JACOBIANS)
@@ -49,7 +46,7 @@ def test_derivatives_are_at_a_constant_wrench(model: ModuleType, frame: str) -> 
     moves = step * np.stack([np.eye(2), -np.eye(2)])
     forth, back = model.inverse_dynamics(a["q"] + moves, a["qd"], a["qdd"], **loaded)
     found = model.inverse_dynamics_dq(a["q"], a["qd"], a["qdd"], **loaded)
-    close(found, (forth - back).T / (2 * step), 1e-5)
+    same(found, (forth - back).T / (2 * step), 1e-5)
 
 
 @pytest.mark.parametrize(
@@ -74,4 +71,4 @@ def test_jax_compiles_dynamics_under_a_wrench() -> None:
         return found.inverse_dynamics(a["q"], a["qd"], a["qdd"], params=PARAMETERS, wrench=h)
 
     with jax.enable_x64(True):
-        close(jax.jit(tau)(jnp.asarray(a["h"])), tau(a["h"]))
+        same(jax.jit(tau)(jnp.asarray(a["h"])), tau(a["h"]))

@@ -34,12 +34,8 @@ from tests.targets.generated_models import needs_compiler, needs_octave, numpy_m
 ARM = """
 name: arm
 convention: standard
-joints:
-  - {type: revolute, a: a1}
-  - {type: prismatic, alpha: pi/2}
-links:
-  - {mass: m1, com: [-1/2, 0, 0], inertia: {zz: 2}}
-  - {mass: 3, com: [0, 0, 1/5]}
+joints: [{type: revolute, a: a1}, {type: prismatic, alpha: pi/2}]
+links: [{mass: m1, com: [-1/2, 0, 0], inertia: {zz: 2}}, {mass: 3, com: [0, 0, 1/5]}]
 gravity: [0, -9.81, 0]
 """
 

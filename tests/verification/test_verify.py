@@ -93,9 +93,7 @@ ARM = """
 name: two-links
 title: Two links
 convention: standard
-joints:
-  - {type: revolute, a: a1}
-  - {type: revolute, theta: -q2, a: 0.4, alpha: pi/2, limits: [-1, 2]}
+joints: [{type: revolute, a: a1}, {type: revolute, theta: -q2, a: 0.4, alpha: pi/2, limits: [-1, 2]}]
 gravity: [0, -9.81, 0]
 links:
   - {mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.1}, motor: {mass: 0.3, inertia: 0.01, ratio: 50}}
@@ -238,9 +236,7 @@ ROUNDED = """
 name: rounded-base
 convention: modified
 base: [[0.707107, -0.707107, 0, 1], [0.707107, 0.707107, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
-joints:
-  - {type: revolute}
-  - {type: revolute, a: 0.4, alpha: 0.3}
+joints: [{type: revolute}, {type: revolute, a: 0.4, alpha: 0.3}]
 tool: [[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, 0.1], [0, 0, 0, 1]]
 """
 
@@ -263,13 +259,9 @@ def test_rounding_in_the_oracle_is_not_taken_for_inertia(tmp_path: Path) -> None
     text = """
 name: point-on-axis
 convention: standard
-joints:
-  - {type: revolute, a: 0.371752901208, alpha: pi/3}
-  - {type: revolute, d: -0.290053837538}
+joints: [{type: revolute, a: 0.371752901208, alpha: pi/3}, {type: revolute, d: -0.290053837538}]
 gravity: [0, 0, -9.81]
-links:
-  - {mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}
-  - {mass: 0.5}
+links: [{mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}, {mass: 0.5}]
 """
     robot = write_stand_in(tmp_path, text, altered("forward_dynamics", "value = value + np.inf"))
     (row,) = (row for row in verify(robot, tmp_path).rows if row.function == "forward_dynamics")

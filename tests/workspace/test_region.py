@@ -180,7 +180,6 @@ def test_a_redundant_planar_arm_covers_its_disc(link: str, count: int, parts: in
     assert 1.01 * math.pi * reach**2 > area.region.area > least * math.pi * reach**2
 
 
-shapely = pytest.importorskip("shapely")
 pytest.importorskip("matplotlib")
 
 

@@ -28,14 +28,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import (
-    Paragraph,
-    Rows,
-    Section,
-    Steps,
-    blocks_of,
-    spans,
-)
+from derive.handouts.sheet.document import Paragraph, Rows, Section, Steps, blocks_of, spans
 from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries, of_matrix
@@ -77,10 +70,7 @@ def test_lines_fit_where_every_piece_may_start_one(widths: list[float], depth: i
 def test_lines_break_outside_of_brackets_if_they_can() -> None:
     """The sum outside is broken though the bracket would fill the line further."""
     terms = [TexPiece(Box("x", 110.0), Break.BINARY if k else Break.NEVER) for k in range(3)]
-    bracket = [
-        TexPiece(Box("(", 5.0), Break.BINARY),
-        *(TexPiece(Box("y", 40.0), Break.BINARY, 1) for _ in range(6)),
-    ]
+    bracket = [TexPiece(Box("(", 5.0), Break.BINARY), *(TexPiece(Box("y", 40.0), Break.BINARY, 1) for _ in range(6))]
     lines = break_lines(HEAD, [*terms, *bracket], 455.0)
     assert [line.count("x") for line in lines] == [3, 0]
     assert "(" in lines[1]
@@ -155,10 +145,6 @@ def test_what_is_too_long_is_listed_with_its_number_of_terms() -> None:
     assert [box.tex for box, _ in found.values] == ["t_{12}"]
     assert found.omitted == (omitted(Item(place_name(1, 1), 3, lambda: None), "terms").tex,)
     assert "3" in found.omitted[0]
-
-
-def test_places_go_row_by_row_from_one() -> None:
-    assert entries_of([[A, B], [C, D]]).places == [(1, 1), (1, 2), (2, 1), (2, 2)]
 
 
 MARK = re.compile(r"\\(?:brk|fac)[0-9] ")

@@ -28,7 +28,6 @@ from derive.robot.options.handout import (
 )
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import assert_widths
-from tests.random_robots import robot_text
 
 q1, q2, d3, a1, a2, m1, qd1, qd2, dd3 = symbols("q1 q2 d3 a1 a2 m1 qd1 qd2 dd3")
 
@@ -56,10 +55,9 @@ def printed(expression: object, options: NotationOptions, robot: Robot | None = 
     return LatexPrinter(Notation.of(robot or scara(), options)).latex(expression).strip()
 
 
-ANGLES = [("name", "q"), ("theta", r"\theta"), ("vartheta", r"\vartheta"), ("q", "q")]
-
-
-@pytest.mark.parametrize(("angle", "letter"), ANGLES)
+@pytest.mark.parametrize(
+    ("angle", "letter"), [("name", "q"), ("theta", r"\theta"), ("vartheta", r"\vartheta"), ("q", "q")]
+)
 def test_letter_of_an_angle(angle: str, letter: str) -> None:
     notation = Notation.of(scara(), NotationOptions(angle=AngleLetter(angle)))
     wanted = {
@@ -210,13 +208,6 @@ def test_entries_that_would_look_like_a_variable_are_written_with_the_matrix() -
     notation = Notation.of(robot, NotationOptions(prismatic=SliderLetter.D, inertia=InertiaLetter.D))
     assert notation.glyph("q11").box.tex == "d_{11}"
     assert Symbols(notation, 3).entry("d", 1, 1).tex == r"(\mathbf{D})_{11}"
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_default_options_change_nothing(seed: int) -> None:
-    robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
-    assert Notation.of(robot, NotationOptions()) == Notation.of(robot)
-    assert all(Notation.of(robot).glyph(joint.variable) for joint in robot.joints)
 
 
 PLANAR = Robot.load("planar-2r-perugia")

@@ -13,14 +13,7 @@ from itertools import chain, pairwise
 import pytest
 
 from derive.handouts.figure.scene import upwards
-from derive.handouts.page.player import (
-    Exceeded,
-    Playback,
-    PlayedPiece,
-    PlayedRun,
-    PlayedSegment,
-    player_texts,
-)
+from derive.handouts.page.player import Exceeded, Playback, PlayedPiece, PlayedRun, PlayedSegment, player_texts
 from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
 from derive.handouts.sheet.document import SheetFormula, blocks_of

@@ -189,7 +189,6 @@ def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path
     assert pages == {"1", "2"}
 
 
-SHORT = Rows(("a = b",))
 LONG = SheetFormula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",))
 
 
@@ -211,7 +210,7 @@ def test_every_part_has_its_rank() -> None:
 
 
 def test_a_sheet_that_fits_is_left_as_it_is() -> None:
-    whole = made_of(table=(SHORT,), skew=(LONG,))
+    whole = made_of(table=(DISPLAY,), skew=(LONG,))
     assert within(whole, pages(whole), Text()) is whole
     assert within(whole, 0, Text()) is whole
 
@@ -227,7 +226,7 @@ def test_pages_are_filled_by_what_no_page_divides() -> None:
 
 def test_steps_go_before_results_and_rules_before_what_they_follow_from() -> None:
     steps = Steps("How", (LONG,))
-    whole = made_of(table=(SHORT,), kinematics=(steps, LONG), coriolis=(LONG,), skew=(LONG, steps))
+    whole = made_of(table=(DISPLAY,), kinematics=(steps, LONG), coriolis=(LONG,), skew=(LONG, steps))
     once = within(whole, pages(whole) - 1, Text())
     assert steps not in section_named(once, "skew").blocks
     assert LONG in section_named(once, "skew").blocks
@@ -236,25 +235,25 @@ def test_steps_go_before_results_and_rules_before_what_they_follow_from() -> Non
     assert "Skew" in said(once)
     least = within(whole, 1, Text())
     assert all(LONG not in section.blocks for section in least.sections)
-    assert SHORT in section_named(least, "table").blocks
+    assert DISPLAY in section_named(least, "table").blocks
     assert pages(least) == 1
 
 
 def test_at_last_whole_parts_are_left_out() -> None:
     rows = (Rows(("a = b",) * 40),)
-    shorter = within(made_of(table=(SHORT,), jacobian=rows, skew=rows), 1, Text())
+    shorter = within(made_of(table=(DISPLAY,), jacobian=rows, skew=rows), 1, Text())
     assert "skew" not in {section.part for section in shorter.sections}
     assert "Skew" in said(shorter)
 
 
 def test_what_computes_a_formula_that_is_left_out_is_named() -> None:
-    whole = made_of(table=(SHORT,), jacobian=(LONG, LONG, LONG))
+    whole = made_of(table=(DISPLAY,), jacobian=(LONG, LONG, LONG))
     assert said(within(whole, 1, Text())).count("`jacobian` in `model_numpy.py`") == 1
 
 
-def clean_pages(name: str, limit: int, derivation: Derivation, folder: Path) -> int:
+def clean_pages(name: str, limit: int, folder: Path) -> int:
     robot = Robot.load(name)
-    context = context_of(robot, replace(robot.handout, derivation=derivation))
+    context = context_of(robot, replace(robot.handout, derivation=Derivation.STEPS))
     log = run_latex(latex(within(document(context), limit, context.text), context.text), folder)
     assert not log.faults
     return log.pages
@@ -262,7 +261,7 @@ def clean_pages(name: str, limit: int, derivation: Derivation, folder: Path) -> 
 
 @pytest.mark.slow
 def test_a_limit_of_pages_is_kept_on_paper(tmp_path: Path) -> None:
-    assert 3 <= clean_pages("scara-perugia", 5, Derivation.STEPS, tmp_path) <= 5
+    assert 3 <= clean_pages("scara-perugia", 5, tmp_path) <= 5
 
 
 @pytest.mark.slow
@@ -281,4 +280,4 @@ def test_a_pdf_that_is_longer_than_estimated_is_made_shorter(monkeypatch: pytest
 @pytest.mark.parametrize("name", swept_catalogue())
 def test_limits_are_kept_by_every_robot(name: str, tmp_path: Path) -> None:
     for limit in (20, 10, 6, 4, 2):
-        assert clean_pages(name, limit, Derivation.STEPS, tmp_path) <= limit
+        assert clean_pages(name, limit, tmp_path) <= limit

@@ -1,9 +1,6 @@
 """General arms: closure, elimination and candidates, the search of all solutions, and their number."""
 
 import math
-import os
-import subprocess
-import sys
 import warnings
 from dataclasses import replace
 from functools import cache
@@ -22,9 +19,9 @@ from derive.inverse.general.elimination import EigenProblem
 from derive.inverse.general.rigid_motion import BESIDE, beside, motion_by, pose_features
 from derive.inverse.general.search import GeneralSolution, _distinct, free_loop, scaled
 from derive.inverse.numeric.chain import POSE, POSITION, NumericChain
+from tests.interpreters import printed_by
 from tests.inverse.arms import PUBLISHED, arm_of, random_arm
 from tests.inverse.truth import AllSolutions, Chain
-from tests.places import ROOT
 from tests.random_robots import swept
 
 
@@ -325,10 +322,7 @@ def test_no_rounding_of_a_processor_decides_which_elimination_is_taken() -> None
     """Kernels of OpenBLAS for other processors round otherwise; where the variable means nothing all are the same."""
     found = set()
     for processor in ("Haswell", "Prescott", "SkylakeX"):
-        kernels = {"OPENBLAS_CORETYPE": processor, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
-        command = [sys.executable, "-c", CHOICE]
-        said = {"capture_output": True, "text": True, "check": True}
-        found.add(subprocess.run(command, env=os.environ | kernels, cwd=ROOT, **said).stdout)
+        found.add(printed_by(CHOICE, OPENBLAS_CORETYPE=processor, OPENBLAS_NUM_THREADS="1"))
     assert len(found) == 1
 
 

@@ -24,7 +24,7 @@ from derive.model.identification.possible import (
 )
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.model.identification.witness import NoSuchBodies, Witness
+from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, number
@@ -173,9 +173,7 @@ def test_a_symbol_whose_cells_become_numbers_is_no_parameter_any_more() -> None:
 TABLE_WITH_SYMBOLS = """
 name: symbols
 convention: standard
-joints:
-  - {type: revolute, q: q1, theta: q1, a: a1}
-  - {type: revolute, q: q2, theta: q2, a: 0.3, alpha: pi/2}
+joints: [{type: revolute, q: q1, theta: q1, a: a1}, {type: revolute, q: q2, theta: q2, a: 0.3, alpha: pi/2}]
 gravity: [0, -g, 0]
 links:
   - {mass: 0, com: [0, 0, 0], inertia: {xx: I1, yy: 0.01, zz: 0.02}}
@@ -202,22 +200,17 @@ def contradictory(turned: bool) -> Robot:
     return replace(robot, joints=tuple(joints), links=(*robot.links[:5], replace(robot.links[5], inertia=last)))
 
 
-def factors_of(witness: Witness, n: int) -> np.ndarray:
-    rows = np.zeros((n, 10))
-    for link, matrix in witness.functions:
-        rows[link - 1] = coefficients(np.array([[float(entry) for entry in row] for row in matrix]))
-    return rows.ravel()
-
-
 def prove(robot: Robot) -> NoSuchBodies:
     """The refusal of a robot, whose witness is nowhere negative, seen by torques, and negative."""
     with pytest.raises(NoSuchBodies, match="torques fix the integral") as caught:
         possible(robot)
     witness = caught.value.witness
-    for _, matrix in witness.functions:
-        values = np.linalg.eigvalsh(np.array([[float(entry) for entry in row] for row in matrix]))
+    factors = np.zeros(10 * robot.n)
+    for link, matrix in witness.functions:
+        numbers = np.array([[float(entry) for entry in row] for row in matrix])
+        values = np.linalg.eigvalsh(numbers)
         assert values[0] >= -1e-12 * values[-1]
-    factors = factors_of(witness, robot.n)
+        factors[10 * link - 10 : 10 * link] = coefficients(numbers)
     # a sum of torques: in the row space of the oracle's regressor of all links
     columns = tuple(Parameter(i, part) for i in range(1, robot.n + 1) for part in LINK_PARTS)
     q, qd, qdd = np.random.default_rng(1).uniform(-2, 2, (3, 80, robot.n))

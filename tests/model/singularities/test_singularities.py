@@ -157,11 +157,7 @@ joints:
   - {type: revolute, q: q1, theta: q1, d: 0.71587363831331372, alpha: pi/2}
   - {type: revolute, q: q2, theta: q2, a: 0.097873524170258314}
   - {type: revolute, q: q3, theta: q3, a: 0.51234567890123456}
-tool:
-  - [1, 0, 0, 0.02345678901234567]
-  - [0, 1, 0, 0.11234567890123457]
-  - [0, 0, 1, 0]
-  - [0, 0, 0, 1]
+tool: [[1, 0, 0, 0.02345678901234567], [0, 1, 0, 0.11234567890123457], [0, 0, 1, 0], [0, 0, 0, 1]]
 """
 
 
@@ -334,10 +330,7 @@ ARM = """
 name: arm
 convention: standard
 parameters: {a: 0.5, b: 0.5}
-joints:
-  - {type: revolute, a: a, alpha: pi/2}
-  - {type: revolute, a: b, alpha: x}
-  - {type: prismatic, a: k}
+joints: [{type: revolute, a: a, alpha: pi/2}, {type: revolute, a: b, alpha: x}, {type: prismatic, a: k}]
 """
 DOMAIN = PolynomialDomain(Robot.from_text(ARM), rates=False)
 C1, S1 = DOMAIN.cosine_sine_of(0)

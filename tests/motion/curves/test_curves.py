@@ -1,6 +1,5 @@
 """Curves of motions: formulas of time, recordings, extremes, limits and violations."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -120,7 +119,6 @@ def test_magnitudes_that_keep_their_sign_are_written_without(formula, duration, 
 def test_others_are_refused_with_the_time(formula, message: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(DeriveError, match=message) as caught:
         followed(formula, 2)
-    assert caught.value.exit_status == 2
     assert "allowed: formulas with a finite velocity" in str(caught.value)
 
 
@@ -216,10 +214,8 @@ def test_long_files_are_read_to_their_end_or_refused(tmp_path: Path, monkeypatch
 )
 def test_wrong_files_are_refused_with_their_place(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "file.csv").write_text(text)
-    with pytest.raises(DeriveError) as caught:
+    with pytest.raises(DeriveError, match=message):
         read_recording(tmp_path / "file.csv", Robot.load("planar-2r-perugia"))
-    assert caught.value.exit_status == 2
-    assert re.search(message, str(caught.value)), str(caught.value)
 
 
 def test_a_file_that_is_not_there_is_told_at_its_name() -> None:

@@ -10,7 +10,7 @@ import pytest
 from sympy import Integer, Symbol, exp, lambdify, sympify
 
 from derive.api.move import move
-from derive.errors import OutputError, QuantityError, VerificationError
+from derive.errors import QuantityError, VerificationError
 from derive.motion.motion import Motion
 from derive.motion.output import code
 from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, kernel_of
@@ -98,8 +98,8 @@ def test_casadi_differentiates_it_and_takes_many_times_side_by_side(tmp_path: Pa
     assert (module.START, module.END, module.JOINT_NAMES) == (0.0, 15.0, ("q1", "q2", "q3", "q4"))
 
 
-def write_code(motion: Motion, folder: Path, *, force: bool = False) -> VerifiedCode:
-    made = move(motion, code=folder, force=force).code
+def write_code(motion: Motion, folder: Path) -> VerifiedCode:
+    made = move(motion, code=folder).code
     assert made is not None
     return made
 
@@ -128,16 +128,6 @@ def test_wrong_code_is_not_written(
     with pytest.raises(VerificationError, match=file.replace(".", r"\.")):
         write_code(motion, tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-def test_no_file_of_others_is_overwritten_and_none_is_written_of_too_many_pieces(tmp_path: Path) -> None:
-    (tmp_path / "motion.c").write_text("int mine;\n")
-    motion = Motion.from_text(PLANS["standing"])
-    with pytest.raises(OutputError, match="exists already"):
-        write_code(motion, tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["motion.c"]
-    write_code(motion, tmp_path, force=True)
-    assert "int mine" not in (tmp_path / "motion.c").read_text()
 
 
 def test_without_a_compiler_c_is_written_and_said_to_be_unverified(
@@ -214,12 +204,6 @@ def test_a_formula_that_no_language_has_is_refused() -> None:
     formula = exp(TIME)
     with pytest.raises(QuantityError, match="has no place in generated code"):
         kernel_of(Curve(ZERO, Integer(1), (formula,) * 3), "q1")
-
-
-def test_a_quintic_is_printed_by_powers_of_time() -> None:
-    lines = list(printed(Motion.from_text(PICK_AND_PLACE)))
-    assert lines[:2] == ["rest -> A, 0 <= t <= 3 s", "  q1 = 5*pi*t**3/27 - 5*pi*t**4/54 + pi*t**5/81"]
-    assert "  q3 = 1 + 20*t**3/27 - 10*t**4/27 + 4*t**5/81" in lines
 
 
 @pytest.mark.parametrize("profile", ["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline"])

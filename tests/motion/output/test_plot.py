@@ -78,7 +78,6 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 def numbers(axes: Any) -> list[Any]:
-    """The boxes of the numbers beside peaks."""
     return [text.get_window_extent() for text in axes.texts if text.get_text()]
 
 

@@ -1,6 +1,5 @@
 """Segments between points, poses among them, singular places, and paths q(s) with motions along them."""
 
-import re
 from itertools import pairwise
 
 import numpy as np
@@ -128,10 +127,8 @@ def test_segments_follow_one_another_through_their_points() -> None:
     ],
 )
 def test_what_has_no_time_is_refused_with_its_place(text: str, message: str) -> None:
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(RobotFileError, match=message):
         _ = motion(text).trajectory
-    assert re.search(message, str(caught.value))
-    assert caught.value.exit_status == 2
 
 
 def test_accelerations_jump_where_trapezoids_and_cubics_begin_and_end() -> None:

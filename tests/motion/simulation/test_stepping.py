@@ -25,10 +25,6 @@ def plant() -> Plant:
     return stages_of(motion.plan, motion.trajectory, values, None)[0].plant
 
 
-def idle(*_: object) -> np.ndarray:
-    return np.zeros(6)
-
-
 def state(plant: Plant) -> np.ndarray:
     return np.concatenate([[0, 0.8, -1.5, 0.2, 0.3, 0.5], np.zeros(6), [0, 0]])
 
@@ -291,11 +287,9 @@ def test_friction_is_complementary_at_every_sample(least: float) -> None:
 def test_small_steps_and_smooth_friction_come_to_the_same_motion_and_breakaway_itself_moves_nothing() -> None:
     plant = replace(plant_of(ARM), coulomb=np.array([[3.0, 2, 0.5], [2.0, 3, 0.5]]))
     start = np.concatenate([[0.2, 0.5, -0.3], np.zeros(5)])
-
-    def idle(*_: object) -> np.ndarray:
-        return np.zeros(3)
-
-    ends = [method(plant, idle, start, (0.0, 0.4), np.array([0.4]))[0][0] for method in (exact, smooth, stepped)]
+    idle = np.zeros(3)
+    times = ((0.0, 0.4), np.array([0.4]))
+    ends = [method(plant, lambda *_: idle, start, *times)[0][0] for method in (exact, smooth, stepped)]
     assert np.abs(ends[0][3:6]).max() > 1
     assert ends[1] == pytest.approx(ends[0], abs=2e-3)
     assert ends[2] == pytest.approx(ends[0], abs=3e-2)

@@ -277,9 +277,7 @@ name: two
 convention: standard
 joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
 gravity: [0, -g, 0]
-links:
-  - {mass: m1, com: [-l1, 0, 0], inertia: {zz: I1}}
-  - {mass: m2, com: [-l2, 0, 0], inertia: {zz: I2}}
+links: [{mass: m1, com: [-l1, 0, 0], inertia: {zz: I1}}, {mass: m2, com: [-l2, 0, 0], inertia: {zz: I2}}]
 """
 
 

@@ -200,17 +200,12 @@ SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot
 RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for seed in range(9)]
 
 
-def numbers_for(model: Model) -> dict[str, float]:
-    rng = random.Random(1)
-    known = {name: float(number) for name, number in parameter_values(model.robot).items()}
-    symbols = [*robot_symbols(model.robot), *map(str, (*model.q, *model.qd, *model.qdd))]
-    return {**{name: rng.uniform(0.3, 1.5) for name in symbols}, **known}
-
-
 @pytest.mark.parametrize("robot", SMALL + RANDOM, ids=lambda robot: robot.name)
 def test_closed_forms_give_the_torques(robot: Robot) -> None:
-    model = Model(robot)
-    values = numbers_for(model)
+    model, rng = Model(robot), random.Random(1)
+    symbols = [*robot_symbols(robot), *map(str, (*model.q, *model.qd, *model.qdd))]
+    values = {name: rng.uniform(0.3, 1.5) for name in symbols}
+    values |= {name: float(number) for name, number in parameter_values(robot).items()}
 
     def at(name: str) -> npt.NDArray[np.float64]:
         result: npt.NDArray[np.float64] = evaluated(getattr(model, name), values)

@@ -77,9 +77,7 @@ def test_numbers_put_in_later_give_the_same_as_symbols(program: RandomProgram, p
 
 @given(program=programs())
 @settings(max_examples=150, deadline=None)
-def test_improving_costs_nothing_and_a_tape_is_in_order_complete_and_without_waste(
-    program: RandomProgram,
-) -> None:
+def test_improving_costs_nothing_and_a_tape_is_in_order_complete_and_without_waste(program: RandomProgram) -> None:
     graph = Graph()
     results = program.trace(graph)
     better = improve(graph, results)

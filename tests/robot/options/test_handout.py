@@ -79,6 +79,7 @@ BROKEN = {
     "figure: {values: [m1]}": "allowed: a mapping",
     "figure: {values: {a1: 1}}": "has a number already",
     "figure: {values: {q1: 1}}": "a joint variable",
+    "figure: {values: {k: 1}}": "no cell uses this",
     "figure: {values: {m11: 1}}": "did you mean 'm1'",
     "figure: {values: {m1: g}}": "name 'g' in a number",
     "figure: {values: {m1: sqrt(-2)}}": "root of a negative",
@@ -103,21 +104,13 @@ def test_without_the_blocks_everything_has_its_default() -> None:
 
 def test_every_option_arrives() -> None:
     handout = robot(EVERYTHING).handout
+    assert handout.parts == ("figure", "table", "inertia")  # in their usual order
     assert handout.derivation is Derivation.STEPS
     assert handout.language == "pt_BR"
     assert handout.pages == 12
     assert handout.notation == NotationOptions(
-        AngleLetter.VARTHETA,
-        SliderLetter.Q,
-        Functions.FULL,
-        FrameIndices.LEFT,
-        InertiaLetter.M,
-        PoseEntries.COLUMNS,
+        AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, FrameIndices.LEFT, InertiaLetter.M, PoseEntries.COLUMNS
     )
-
-
-def test_parts_are_printed_in_their_usual_order() -> None:
-    assert robot(EVERYTHING).handout.parts == ("figure", "table", "inertia")
 
 
 def test_a_key_that_is_left_out_has_its_default() -> None:
@@ -149,11 +142,6 @@ def test_a_figure_outside_of_the_limits_is_refused_and_one_at_a_limit_is_not() -
     assert Robot.from_text(limited + "figure: {q: [pi/2, 7]}\n").figure.q is not None
     with pytest.raises(DeriveError, match="figure, q entry 1: outside of the limits of 'q1'"):
         Robot.from_text(limited + "figure: {q: [2, 7]}\n")
-
-
-def test_being_drawn_is_no_use_of_a_parameter() -> None:
-    with pytest.raises(DeriveError, match="no cell uses this"):
-        robot("figure: {values: {k: 1}}\n")
 
 
 @pytest.mark.parametrize("tail", BROKEN)

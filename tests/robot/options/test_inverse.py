@@ -9,10 +9,7 @@ from derive.robot.robot import Robot
 ARM = """
 name: arm
 convention: standard
-joints:
-  - {type: revolute, a: 1}
-  - {type: revolute, a: 2}
-  - {type: revolute, a: 3}
+joints: [{type: revolute, a: 1}, {type: revolute, a: 2}, {type: revolute, a: 3}]
 """
 
 

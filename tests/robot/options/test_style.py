@@ -14,14 +14,10 @@ from derive.robot.robot import Robot
 ARM = "name: arm\nconvention: standard\njoints: [{type: revolute, a: a1}]\n"
 
 
-def any_style(seed: int) -> Style:
-    rng = random.Random(seed)
-    return Style.of({name: rng.choice(list(kind)).value for name, kind in STYLE_OPTIONS.items()})
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_what_a_style_says_of_itself_makes_the_same_style(seed: int) -> None:
-    style = any_style(seed)
+    rng = random.Random(seed)
+    style = Style.of({name: rng.choice(list(kind)).value for name, kind in STYLE_OPTIONS.items()})
     assert Style.of(str(style)) == style
     assert Style.of(style.options()) == style
     block = "".join(f"  {name}: {value}\n" for name, value in style.options().items())

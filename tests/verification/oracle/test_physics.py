@@ -105,11 +105,9 @@ def test_a_batch_is_its_configurations_one_by_one(robot: RandomRobot) -> None:
 PENDULUM = """
 name: pendulum
 convention: standard
-joints:
-  - {type: revolute, a: 0.7}
+joints: [{type: revolute, a: 0.7}]
 gravity: [0, -9.81, 0]
-links:
-  - {mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.3}, friction: {viscous: 0.4, coulomb: 0.25}}
+links: [{mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.3}, friction: {viscous: 0.4, coulomb: 0.25}}]
 """
 
 
@@ -187,13 +185,9 @@ def test_a_geared_rotor_couples_joints_with_parallel_axes_by_ratio_times_inertia
     text = """
 name: rotors
 convention: standard
-joints:
-  - {type: revolute, a: 0.5}
-  - {type: revolute, a: 0.4}
+joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}]
 gravity: [0, 0, 0]
-links:
-  - {motor: {mass: 0, inertia: 0.02, ratio: 100}}
-  - {motor: {mass: 0, inertia: 0.03, ratio: 50}}
+links: [{motor: {mass: 0, inertia: 0.02, ratio: 100}}, {motor: {mass: 0, inertia: 0.03, ratio: 50}}]
 """
     matrix = Oracle.of(Robot.from_text(text)).evaluate("inertia_matrix", [0.3, 0.8])
     wanted = [[100**2 * 0.02 + 0.03, 50 * 0.03], [50 * 0.03, 50**2 * 0.03]]
