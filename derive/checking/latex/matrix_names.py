@@ -58,7 +58,7 @@ class MatrixNames:
             for side in others if left is not None and left.is_plain else ():
                 with suppress(CheckError):
                     found = list(self.values(side)) if _ELEMENTARY.search(side.text) else [reader.value(side)]
-                    tables = [value for value in found if isinstance(value, Table)]
+                    tables = [t for t in found if isinstance(t, Table) and not any(e.unknown for e in t.entries)]
                     self._defined.setdefault(left.flat if left else "", []).extend(tables)
 
     def values(self, piece: LatexPiece) -> Iterator[Table]:

@@ -293,10 +293,11 @@ _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3}  # of a rotation
 
 def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     """Transforms, rotations, positions, and their entries."""
-    if left.dots or left.primes or left.factor or (n > 1 and _OF_ONE_ANGLE.fullmatch(left.arguments) and not left.sub):
+    plain = not (left.sup or left.before or left.before_sub)
+    is_turn = plain and n > 1 and not left.sub and _OF_ONE_ANGLE.fullmatch(left.arguments)
+    if left.dots or left.primes or left.factor or is_turn:
         return
     head, pair = left.head, _indices(left.sub, 4)
-    plain = not (left.sup or left.before or left.before_sub)
     if head in ("T", "A", "H", "K", "M"):
         for name in _frames(left, n, first):
             # of three rows the rotation alone, or the plane of a planar arm
