@@ -27,9 +27,9 @@ from derive.checking.latex.targets import is_scalar as is_scalar_target
 from derive.checking.latex.whole import is_no_claim, names_its_columns, other_factorisation, uncertain_entries
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model.equality import Verdict
+from derive.model.equality import Verdict, compare
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Name, is_constant, names
+from derive.robot.expression import ZERO, Name, is_constant, names, substitute
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +164,18 @@ class _Check(SideReading):
         begin -= 1 if line else self.scope.start.column
         around = self.around.get(finding, frozenset())
         condition, is_certain = explaining(self.conditions, finding, begin, self.text, around) or ("", False)
-        if is_certain:
+        question, shifts = finding.question, self.scope.shifts
+        used = {*names(question.printed), *names(question.right)} if question else self._names_of(finding.quantity)
+        if not (finding.verdict.equal or shifts.keys().isdisjoint(used)):
+            what = f"with {', '.join(shifts)} counted from another zero, as the text says"
+            if question and compare(self.robot, question.printed, substitute(question.right, shifts)).equal:
+                right = Verdict(equal=True, exact=True)
+                yield replace(finding, verdict=right, note=f", {what}", cause="", question=None)
+            elif finding.role is Role.IDENTITY:  # of which both sides may be counted so
+                self.skipped.append(Skipped(finding.location, f"it may be right {what}", finding.text))
+            else:
+                yield finding
+        elif is_certain:
             right = Verdict(equal=True, exact=False)
             yield replace(finding, verdict=right, note=f", where {condition}", cause="", question=None)
         elif condition:
@@ -172,6 +183,11 @@ class _Check(SideReading):
             self.skipped.append(Skipped(finding.location, reason, finding.text))
         else:
             yield finding
+
+    def _names_of(self, text: str) -> set[str]:
+        with suppress(CheckError):
+            return set(names(self.plain.formula(LatexPiece(text, 0)))) if self.scope.shifts else set()
+        return set()
 
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""

@@ -138,7 +138,7 @@ class Comparing:
                 yield Claim(first.value, side.value, left, right, where, is_branch=first.is_branch)
                 continue
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
-            if first.is_branch and not found.verdict.equal:
+            if first.is_branch and not (found.verdict.equal or found.some):
                 raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
             found = self._rounded(found, first.value, side.value, left, right)
             if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):

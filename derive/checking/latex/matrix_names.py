@@ -79,6 +79,7 @@ class MatrixNames:
                     text = text[: match.start()] + MATRIX_MARK.ljust(len(match[0])) + text[match.end() :]
         if not 0 < len(found) <= MAX_NAMES:
             return
+        text = re.sub(rf"\{{(\s*{MATRIX_MARK}\s*)\}}", r" \1 ", text)
         rest = LatexPiece(text, piece.offset, piece.matrices)
         for size in (4, 3, 2):  # transforms, then rotations and vectors, then those of a plane
             fitting = ([t for t in tables if t.shape[0] == size] or tables for tables in found.values())
@@ -122,10 +123,8 @@ class MatrixNames:
         """A unit vector in its own axes, and that of a frame in the base."""
         letter = match["axis"].lower()
         axis = AXES.get(letter) or "0ijk".index(letter)
-        tables = [] if match["frame"] else [_table([[number(int(i == axis))] for i in (1, 2, 3)])]
-        if match["frame"]:
-            tables += self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,)))
-        return tables
+        own = _table([[number(int(i == axis))] for i in (1, 2, 3)])
+        return [*(self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,))) if match["frame"] else ()), own]
 
     def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
         """What the text itself says that a name is."""

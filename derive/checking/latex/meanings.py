@@ -107,6 +107,7 @@ class Meanings:
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
+        self.lent = frozenset[str]()  # letters with two indices that are names of the author's own
         self.forces = frozenset[str]()  # coordinates of a force or a moment on the end effector that the text names
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
         labels = [joint_label(joint.variable) for joint in self.robot.joints]
@@ -119,6 +120,8 @@ class Meanings:
         if indices is not None:
             entry = int(indices[1]), int(indices[2])
             return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
+        if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
+            return ()
         if left.head in self.columns and left.is_plain and left.sub in AXES:
             return (Target("T", (AXES[left.sub],), (self.columns[left.head],)),)
         if self.counts_world and left.head in "TAHRMpPoOd" and not left.dots:
@@ -253,7 +256,7 @@ class Meanings:
             part = part.T
         if target.turned not in (Turned.INVERTED, Turned.BOTH):
             return part
-        if parse(self._model, target.quantity)[0].name in ("T", "A") and part.rows == part.cols:
+        if target.quantity.partition("[")[0] in ("T", "A", "base", "tool", "end") and part.rows == part.cols:
             # [R p; 0 1]^-1 = [R^T -R^T p; 0 1], for planar transforms with a rotation of two rows
             size = sum(row < 4 for row in target.rows) or 3
             turn, place = part[:size, :size].T, part[:size, size:]

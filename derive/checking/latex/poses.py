@@ -177,7 +177,9 @@ class Poses:
                 # labels of branches, and names with two meanings, may explain what is wrong
                 may_differ = claim.is_branch or (claim.is_open and group is not Settled.POINT)
                 is_said = is_named and isinstance(claim.first, Name) and not names_of_pose(claim.other)
-                findings[i] = finding if _is_right(finding) or ((is_certain or is_said) and not may_differ) else None
+                is_some = claim.is_branch and finding is not None and finding.some
+                is_told = is_some or ((is_certain or is_said) and not may_differ)
+                findings[i] = finding if _is_right(finding) or is_told else None
         self.settled = chosen
         return [findings[i] for i in range(len(claims))]
 

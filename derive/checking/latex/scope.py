@@ -43,6 +43,7 @@ _SUBTRACTED = re.compile(
 
 
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
+_PRIME = re.compile(r"'+|\^\s*\{?\s*\\prime\s*\}?")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
@@ -97,6 +98,11 @@ class Scope:
         self.names: set[tuple[int, int]] = set()
         self._define()
         self._reads = self.reader(0)
+        if document and (lent := self._lent_letters()):
+            self.meanings.lent = lent
+            self.definitions, self.defining, self.names = {}, set(), set()
+            self._define()
+            self._reads = self.reader(0)
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
         self._settle_world()
@@ -124,11 +130,33 @@ class Scope:
     def _other_capitals(self, words: set[str]) -> frozenset[str]:
         """Names with a capital, given or asked for by an equation, that a text tells from those with a small letter."""
         small, names = words | own_names(self.robot), LatexNames(self.robot)
-        sides = (taken_apart(side.text) for e in self.equations if len(e) > 1 for side in e if not side.matrices)
-        found = {left.flat for left in sides if left is not None and left.is_plain}
+        found = set[str]()
+        for equation in self.equations:
+            lefts = [None if side.matrices else taken_apart(side.text) for side in equation]
+            is_given = any(left is None and "_" in side.text for left, side in zip(lefts, equation, strict=True))
+            found |= {left.flat for left in lefts if left is not None and left.is_plain and is_given}
         return frozenset(
             w for w in found if w != (other := w[0].lower() + w[1:]) and other in small and names.knows(other)
         )
+
+    @cached_property
+    def shifts(self) -> dict[str, Expression]:
+        r"""Joint variables by those that the text counts from another zero: ``\theta_1 = \theta_1' + 90^\circ``."""
+        found = {}
+        for first, *others in self.equations if self.document else ():
+            for side in others:
+                own = _PRIME.sub(lambda m: " " * len(m[0]), side.text)
+                with suppress(CheckError):
+                    if own != side.text and not first.matrices and first.text.strip() in own:
+                        joint, value = self.plain.formula(first), self.plain.formula(replace(side, text=own))
+                        terms = value.terms if isinstance(value, Sum) else ()
+                        if (
+                            isinstance(joint, Name)
+                            and joint in terms
+                            and sum(map(is_constant, terms)) == len(terms) - 1
+                        ):
+                            found[joint.name] = value
+        return found
 
     def unused(self) -> Iterator[tuple[str, LatexPiece]]:
         """Names that no other formula uses, though what defines them may be wrong."""
@@ -163,6 +191,20 @@ class Scope:
         for lefts, tables in self._printed:
             wanted = [left for left in lefts if is_wanted(left) and self.meanings.targets(left)]
             yield from product(wanted, tables) if each else product(wanted[:1], tables[-1:])
+
+    def _lent_letters(self) -> frozenset[str]:
+        """Letters with two indices that the text gives other formulas than the entries that they usually mean."""
+        votes: dict[str, list[bool]] = {}
+        for first, *others in self.equations:
+            left = None if first.matrices else taken_apart(first.text)
+            if left is None or not left.is_plain or not re.fullmatch("[1-9]{2}", left.sub) or self.is_own(left):
+                continue
+            rights = [r for t in self.meanings.targets(left) if is_scalar(t) and (r := self.meanings.right(t))]
+            for side in others[-1:] if rights else ():
+                with suppress(CheckError):
+                    entry = Table(((Entry(self._reads.formula(side)),),))
+                    votes.setdefault(left.head, []).append(any(right.likeness(entry) for right in rights))
+        return frozenset(head for head, fits in votes.items() if len(fits) > 1 and not any(fits))
 
     def _settled_reading(self) -> Reading:
         """Which frame of a transform is the reference: what most matrices of the text need, else what is usual."""
@@ -213,7 +255,7 @@ class Scope:
     def _settle_jacobian(self) -> None:
         """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
         for left, table in self._pairs(lambda left: left.head == "J" and left.sub + left.turned == "", each=True):
-            if left.dots:
+            if left.dots or any(entry.unknown for entry in table.entries):
                 continue
             rights = filter(None, map(self.meanings.right, self.meanings.targets(left)))
             fits = any(right.likeness(fitting) > 0.5 for right in rights if (fitting := right.fitting(table)))

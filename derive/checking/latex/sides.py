@@ -238,7 +238,8 @@ class SideReading(Comparing):
         """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""
         wrong = {f: f.question for f in findings if not f.verdict.equal}
         is_still = self._moving.isdisjoint(name for entry in table.entries for name in names(entry.formula))
-        if not self.document or table.shape == (1, 1) or not wrong or not is_still:
+        is_place = all(f.quantity[:1] in "TAp" or f.quantity in ("base", "tool") for f in findings)
+        if not (self.document and is_place and is_still and wrong) or table.shape == (1, 1):
             return findings
         zero = dict.fromkeys(self.joints, ZERO)
         pairs = [(substitute(q.right, zero), q.printed) for q in wrong.values() if q is not None]

@@ -205,6 +205,7 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     yield from (Target(f"{kind}[{link},{int(frame)}]", part) for kind in kinds for part in rows)
 
 
+_SCREW_PARTS = {"omega": ((4, 5, 6),), "w": ((4, 5, 6),), "v": ((1, 2, 3),)}
 _SPACE, _BODY = ("s", "S", "space", "spatial"), ("b", "B", "body")
 
 
@@ -213,7 +214,7 @@ def _screws(left: Left, n: int) -> Iterator[Target]:
     if not left.is_plain or not left.sub.isdigit() or not 0 < int(left.sub) <= n:
         return
     for kind, heads in (("screw", ("S", "xi", "s")), ("body_screw", ("B", "xi"))):
-        orders = ((4, 5, 6, 1, 2, 3), ()) if left.head in heads else ((4, 5, 6),) if left.head in ("omega", "w") else ()
+        orders = ((4, 5, 6, 1, 2, 3), ()) if left.head in heads else _SCREW_PARTS.get(left.head, ())
         yield from (Target(f"{kind}[{left.sub}]", rows) for rows in orders)
 
 
@@ -251,7 +252,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
     if sub in ("w", "W", "wrist", "wc") and n > 3:
         at = (f"J_at[{k}]" for k in (n - 2, n - 1))
         yield from (Target(name, rows) for name in at for rows in ((), (1, 2, 3)))
-    if not sub or frames:
+    if not sub or frames or sub in ("q", "theta"):
         for name in names:
             yield from (Target(name), Target(name, (1, 2)), Target(name, (1, 2, 3)), Target(name, (1, 2, 6)))
     if sub in _LINEAR:

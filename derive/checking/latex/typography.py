@@ -20,7 +20,7 @@ _IDLE = (
     "nonumber|notag|displaystyle|textstyle|scriptstyle|scriptscriptstyle|hline|toprule|midrule|bottomrule|limits|nolimits|"
     "strut|mathstrut|space|allowbreak|nobreak|break|null|relax|protect|noindent|centering|par|medskip|bigskip|smallskip|hfill|"
     "normalsize|small|footnotesize|scriptsize|tiny|large|Large|boldmath|thinspace|medspace|thickspace|negthinspace|"
-    "negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold"
+    "negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold|cal|it"
 )
 _COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _INK = re.compile(
@@ -84,6 +84,12 @@ _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}
 _WAY = re.compile(  # the way from one point to another
     r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"
 )
+# A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
+_POINTED = re.compile(
+    r"(?<=[A-Za-z0-9)}\]])\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])(?!e)"
+    r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
+)
+_BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
 _NEARLY = re.compile(r"\\approx(?=\s*-?\s*[01]\s*\$)")  # C_5 \approx 1, a condition
 _SIGNED_WORD = re.compile(
     r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*(?P<word>a(?:rc)?(?:cos|sin|tan))\s*\}"
@@ -96,6 +102,7 @@ _SAME = str.maketrans(
         **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7\u2217", "*"),
         **dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " "),
         **dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?"),  # signs of our own
+        **dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True)),
         **{"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"},
     }
 )
@@ -107,6 +114,10 @@ def cleaned(text: str, time: bool = True) -> str:
     text = without_comments(text.translate(_SAME))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = text.replace("\\wedge ", "\\times ")
+    text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
+    text = _POINTED.sub("*", text)
+    text = re.sub(r"\^\s*\{\s*\(\s*\\pm\s*\)\s*\}", lambda m: blank(m[0]), text)  # of both branches
+    text = _BAR.sub(lambda m: f"{m['in'] or m['bare']}'".ljust(len(m[0])), text)
     text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)

@@ -55,7 +55,7 @@ def test_what_is_wrong_is_said_with_its_place(block: str, message: str) -> None:
     with pytest.raises(RobotFileError) as refusal:
         options(block)
     assert message in str(refusal.value)
-    assert str(refusal.value).startswith("<text>:8:")
+    assert str(refusal.value).startswith("<text>:5:")
 
 
 def test_rows_of_a_task_are_sorted_and_names_are_those_of_joints() -> None:
