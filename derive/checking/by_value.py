@@ -222,7 +222,7 @@ class ByValue:
         for label, inertia in (("", whole), *parts):
             yield from ((f"B{label}", inertia), (f"kinetic{label}", rates.swapaxes(1, 2) @ inertia @ rates / 2))
             yield from _entries(f"B{label}", inertia)
-        for name in ("g", "friction"):
+        for name in ("g", "friction", "tau"):
             if REGISTRY[name].is_of(self._robot):
                 yield from _entries(name, self._numbers(self._model.quantity(name)))
 

@@ -24,7 +24,13 @@ from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
 from derive.checking.latex.targets import is_scalar as is_scalar_target
-from derive.checking.latex.whole import is_no_claim, names_its_columns, other_factorisation, uncertain_entries
+from derive.checking.latex.whole import (
+    is_no_claim,
+    names_its_columns,
+    other_factorisation,
+    refuse_other_arm,
+    uncertain_entries,
+)
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -60,7 +66,8 @@ def check_latex(
     orders = (False, True) if document and _CAPITAL.search(text) else (None,)
     checks = [_Check(Scope(model, text, where, document, cosine_first=order), quantity) for order in orders]
     if alone:
-        checks[0].scope.refuse_other_arm()
+        equations = (" ".join(text[s.start : s.end] for s in sides) for sides in checks[0].scope.equations)
+        refuse_other_arm(model.robot, equations, where)
     found = [other_factorisation(model, tuple(check.findings())) for check in checks]
     right = [sum(finding.verdict.equal for finding in findings) for findings in found]
     check, findings = checks[right.index(max(right))], found[right.index(max(right))]
@@ -184,11 +191,6 @@ class _Check(SideReading):
         else:
             yield finding
 
-    def _names_of(self, text: str) -> set[str]:
-        with suppress(CheckError):
-            return set(names(self.plain.formula(LatexPiece(text, 0)))) if self.scope.shifts else set()
-        return set()
-
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
         printed = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p" and f.question}
@@ -225,7 +227,7 @@ class _Check(SideReading):
             except CheckError as error:
                 if not self.document:
                     raise
-                if by_value := self._singular(equation) or tuple(self._sides_by_value(equation)):
+                if by_value := self._said_by_value(equation):
                     del self.skipped[told:]
                     yield from by_value
                 elif len(self.skipped) == told:

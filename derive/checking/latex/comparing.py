@@ -40,7 +40,7 @@ from derive.robot.expression import (
     power,
     substitute,
 )
-from derive.robot.names import own_names, velocity_name
+from derive.robot.names import acceleration_name, own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
@@ -79,6 +79,7 @@ class Comparing:
         self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
         self.joints = {joint.variable: joint for joint in self.robot.joints}
         self.rates = set(map(velocity_name, self.joints))
+        self._accelerations = set(map(acceleration_name, self.joints))
         self.parameters = own_names(self.robot) - self.joints.keys()
 
     def _typed(self, side: LatexPiece) -> str:
@@ -143,7 +144,10 @@ class Comparing:
             found = self._rounded(found, first.value, side.value, left, right)
             if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
-            is_constraint = not found.verdict.equal and self._constrains(first.value, side.value)
+            # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
+            is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
+            is_motion = is_motion and self.document and not re.search(r"\\partial|dt", left + right)
+            is_constraint = not found.verdict.equal and (is_motion or self._constrains(first.value, side.value))
             if is_constraint:
                 self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
             if is_constraint or (not found.verdict.equal and is_constant(first.value) != is_constant(side.value)):
@@ -182,7 +186,10 @@ class Comparing:
             is_open = names_of_pose(a.formula, b.formula)
             found.append(claim if is_open else self._rounded(claim.read(self.robot), a.formula, b.formula, left, right))
         is_right = all(isinstance(one, Finding) and one.verdict.equal for one in found)
-        if not is_right and all(self.parameters.issuperset(names(e.formula)) for pair in entries for e in pair):
+        used = {name for pair in entries for entry in pair for name in names(entry.formula)}
+        if not is_right and not self._accelerations.isdisjoint(used):
+            raise self._refused(second, "an equation of motion")
+        if not is_right and self.parameters.issuperset(used):
             raise self._refused(second, "a numeric example")
         if not is_right and all(self._constrains(a.formula, b.formula) for a, b in entries):
             raise self._refused(second, "a condition on the joints")

@@ -266,7 +266,7 @@ _COLUMN_OF_FRAME = re.compile(
 _RAISED = r"\^\s*(?:[0-9]|\{\s*[0-9]\s*\})"
 # P_{6x}^0 and {}^1n_{4z}, and an entry of the pose with the base before it, {}^0r_{11}.
 _SEEN_FROM = re.compile(
-    rf"(?:\{{\s*\}}\s*)?(?P<before>{_RAISED}\s*)?(?<![A-Za-z\\])(?P<letter>[pPnsoa])\s*_\s*\{{?\s*(?P<frame>[1-9])\s*,?\s*(?P<axis>[xyz])\s*\}}?"
+    rf"(?:\{{\s*\}}\s*)?(?P<before>{_RAISED}\s*)?(?<![A-Za-z\\])(?P<letter>[pPnsoaFfN])\s*_\s*\{{?\s*(?P<frame>[1-9])\s*,?\s*(?P<axis>[xyz])\s*\}}?"
     rf"(?:\s*(?P<behind>{_RAISED}))?|\{{\s*\}}\s*\^\s*(?:0|\{{\s*0\s*\}})\s*(?P<entry>[rRnsoap]\s*_)"
 )
 _INDEX = r"\s*_\s*(?:\{[^{}]*\}|\w)"

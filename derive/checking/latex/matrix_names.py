@@ -42,6 +42,7 @@ _ELEMENTARY = re.compile(
     rf"\s*(?P<arguments>{_BRACKETS})?"
 )
 _UNIT = re.compile(
+    r"(?:\{\s*\}\s*\^\s*(?:\{\s*(?P<seen>[0-9])\s*\}|(?P<from>[0-9]))\s*)?"
     rf"\\(?:hat|widehat|vec|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK0])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}{{0,2}})?"
 )
 
@@ -124,7 +125,11 @@ class MatrixNames:
         letter = match["axis"].lower()
         axis = AXES.get(letter) or "0ijk".index(letter)
         own = _table([[number(int(i == axis))] for i in (1, 2, 3)])
-        return [*(self._of(Target(f"T[0,{match['frame']}]", (1, 2, 3), (axis,))) if match["frame"] else ()), own]
+        seen = match["seen"] or match["from"]
+        if not match["frame"] or seen == match["frame"]:
+            return [own]
+        found = self._of(Target(f"T[{seen or 0},{match['frame']}]", (1, 2, 3), (axis,)))
+        return found if seen else [*found, own]
 
     def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
         """What the text itself says that a name is."""

@@ -30,7 +30,7 @@ from derive.robot.names import joint_label, velocity_name
 # Entries that may stand in formulas.
 _ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
 _OF_ROTATION = re.compile(r"R([0-9]{2}),?([1-3])([1-3])")  # R_{36,23}
-_SEEN_FROM = re.compile(r"([pPnsoa])([1-9][xyz])\^([0-9])")  # P6x^0
+_SEEN_FROM = re.compile(r"([pPnsoaFfN])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
     r"\\dot(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|\{(?P<braced>\\[dt]?frac\{.*\}\{.*\})\}|(?P<bare>\\[dt]?frac\{.*\}\{.*\}))"
 )
@@ -172,10 +172,15 @@ class Meanings:
             rows.append(next(fits, None))
             rest = [i for i in rest if i != rows[-1]]
         known = [i for i in rows if i is not None]
-        if 2 * len(known) <= len(rows) or (width < ours.cols and None in rows):
-            return None
         left = iter(rest)
         chosen = [next(left, None) if i is None else i for i in rows]
+        alike = (
+            i is not None and Right("J", ours[i, :width], (), ()).fits(Table((row,))) >= 0.5
+            for i, row in zip(chosen, table.rows, strict=True)
+        )
+        is_ours = 2 * len(known) > len(rows) or (bool(known) and all(alike))  # the others have a slip each
+        if not is_ours or (width < ours.cols and None in rows):
+            return None
         found = [i for i in chosen if i is not None]
         part = ours.extract(found, list(range(width)))
         return (
@@ -306,7 +311,7 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return meanings.differentiated(name[1:])
     if seen := _SEEN_FROM.fullmatch(name):
         letter, sub, frame = seen.groups()
-        rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, frame))))
+        rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, before=frame))))
         return next((expression_from_sympy(right.value[0, 0]) for right in rights if right), None)
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)

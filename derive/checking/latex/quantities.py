@@ -68,6 +68,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
         case "accelerations", _:
             return sympy.Matrix([sympy.Symbol(acceleration_name(joint.variable)) for joint in robot.joints])
         case (kind, [link, frame]) if kind in OF_LINK:
+            if (link == 0 and kind in ("omega", "alpha")) or (link > model.n and kind.startswith("joint")):
+                return sympy.zeros(3, 1)  # of the base, and of the end effector that nothing holds
             of_link = _of_link(model, kind, link)
             return model.frame(frame)[:3, :3].T * of_link if frame else of_link
         case "J_at", [frame]:  # of the origin of a frame
@@ -90,17 +92,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
         case (("base" | "tool"), _):
             cells = robot.base if name == "base" else robot.tool
             return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
-        case (("task" | "centre_task"), _):  # x, y and the angle of a planar arm, or of one of its links
-            if places:
-                turning, point = jacobian[3:, : places[0]], sympy.Matrix(own_quantity(model, f"centre[{places[0]}]"))
-                if any(turning[:2, :]):
-                    raise QuantityError("the angle of an arm that is not planar")
-                angles = [sympy.Symbol(joint.variable) for joint in robot.joints[: places[0]]]
-                return sympy.Matrix([point[0], point[1], (turning[2, :] * sympy.Matrix(angles))[0, 0]])
-            first = expression_from_sympy(model.quantity("T")[0, 0])
-            if not (isinstance(first, Call) and first.function == "cos"):
-                raise QuantityError("the angle of an arm that is not planar")
-            return sympy.Matrix([*model.quantity("T")[:2, 3], expression_to_sympy(first.arguments[0])])
+        case (("task" | "centre_task"), _):
+            return _coordinates(model, places)
         case "gravity", _:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:
@@ -109,6 +102,29 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return (model.quantity(f"T[{frame},{link}]") * _centre(robot, link))[:3, :]
         case "p", [end, start] if "-" in name:
             return model.frame(end)[:3, 3] - model.frame(start)[:3, 3]
+    return _energy(model, name.partition("[")[0], places)
+
+
+def _coordinates(model: Model, places: list[int]) -> Matrix:
+    """x, y and the angle of a planar arm, or of the centre of mass of one of its links."""
+    robot, jacobian = model.robot, sympy.Matrix(model.quantity("J"))
+    if places:
+        turning, point = jacobian[3:, : places[0]], sympy.Matrix(own_quantity(model, f"centre[{places[0]}]"))
+        if any(turning[:2, :]):
+            raise QuantityError("the angle of an arm that is not planar")
+        angles = [sympy.Symbol(joint.variable) for joint in robot.joints[: places[0]]]
+        return sympy.Matrix([point[0], point[1], (turning[2, :] * sympy.Matrix(angles))[0, 0]])
+    first = expression_from_sympy(model.quantity("T")[0, 0])
+    if not (isinstance(first, Call) and first.function == "cos"):
+        raise QuantityError("the angle of an arm that is not planar")
+    return sympy.Matrix([*model.quantity("T")[:2, 3], expression_to_sympy(first.arguments[0])])
+
+
+def _energy(model: Model, kind: str, places: list[int]) -> Expr | None:
+    """The Lagrangian, and the energies of one link."""
+    robot = model.robot
+    rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+    match kind, places:
         case "lagrangian", _:
             return model.quantity("kinetic") - (model.quantity("potential") if robot.gravity else 0)
         case "kinetic", [link]:  # qd' B_i qd / 2

@@ -15,18 +15,26 @@ from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
-from derive.checking.latex.names import LatexNames, Symbol, plus_minus
+from derive.checking.latex.names import Symbol, plus_minus
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
-from derive.checking.latex.whole import base_letters, chained, factors, named_columns, opposes_gravity
+from derive.checking.latex.whole import (
+    base_letters,
+    chained,
+    factors,
+    named_columns,
+    opposes_gravity,
+    other_capitals,
+    torque_index,
+)
 from derive.errors import CheckError, Location
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, is_constant, multiply, names, negate, number
-from derive.robot.names import joint_label, own_names, robot_symbols
+from derive.robot.names import own_names, robot_symbols
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
@@ -34,15 +42,8 @@ MAX_PASSES = 12  # how often definitions are gone through that need one that sta
 # Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
 _LENT = frozenset("uvwhkexyzfFQTKVUP")
 ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
-# A Christoffel symbol with letters for its indices.
-_SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
-# A partial derivative that is subtracted, and the index of its variable.
-_SUBTRACTED = re.compile(
-    r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
-)
 
 
-_JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
 _PRIME = re.compile(r"'+|\^\s*\{?\s*\\prime\s*\}?")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
@@ -74,12 +75,13 @@ class Scope:
         if not self.equations:
             nothing = "no mathematics between $ signs, in brackets or in displays" if document else "empty formula"
             raise CheckError(nothing, remedy="write a formula or an equation", location=start)
+        typed = [[text[side.start : side.end] for side in equation] for equation in self.equations]
         # what the text defines is read first: the order of Christoffel indices, then abbreviations
-        orders = {i: order for i, e in enumerate(self.equations) if (order := self._torque_index(e)) is not None}
+        orders = {i: order for i, texts in enumerate(typed) if (order := torque_index(texts)) is not None}
         self.meanings = Meanings(model)
         plain = cleaned(text, has_time)
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
-        self._foreign = self._other_capitals(words)
+        self._foreign = other_capitals(self.robot, self.equations, words)
         self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
         columns = named_columns(self.equations) if document else {}
         self.meanings.columns = columns
@@ -91,53 +93,20 @@ class Scope:
         self.meanings.bases = base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
-        # by name the formulas that it is given, each with the number of its equation
-        self.definitions: dict[str, list[tuple[int, Expression]]] = {}
-        self.defining: set[int] = set()  # numbers of the equations that only define something
-        # sides that are such a name, by the number of the equation and the offset of the side
-        self.names: set[tuple[int, int]] = set()
         self._define()
-        self._reads = self.reader(0)
         if document and (lent := self._lent_letters()):
             self.meanings.lent = lent
-            self.definitions, self.defining, self.names = {}, set(), set()
             self._define()
-            self._reads = self.reader(0)
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
         self._settle_world()
         self.meanings.is_angular_first = self._settled_rows()
-        texts = ([self.text[side.start : side.end] for side in equation] for equation in self.equations)
-        self.meanings.has_gravity_opposed = any(map(opposes_gravity, texts))
+        self.meanings.has_gravity_opposed = any(map(opposes_gravity, typed))
         if self.meanings.has_gravity_opposed:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
         self._settle_jacobian()
         self.namings = list(self._named_entries()) if document else []
-
-    def refuse_other_arm(self) -> None:
-        """A document whose formulas name more joints than the robot has is about another arm."""
-        n = self.robot.n
-        if [joint_label(joint.variable) for joint in self.robot.joints] != [str(i) for i in range(1, n + 1)]:
-            return
-        texts = (" ".join(self.text[side.start : side.end] for side in equation) for equation in self.equations)
-        named = [max(map(int, labels)) for text in texts if (labels := _JOINTS.findall(text))]
-        if len(beyond := [label for label in named if label > n]) > 2 and 2 * len(beyond) > len(named):
-            many = f"names joint {max(beyond)} in {len(beyond)} formulas, for {self.robot.name} with {n}"
-            remedy = "give the robot that the document is about"
-            raise CheckError(f"a document that {many}", remedy=remedy, location=self.start)
-
-    def _other_capitals(self, words: set[str]) -> frozenset[str]:
-        """Names with a capital, given or asked for by an equation, that a text tells from those with a small letter."""
-        small, names = words | own_names(self.robot), LatexNames(self.robot)
-        found = set[str]()
-        for equation in self.equations:
-            lefts = [None if side.matrices else taken_apart(side.text) for side in equation]
-            is_given = any(left is None and "_" in side.text for left, side in zip(lefts, equation, strict=True))
-            found |= {left.flat for left in lefts if left is not None and left.is_plain and is_given}
-        return frozenset(
-            w for w in found if w != (other := w[0].lower() + w[1:]) and other in small and names.knows(other)
-        )
 
     @cached_property
     def shifts(self) -> dict[str, Expression]:
@@ -193,9 +162,13 @@ class Scope:
             yield from product(wanted, tables) if each else product(wanted[:1], tables[-1:])
 
     def _lent_letters(self) -> frozenset[str]:
-        """Letters with two indices that the text gives other formulas than the entries that they usually mean."""
+        """Letters with two indices that formulas use, and that are not the entries which they usually mean."""
         votes: dict[str, list[bool]] = {}
+        said = [side for equation in self.equations for side in equation]
         for first, *others in self.equations:
+            own = first.text.strip()
+            if not any(own in text for side in said if side.text.strip() != own for text in side.texts):
+                continue
             left = None if first.matrices else taken_apart(first.text)
             if left is None or not left.is_plain or not re.fullmatch("[1-9]{2}", left.sub) or self.is_own(left):
                 continue
@@ -318,21 +291,13 @@ class Scope:
 
     # -- definitions
 
-    def _torque_index(self, equation: Sides) -> int | None:
-        """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
-
-        It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
-        """
-        first, *others = (self.text[side.start : side.end] for side in equation)
-        symbol = _SYMBOL.fullmatch("".join(first.split()))
-        minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
-        if symbol is None or minus is None:
-            return None
-        letters = symbol[1].replace(",", "")
-        return letters.index(minus[1]) if minus[1] in letters else None
-
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
+        # by name the formulas that it is given, each with the number of its equation
+        self.definitions: dict[str, list[tuple[int, Expression]]] = {}
+        self.defining: set[int] = set()  # numbers of the equations that only define something
+        # sides that are such a name, by the number of the equation and the offset of the side
+        self.names: set[tuple[int, int]] = set()
         several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
@@ -340,8 +305,9 @@ class Scope:
         for _ in range(MAX_PASSES):
             left = [some for some in waiting if not self._defines(*some)]
             if len(left) == len(waiting):
-                return
+                break
             waiting = left
+        self._reads = self.reader(0)
 
     def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
         """Whether an equation gives a new name to a formula that can be read by now."""

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
+from itertools import pairwise
 from operator import mul
 
 from derive.checking.formulas.diagnosis import Repair
@@ -24,7 +25,6 @@ from derive.errors import CheckError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
-from derive.robot.names import acceleration_name
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
@@ -97,6 +97,26 @@ class SideReading(Comparing):
                     where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
                     return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
         return ()
+
+    def _motion(self, equation: Sides) -> tuple[Finding, ...]:
+        """That an equation of motion is right, whatever the author calls the torque: M_{11} qdd_1 + ... = u, or = 0."""
+        first, *others = equation
+        with suppress(CheckError):
+            sides = [self.reader.value(first)]
+            for other in others:
+                with suppress(CheckError):
+                    sides.append(self.reader.value(other))
+            formulas = [side for side in sides if not isinstance(side, Table)]
+            for value in (*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))):
+                quantity = "" if self._accelerations.isdisjoint(names(value)) else self._values.quantity(value, None)
+                if quantity.startswith(("tau", "-tau")):
+                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
+                    return (Finding(quantity, 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
+        return ()
+
+    def _said_by_value(self, equation: Sides) -> tuple[Finding, ...]:
+        """What an equation that is no claim about a quantity by its name says, where that is right by its values."""
+        return self._singular(equation) or self._motion(equation) or tuple(self._sides_by_value(equation))
 
     def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""
@@ -181,6 +201,11 @@ class SideReading(Comparing):
             return False
         return all(left and left.sub and not left.dots and not self.scope.is_own(left) for left in lefts)
 
+    def _names_of(self, text: str) -> set[str]:
+        with suppress(CheckError):
+            return set(names(self.plain.formula(LatexPiece(text, 0)))) if self.scope.shifts else set()
+        return set()
+
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
         match = _LABELLED.fullmatch(left.sub)
@@ -232,7 +257,7 @@ class SideReading(Comparing):
     @property
     def _moving(self) -> set[str]:
         """Joint variables, velocities and accelerations."""
-        return self.joints.keys() | self.rates | set(map(acceleration_name, self.joints))
+        return self.joints.keys() | self.rates | self._accelerations
 
     def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
         """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""

@@ -192,14 +192,13 @@ _RECURSION = {
 
 def _of_link(left: Left, n: int) -> Iterator[Target]:
     r"""Motion of a link and forces on it, in the axes of a frame: ``{}^2\dot v_{C_2}``, ``{}^1n_1``, ``{}^2F_{2y}``."""
-    match, frame = re.fullmatch(r"([cCgG]?)([1-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
+    match, frame = re.fullmatch(r"([cCgG]?)([0-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
     kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
-    if match is None or not kinds or not frame.isdigit() or int(frame) > n or (left.sup and left.head in "vaFN"):
-        return  # v_2^2 is a square
-    if left.sup and left.before:
-        return  # relative to another frame
+    if match is None or not kinds or not frame.isdigit() or (left.sup and (left.before or left.head in "vaFN")):
+        return  # v_2^2 is a square, or relative to another frame
     link = int(match[2]) if match[2].isdigit() else n + 1
-    if link > n + (kinds[0] in ("velocity", "omega")) or (frame == "0" and left.head != "omega"):
+    has_end = kinds[0] in ("velocity", "omega", "joint_force", "joint_moment")
+    if int(frame) > n + (left.head in "fn") or link > n + has_end or (frame == "0" and left.head != "omega"):
         return
     rows = [(AXES[match[3]],)] if match[3] else [(), (3,)] if left.head in ("omega", "alpha") else [()]
     yield from (Target(f"{kind}[{link},{int(frame)}]", part) for kind in kinds for part in rows)

@@ -135,7 +135,7 @@ def cleaned(text: str, time: bool = True) -> str:
         text = _LETTERED.sub(lambda m: _marked(m, m["name"] + m["sub"] + m["end"], len(m["dots"])), text)
     if re.search(r"(?:q|theta)(?:_\{?[0-9]\}?)?''", text):
         text = _PRIMES.sub(lambda m: _marked(m, m["name"] + (m["sub"] or ""), len(m["before"] + m["after"])), text)
-    while (braced := _BOXED.sub(_within, _BRACE.sub(_within, text))) != text:
+    while (braced := _BOXED.sub(_within, _BRACE.sub(_term, text))) != text:
         text = braced
     text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
     text = re.sub(r"(\\\\)|\\(?=_[0-9{])", lambda m: m[1] or " ", text)  # \_ for an index, as Markdown needs it
@@ -175,6 +175,12 @@ def _within(match: re.Match[str]) -> str:
     """Only what is braced stays."""
     before, kept, after = match.start("kept") - match.start(), match["kept"], match.end() - match.end("kept")
     return blank(match[0][:before]) + kept + blank(match[0][len(match[0]) - after :] if after else "")
+
+
+def _term(match: re.Match[str]) -> str:
+    """What stands over or under a brace; a term with a sign goes on with the sum before it."""
+    has_sign, kept = match["kept"][1:].lstrip()[:1] in "+-", _within(match)
+    return re.sub(r"\{(\s*[-+].*)\}", r" \1 ", kept, flags=re.DOTALL) if has_sign else kept
 
 
 def _rate(match: re.Match[str]) -> str:

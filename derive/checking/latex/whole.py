@@ -1,4 +1,4 @@
-"""Printed matrices as a whole: names of entries, one cause of slips, another factorisation of C, chains of frames."""
+"""Texts and printed matrices as a whole: conventions, names of entries, one cause of slips, chains of frames."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -13,14 +13,16 @@ from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
+from derive.checking.latex.names import LatexNames
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.targets import Target
+from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO, Name, add, multiply, number
-from derive.robot.names import velocity_name
+from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
@@ -38,6 +40,13 @@ _NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
 _LIST_OF_NAMES = re.compile(rf"[\[(]{_NAME}(?:,{_NAME})+[\])](?:\^.*)?")  # [x, y, \theta]^T
 _FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
 _GRAVITY = re.compile(r"([+-]|^(?=\\tau))(?:\\tau_?)?[gG](?:_?[a-z])?(?:\([^()]*\))?(?=[-+]|$)")
+# A Christoffel symbol with letters for its indices.
+_SYMBOL = re.compile(r"(?:\\\w+\{)?(?:\\?[A-Za-z]+)\}?_\{?([a-z],?[a-z],?[a-z])\}?(?:\(.*\))?")
+# A partial derivative that is subtracted, and the index of its variable.
+_SUBTRACTED = re.compile(
+    r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
+)
+_JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -86,6 +95,43 @@ def opposes_gravity(texts: Iterable[str]) -> bool:
         return False
     signs = [(sign, "ddot" in side) for side in sides for sign in _GRAVITY.findall(side)]
     return any((sign == "-") == is_moving for sign, is_moving in signs)
+
+
+def refuse_other_arm(robot: Robot, texts: Iterable[str], start: Location) -> None:
+    """A document whose formulas name more joints than the robot has is about another arm."""
+    n = robot.n
+    if [joint_label(joint.variable) for joint in robot.joints] != [str(i) for i in range(1, n + 1)]:
+        return
+    named = [max(map(int, labels)) for text in texts if (labels := _JOINTS.findall(text))]
+    if len(beyond := [label for label in named if label > n]) > 2 and 2 * len(beyond) > len(named):
+        many = f"names joint {max(beyond)} in {len(beyond)} formulas, for {robot.name} with {n}"
+        remedy = "give the robot that the document is about"
+        raise CheckError(f"a document that {many}", remedy=remedy, location=start)
+
+
+def other_capitals(robot: Robot, equations: Iterable[Sides], words: set[str]) -> frozenset[str]:
+    """Names with a capital, given or asked for by an equation, that a text tells from those with a small letter."""
+    small, names = words | own_names(robot), LatexNames(robot)
+    found = set[str]()
+    for equation in equations:
+        lefts = [None if side.matrices else taken_apart(side.text) for side in equation]
+        is_given = any(left is None and "_" in side.text for left, side in zip(lefts, equation, strict=True))
+        found |= {left.flat for left in lefts if left is not None and left.is_plain and is_given}
+    return frozenset(w for w in found if w != (other := w[0].lower() + w[1:]) and other in small and names.knows(other))
+
+
+def torque_index(texts: Iterable[str]) -> int | None:
+    """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
+
+    It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
+    """
+    first, *others = texts
+    symbol = _SYMBOL.fullmatch("".join(first.split()))
+    minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
+    if symbol is None or minus is None:
+        return None
+    letters = symbol[1].replace(",", "")
+    return letters.index(minus[1]) if minus[1] in letters else None
 
 
 def is_no_claim(piece: LatexPiece) -> bool:
