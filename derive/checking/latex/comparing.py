@@ -50,6 +50,7 @@ ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
+_ENERGIES = ("kinetic", "potential", "lagrangian")
 _ROWS = re.compile(r"\\\\|&")
 
 
@@ -297,6 +298,8 @@ class Comparing:
         used = {word for entry in table.entries for word in names(entry.formula)}
         has_force = not used.isdisjoint(self.meanings.forces)
         rights = tuple(right for right in self._meant(name) if right.quantity.startswith("statics") == has_force)
+        if not self._accelerations.isdisjoint(used):  # K of an equation of motion is no energy
+            rights = tuple(right for right in rights if not right.quantity.startswith(_ENERGIES))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
         is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)

@@ -164,7 +164,7 @@ class Scope:
     def _lent_letters(self) -> frozenset[str]:
         """Letters with two indices that formulas use, and that are not the entries which they usually mean."""
         votes: dict[str, list[bool]] = {}
-        said = [side for equation in self.equations for side in equation]
+        said, joints = [s for e in self.equations for s in e], {joint.variable for joint in self.robot.joints}
         for first, *others in self.equations:
             own = first.text.strip()
             if not any(own in text for side in said if side.text.strip() != own for text in side.texts):
@@ -173,6 +173,7 @@ class Scope:
             if left is None or not left.is_plain or not re.fullmatch("[1-9]{2}", left.sub) or self.is_own(left):
                 continue
             rights = [r for t in self.meanings.targets(left) if is_scalar(t) and (r := self.meanings.right(t))]
+            rights = [right for right in rights if not joints.isdisjoint(map(str, right.value.free_symbols))]
             for side in others[-1:] if rights else ():
                 with suppress(CheckError):
                     entry = Table(((Entry(self._reads.formula(side)),),))
