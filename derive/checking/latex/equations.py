@@ -32,7 +32,9 @@ _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*
 # A condition behind a comma that is no equation, such as 0 < \theta_3 < \pi or e \in \{1, -1\}.
 _RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
 # Words in brackets behind a formula, which may begin with what they are about.
-_REMARK = re.compile(r"(?:\(|\\q?quad\s*\([^()]*)\s*\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}(?:\s*|[^()=]*)\)\s*$")
+_REMARK = re.compile(
+    r"(?:\(\s*%s\s*|\\q?quad\s*\([^()]*%s[^()=]*)\)\s*$" % ((r"\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}",) * 2)
+)
 _LIST = re.compile(r"\s*[(\[](.*)[)\]]\s*(?:\^\s*\{?\s*(?:T|\\top|\\intercal)\s*\}?\s*)?", re.DOTALL)  # [0, 0, 1]^T
 _SOLUTION = re.compile(r"arc|atan|acos|asin|sqrt|\^\s*\{?\s*-\s*1")
 _LEADING = re.compile(r"(?:[\s\v,;]|\\q?quad(?![A-Za-z]))+")
