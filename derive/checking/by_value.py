@@ -156,6 +156,7 @@ class ByValue:
         if is_dynamic and robot.has_dynamics:
             yield from self._dynamics()
         elif self._poses is not None:
+            yield from self._exponentials()
             yield from self._angles()
             yield from self._triangles(points)
 
@@ -170,6 +171,19 @@ class ByValue:
             label, angle = "+".join(variables[i:j]), values[:, i:j].sum(axis=1, keepdims=True)
             yield label, angle
             yield from ((f"{f.__name__}({label})", f(angle)) for f in (np.cos, np.sin, np.tan))
+
+    def _exponentials(self) -> Iterator[Named]:
+        """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""
+        home = {name: 0.0 for name in self._joints}
+        for k, joint in enumerate(self._robot.joints, 1):
+            moved = []
+            for at in self._at:
+                formulas = [expression_from_sympy(e) for e in self._model.frame(k)]
+                places = [home, {**home, joint.variable: at[joint.variable]}]
+                known = [{**{n: at[n] for e in formulas for n in names(e)}, **place} for place in places]
+                still, turned = (np.array([float_value(e, v) for e in formulas]).reshape(4, 4) for v in known)
+                moved.append(turned @ np.linalg.inv(still))
+            yield from _parts(f"exp of screw {k}", np.array(moved))
 
     def _triangles(self, points: list[tuple[str, int, Array]]) -> Iterator[Named]:
         """How ways are inclined, and the angles between those from one point, with their supplements."""

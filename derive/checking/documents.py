@@ -192,7 +192,7 @@ def _displayed(cell: Mapping[str, Any]) -> str:
 
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
-    r"|:math:`(?P<role>[^`\n]+)`|<!--.*?-->|\$`(?P<math>[^`\n]+)`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
+    r"|:math:`(?P<role>[^`\n]+)`|<!--.*?-->|\$`(?P<math>[^`]{1,4000})`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
@@ -214,7 +214,7 @@ def _markdown(text: str) -> str:
         if match["role"]:
             return f"      ${match['role']}$"
         if match["math"]:
-            return f"$ {match['math']} $"
+            return f"$ {match['math']} $"  # as GitHub writes it
         language = (match["language"] or "").casefold()
         begin, end = match.start("body") - match.start(), match.end("body") - match.start()
         if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):

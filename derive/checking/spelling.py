@@ -30,6 +30,11 @@ _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
     re.MULTILINE,
 )
+# A display whose brackets lost their backslashes, and the name that a program shows before a matrix.
+_LOST = re.compile(r"^[ \t]*\[[ \t]*\n(?P<body>(?:(?![ \t]*[][][ \t]*$)[^\n]*\n){1,40})[ \t]*\][ \t]*$", re.MULTILINE)
+_SHOWN = re.compile(
+    r"^(?P<name>[A-Za-z][A-Za-z0-9_]{0,12})[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(?:left|begin))", re.MULTILINE
+)
 _WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
 _WORD = re.compile(
     r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi)_?(?P<index>[0-9]*)(?![A-Za-z]))"
@@ -50,6 +55,8 @@ def spelled(text: str) -> Spelled:
 def from_plain_text(text: str) -> Spelled:
     """The equations of a text without mathematics between signs, each a display: ``theta2 = atan2(y, x)``."""
     found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
+    found = _rewritten(found, _LOST, lambda m: f"$${m['body']}$$")
+    found = _rewritten(found, _SHOWN, _named)
     if _MATHEMATICS.search(found[0]):
         return found
 
@@ -64,6 +71,13 @@ def _display(match: re.Match[str]) -> str:
     """A block of mathematics of reStructuredText as displays, one for each paragraph."""
     body = re.sub(r"(?m)^[ \t]+:[a-z]+:[^\n]*$", "", f"{match['line']}\n{match['body']}").strip("\n")
     return "$$" + re.sub(r"\n[ \t]*\n(?=[ \t]*\S)", "$$\n\n$$", body) + "$$\n\n"
+
+
+def _named(match: re.Match[str]) -> str:
+    """A display with the name that stands before it: T_0_1 as ``T_{01}``."""
+    name, _, sub = match["name"].partition("_")
+    sub = sub.replace("_", "")
+    return f"{match['display']}{name}{f'_{{{sub}}}' if sub else ''} = "
 
 
 def _macro(match: re.Match[str]) -> str:

@@ -16,7 +16,7 @@ from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, UNLIMITED, Urdf
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, exactly, plus, real
-from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix, Ways
+from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
@@ -191,12 +191,6 @@ def table_text(robot: Robot) -> str:
     return robot_text(Description(robot.name, "", robot.convention, joints, *ends, links))
 
 
-def _friction(link: Link, own: Link) -> Expression | Ways:
-    """Coulomb friction by direction where a table has it and its mean is that of the URDF; else that of the URDF."""
-    same = isinstance(own.coulomb, tuple) and text(ball(own.signed[0])) == text(ball(link.signed[0]))
-    return own.coulomb if same else link.coulomb
-
-
 def with_table(robot: Description, table: Robot) -> Description:
     """A robot with the cells of a table to the letter, and with its gravity, motors and friction by direction."""
     cells = ("variable", "name", "sign", "theta", "d", "a", "alpha")
@@ -210,11 +204,13 @@ def with_table(robot: Description, table: Robot) -> Description:
     robot = replace(robot, joints=tuple(joints), base=table.base, tool=table.tool)
     if not (robot.links and table.links):
         return robot
-    links = tuple(
-        replace(link, armature=own.armature, motor=own.motor, coulomb=_friction(link, own))
-        for link, own in zip(robot.links, table.links, strict=True)
-    )
-    robot = replace(robot, links=links, gravity=table.gravity, parameters=())
+    links = []
+    for link, own in zip(robot.links, table.links, strict=True):
+        # Coulomb friction by direction where the table has it and its mean is that of the URDF
+        has_ways = isinstance(own.coulomb, tuple) and text(ball(own.signed[0])) == text(ball(link.signed[0]))
+        coulomb = own.coulomb if has_ways else link.coulomb
+        links.append(replace(link, armature=own.armature, motor=own.motor, coulomb=coulomb))
+    robot = replace(robot, links=tuple(links), gravity=table.gravity, parameters=())
     segments = body_chain(Robot.of(robot)).segments
     bodies = [segment.body for segment in segments]
     # Links of the URDF hold the rotors that they carry: these are taken out again.

@@ -27,6 +27,7 @@ from derive.checking.latex.targets import is_scalar as is_scalar_target
 from derive.checking.latex.whole import (
     is_no_claim,
     names_its_columns,
+    of_other_frames,
     other_factorisation,
     refuse_other_arm,
     uncertain_entries,
@@ -35,7 +36,7 @@ from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Name, is_constant, names, substitute
+from derive.robot.expression import ZERO, Expression, Name, is_constant, names, substitute
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +90,8 @@ def check_latex(
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
+_FORCE = "where the force acts, and in which axes, is not certain"
+_FRAMES = "the frames of the text are others than ours: most entries are not those of {}"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
@@ -134,10 +137,11 @@ class _Check(SideReading):
             reason = "which point x, y and z are is not certain"
             self.skipped += [] if all(meant) else [Skipped(one.location, reason, one.text) for one in wrong]
         statics = [one for one in found if isinstance(one, Finding) and one.quantity.startswith("statics")]
-        if not any(one.verdict.equal for one in statics):
-            found = [one for one in found if one not in statics]
-            reason = "where the force acts, and in which axes, is not certain"
-            self.skipped += [Skipped(one.location, reason, one.text) for one in statics]
+        uncertain = [] if any(one.verdict.equal for one in statics) else [(_FORCE, [one]) for one in statics]
+        uncertain += [(_FRAMES.format(name), wrong) for name, wrong in of_other_frames(found, self.around)]
+        for reason, wrong in uncertain if self.document else ():
+            found = [one for one in found if one not in wrong]
+            self.skipped.append(Skipped(wrong[0].location, reason, wrong[0].text))
         judged = iter(poses.judged(claims, self.scope.readings, known, self._names_the_pose) if poses else ())
         for one in found:
             if isinstance(one, Finding):
@@ -172,8 +176,10 @@ class _Check(SideReading):
         around = self.around.get(finding, frozenset())
         condition, is_certain = explaining(self.conditions, finding, begin, self.text, around) or ("", False)
         question, shifts = finding.question, self.scope.shifts
-        used = {*names(question.printed), *names(question.right)} if question else self._names_of(finding.quantity)
-        if not (finding.verdict.equal or shifts.keys().isdisjoint(used)):
+        both: tuple[Expression, ...] = (question.printed, question.right) if question else ()
+        with suppress(CheckError):
+            both = both or (self.plain.formula(LatexPiece(finding.quantity, 0)),)
+        if not (finding.verdict.equal or shifts.keys().isdisjoint(name for e in both for name in names(e))):
             what = f"with {', '.join(shifts)} counted from another zero, as the text says"
             if question and compare(self.robot, question.printed, substitute(question.right, shifts)).equal:
                 right = Verdict(equal=True, exact=True)
@@ -227,7 +233,7 @@ class _Check(SideReading):
             except CheckError as error:
                 if not self.document:
                     raise
-                if by_value := self._said_by_value(equation):
+                if by_value := self.singular(equation) or self.of_motion(equation) or (*self.sides_by_value(equation),):
                     del self.skipped[told:]
                     yield from by_value
                 elif len(self.skipped) == told:
@@ -395,20 +401,17 @@ class _Check(SideReading):
         first, *others = sides
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
         if not any(isinstance(s.value, Table) and len(s.value.entries) == 6 for s in sides):  # B_1 may be anything
-            named = [s for s in named if not all("screw" in target.quantity for target in s.targets)]
+            named = [s for s in named if not all("screw" in t.quantity and len(t.rows) != 3 for t in s.targets)]
         if is_scalar:  # a length of the robot, not a vector with its letter
-            named = [s for s in named if s is not first or not self._is_length(s)]
+            is_own = first.left is not None and not first.left.arguments and self.scope.is_own(first.left)
+            is_length = is_own and not any(map(is_scalar_target, first.targets))
+            named = [s for s in named if s is not first or not is_length]
         named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
         if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
         # r_1 = p_3 - p_0 says what r_1 is
         named = [side for side in named if side.left is None] or named
         return [side for side in named if side.left is None or side.left.head not in ANY] or named
-
-    def _is_length(self, side: Side) -> bool:
-        """Whether a side is a symbol of the robot that is a vector's letter elsewhere, such as d_4."""
-        is_own = side.left is not None and not side.left.arguments and self.scope.is_own(side.left)
-        return is_own and not any(map(is_scalar_target, side.targets))
 
     def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
         """What is said against what is named; open where another side cannot be read."""

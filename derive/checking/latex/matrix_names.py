@@ -95,7 +95,7 @@ class MatrixNames:
         with suppress(CheckError):
             rows = piece.matrices[0].rows
             cells = [[next(self.values(cell), None) or self._reader.value(cell) for cell in row] for row in rows]
-            yield from [joined_blocks(cells)] if rows and all(rows) else ()
+            yield from [joined_blocks(cells)] if rows and rows[0] and len({*map(len, rows)}) == 1 else ()
 
     def _elementary(self, match: re.Match[str], offset: int) -> list[Table]:
         """A turn as a matrix of four rows and of three; a shift as one of four."""
@@ -140,14 +140,13 @@ class MatrixNames:
         left = taken_apart(match[0].replace("[", "(").replace("]", ")"))
         if left is not None and left.head.lower() in AXES and left.sub and left.sub == left.before + left.sup:
             return [_table([[number(int(i == AXES[left.head.lower()]))] for i in (1, 2, 3)])]  # in its own frame
-        if left is None or (left.is_plain and self._is_formula(left.flat)):
+        known = self._reader.names
+        # a name that stands for one formula is no matrix; a coordinate of some point may be an axis as well
+        if left is None or (
+            left.is_plain and known.knows(left.flat) and not names_of_pose(known.meaning(Symbol(left.flat, 0)))
+        ):
             return []
         return list(dict.fromkeys(table for target in self._meanings.targets(left) for table in self._of(target)))
-
-    def _is_formula(self, name: str) -> bool:
-        """Whether a name stands for one formula; a coordinate of some point may be an axis as well."""
-        names = self._reader.names
-        return names.knows(name) and not names_of_pose(names.meaning(Symbol(name, 0)))
 
     def _of(self, target: Target) -> list[Table]:
         if target not in self._tables:

@@ -33,6 +33,7 @@ OWN = (
     "tool",
     "end",
     "J_at",
+    "in_plane",
     "J_space",
     "screw",
     "body_screw",
@@ -94,6 +95,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return sympy.Matrix([[expression_to_sympy(cell) for cell in row] for row in cells or ()])
         case (("task" | "centre_task"), _):
             return _coordinates(model, places)
+        case "in_plane", _:  # homogeneous, (x, y, 1)
+            return sympy.Matrix([*model.quantity("T")[:2, 3], 1])
         case "gravity", _:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:

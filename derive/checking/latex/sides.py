@@ -86,7 +86,7 @@ class SideReading(Comparing):
                 return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
         return None
 
-    def _singular(self, equation: Sides) -> tuple[Finding, ...]:
+    def singular(self, equation: Sides) -> tuple[Finding, ...]:
         """That the arm is singular where an equation holds, as the sentence around it says."""
         first, *others = equation
         around = self.text[max(first.start - 200, 0) : equation[-1].end + 200]
@@ -98,7 +98,7 @@ class SideReading(Comparing):
                     return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
         return ()
 
-    def _motion(self, equation: Sides) -> tuple[Finding, ...]:
+    def of_motion(self, equation: Sides) -> tuple[Finding, ...]:
         """That an equation of motion is right, whatever the author calls the torque: M_{11} qdd_1 + ... = u, or = 0."""
         first, *others = equation
         with suppress(CheckError):
@@ -114,11 +114,7 @@ class SideReading(Comparing):
                     return (Finding(quantity, 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
         return ()
 
-    def _said_by_value(self, equation: Sides) -> tuple[Finding, ...]:
-        """What an equation that is no claim about a quantity by its name says, where that is right by its values."""
-        return self._singular(equation) or self._motion(equation) or tuple(self._sides_by_value(equation))
-
-    def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
+    def sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""
         first, *others = equation
         with suppress(CheckError):
@@ -200,11 +196,6 @@ class SideReading(Comparing):
         if piece.text.strip(AROUND) != MATRIX_MARK or len(lefts) < 2:
             return False
         return all(left and left.sub and not left.dots and not self.scope.is_own(left) for left in lefts)
-
-    def _names_of(self, text: str) -> set[str]:
-        with suppress(CheckError):
-            return set(names(self.plain.formula(LatexPiece(text, 0)))) if self.scope.shifts else set()
-        return set()
 
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""

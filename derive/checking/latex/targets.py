@@ -89,6 +89,7 @@ def _named(left: Left) -> Iterator[Target]:
         yield Target("rpy", (angles.index(left.head) + 1,))
     if left.head in euler and not left.sub + left.sup + left.before:
         index = euler.index(left.head) + 1
+        yield Target("task", (3,))
         yield from (Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
     if left.head in euler and left.sub in angles:
         yield Target("rpy", (angles.index(left.sub) + 1,))
@@ -194,7 +195,12 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     r"""Motion of a link and forces on it, in the axes of a frame: ``{}^2\dot v_{C_2}``, ``{}^1n_1``, ``{}^2F_{2y}``."""
     match, frame = re.fullmatch(r"([cCgG]?)([0-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
     kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
-    if match is None or not kinds or not frame.isdigit() or (left.sup and (left.before or left.head in "vaFN")):
+    if (
+        match is None
+        or not kinds
+        or not frame.isdigit()
+        or (left.sup and left.sup != left.before and (left.before or left.head in "vaFN"))
+    ):
         return  # v_2^2 is a square, or relative to another frame
     link = int(match[2]) if match[2].isdigit() else n + 1
     has_end = kinds[0] in ("velocity", "omega", "joint_force", "joint_moment")
@@ -210,7 +216,13 @@ _SPACE, _BODY = ("s", "S", "space", "spatial"), ("b", "B", "body")
 
 def _screws(left: Left, n: int) -> Iterator[Target]:
     r"""Axes of the joints in the home position, as (omega, v) or (v, omega): ``\mathcal{S}_1``, ``\omega_1``."""
-    if not left.is_plain or not left.sub.isdigit() or not 0 < int(left.sub) <= n:
+    part = re.fullmatch("(omega|w|v)([1-9])", left.sub) if left.head in ("S", "B") else None  # S_{v_1}
+    rows = ((1, 2, 3) if part[1] == "v" else (4, 5, 6)) if part else ()
+    number = part[2] if part else left.sub
+    if not left.is_plain or not number.isdigit() or not 0 < int(number) <= n:
+        return
+    if part:
+        yield Target(f"{'screw' if left.head == 'S' else 'body_screw'}[{number}]", rows)
         return
     for kind, heads in (("screw", ("S", "xi", "s")), ("body_screw", ("B", "xi"))):
         orders = ((4, 5, 6, 1, 2, 3), ()) if left.head in heads else _SCREW_PARTS.get(left.head, ())
@@ -332,9 +344,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
     elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t"):
         if not left.sub and not left.sup:
-            yield from (Target("p"), Target("p", (1, 2)))
+            yield from (Target("p"), Target("p", (1, 2)), Target("in_plane"))
         for name in _frames(left, n, first):
-            yield from (Target(name, rows, (4,)) for rows in ((1, 2, 3), (1, 2)))
+            yield from (Target(name, rows, (4,)) for rows in ((1, 2, 3), (1, 2), (1, 2, 4)))
         if head == "r" and left.sub.isdigit() and left.sup + left.before in ("", "0"):
             yield from (Target(f"centre[{int(left.sub)}]", rows) for rows in ((), (1, 2)))
     if head in ("z", "Z") and (left.sub or left.before):

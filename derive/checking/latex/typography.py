@@ -90,9 +90,13 @@ _POINTED = re.compile(
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
+_GRID = re.compile(
+    r"\\begin\s*\{([bpvB]?matrix|cases)\}(?:(?!\\\\|\\begin|\\end).)*\\\s(?:(?!\\\\|\\begin).)*?\\end\s*\{\1\}",
+    re.DOTALL,
+)
 _NEARLY = re.compile(r"\\approx(?=\s*-?\s*[01]\s*\$)")  # C_5 \approx 1, a condition
 _SIGNED_WORD = re.compile(
-    r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*(?P<word>a(?:rc)?(?:cos|sin|tan))\s*\}"
+    r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*a(?:rc)?(?P<function>cos|sin|tan)\s*\}"
 )
 _FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
@@ -113,6 +117,8 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
     text = without_comments(text.translate(_SAME))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
+    text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
+    text = _GRID.sub(_rows_ended, text)
     text = text.replace("\\wedge ", "\\times ")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = _POINTED.sub("*", text)
@@ -121,7 +127,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
-    text = _SIGNED_WORD.sub(_signed_word, text)
+    text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
     text = _NEARLY.sub(lambda m: "=".ljust(len(m[0])), text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
@@ -162,13 +168,9 @@ def _marked(match: re.Match[str], name: str, dots: int) -> str:
     return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
 
 
-def _signed_word(match: re.Match[str]) -> str:
-    """An arc function in roman letters with its sign in front: pm acos."""
-    return (
-        f"{match['sign'] or match['middle'] or ''}\\{match['word'].replace('arc', 'a').replace('a', 'arc', 1)}".ljust(
-            len(match[0])
-        )
-    )
+def _rows_ended(match: re.Match[str]) -> str:
+    """A matrix whose rows end with one backslash, as they do where a page has lost every other one."""
+    return re.sub(r"(?<!\\)\\ ", r"\\\\", match[0])
 
 
 def _within(match: re.Match[str]) -> str:
