@@ -93,8 +93,6 @@ _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\a
 _FORCE = "where the force acts, and in which axes, is not certain"
 _FRAMES = "the frames of the text are others than ours: most entries are not those of {}"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
-_PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
-_IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 
 
@@ -344,7 +342,7 @@ class _Check(SideReading):
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
             turned = any(t.turned or t.quantity.startswith(OF_LINK) for side in sides for t in side.targets)
             sides[1:] = [self._said(side, turned) for side in sides[1:]]
-        first, *others = sides = [sides[0], *(self._identity(side, sides[0]) for side in sides[1:])]
+        first, *others = sides = [sides[0], *(self.identity(side, sides[0]) for side in sides[1:])]
         if len(sides) == 2 and (cells := self._named_cells(*sides)):
             for name, entry in cells:
                 yield from self._compared(name, Table(((entry,),)), entry.offset)
@@ -383,12 +381,6 @@ class _Check(SideReading):
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
-
-    def _identity(self, side: Side, first: Side) -> Side:
-        """A side, where it is the letter of an identity matrix with the matrix in the shape of the first side."""
-        is_identity = side.value is None and _IDENTITY.fullmatch("".join(_PLAIN.sub("", side.piece.text).split()))
-        table = self._constant_matrix([first], True) if is_identity and self.document else None
-        return side if table is None else Side(side.piece, value=table)
 
     def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
         """The sides that name quantities; conditions in their arguments are kept."""

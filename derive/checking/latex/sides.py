@@ -29,6 +29,7 @@ from derive.robot.expression import ZERO, Expression, Name, Number, add, is_cons
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
+_IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
@@ -126,6 +127,12 @@ class SideReading(Comparing):
                 value = next(self._matrices.values(side), None) or self.reader.value(side)
                 if found := self._by_value(value, first.text, self._typed(side), where):
                     yield found
+
+    def identity(self, side: Side, first: Side) -> Side:
+        """A side, where it is the letter of an identity matrix with the matrix in the shape of the first side."""
+        is_identity = side.value is None and _IDENTITY.fullmatch("".join(_PLAIN.sub("", side.piece.text).split()))
+        table = self._constant_matrix([first], True) if is_identity and self.document else None
+        return side if table is None else Side(side.piece, value=table)
 
     def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
         """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""

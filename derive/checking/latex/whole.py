@@ -200,7 +200,8 @@ def of_other_frames(
     for (quantity, _), entries in matrices.items():
         said = [f for f in entries if not f.verdict.equal or (f.question and not is_constant(f.question.right))]
         wrong = [f for f in said if not f.verdict.equal and not f.cause]
-        if len(entries) > 8 and 2 * len(wrong) > len(said):
+        is_turning = any(f.question and not is_constant(f.question.printed) for f in entries)
+        if is_turning and len(entries) > 8 and 2 * len(wrong) > len(said):
             yield quantity, wrong
 
 
