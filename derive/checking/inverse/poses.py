@@ -39,7 +39,7 @@ ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
 _ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
 _WRIST = re.compile(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])")
-_COORDINATE = re.compile(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|P|eff|tip|t|T|d|des|target|g|goal)?")
+_COORDINATE = re.compile(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?")
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 

@@ -199,7 +199,7 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
         match is None
         or not kinds
         or not frame.isdigit()
-        or (left.sup and left.sup != left.before and (left.before or left.head in "vaFN"))
+        or (left.sup and left.before + left.sup != "00" and (left.before or left.head in "vaFN"))
     ):
         return  # v_2^2 is a square, or relative to another frame
     link = int(match[2]) if match[2].isdigit() else n + 1
