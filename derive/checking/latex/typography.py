@@ -90,6 +90,7 @@ _POINTED = re.compile(
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
+# A matrix whose rows end with one backslash, as they do where a page has lost every other one.
 _GRID = re.compile(
     r"\\begin\s*\{([bpvB]?matrix|cases)\}(?:(?!\\\\|\\begin|\\end).)*\\\s(?:(?!\\\\|\\begin).)*?\\end\s*\{\1\}",
     re.DOTALL,
@@ -118,10 +119,10 @@ def cleaned(text: str, time: bool = True) -> str:
     text = without_comments(text.translate(_SAME))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
-    text = _GRID.sub(_rows_ended, text)
+    text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
     text = text.replace("\\wedge ", "\\times ")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
-    text = _POINTED.sub("*", text)
+    text = _POINTED.sub(_times, text)
     text = re.sub(r"\^\s*\{\s*\(\s*\\pm\s*\)\s*\}", lambda m: blank(m[0]), text)  # of both branches
     text = _BAR.sub(lambda m: f"{m['in'] or m['bare']}'".ljust(len(m[0])), text)
     text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
@@ -168,9 +169,10 @@ def _marked(match: re.Match[str], name: str, dots: int) -> str:
     return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
 
 
-def _rows_ended(match: re.Match[str]) -> str:
-    """A matrix whose rows end with one backslash, as they do where a page has lost every other one."""
-    return re.sub(r"(?<!\\)\\ ", r"\\\\", match[0])
+def _times(match: re.Match[str]) -> str:
+    """A sign of multiplication for a point, but in a subscript such as l_{c.m.}."""
+    before = match.string[max(match.start() - 40, 0) : match.start()]
+    return "." if before.rfind("_{") > before.rfind("}") else "*"
 
 
 def _within(match: re.Match[str]) -> str:
