@@ -33,7 +33,8 @@ _DIRECTIVE = re.compile(
 # A display whose brackets lost their backslashes, and the name that a program shows before a matrix.
 _LOST = re.compile(r"^[ \t]*\[[ \t]*\n(?P<body>(?:(?![ \t]*[][][ \t]*$)[^\n]*\n){1,40})[ \t]*\][ \t]*$", re.MULTILINE)
 _SHOWN = re.compile(
-    r"^(?P<name>[A-Za-z][A-Za-z0-9_]{0,12})[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(?:left|begin))", re.MULTILINE
+    r"^(?P<name>[A-Za-z][A-Za-z0-9]{0,8})(?:_(?P<sub>[A-Za-z0-9_]{1,9}))?[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(?:left|begin))",
+    re.MULTILINE,
 )
 _WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
 _WORD = re.compile(
@@ -55,8 +56,8 @@ def spelled(text: str) -> Spelled:
 def from_plain_text(text: str) -> Spelled:
     """The equations of a text without mathematics between signs, each a display: ``theta2 = atan2(y, x)``."""
     found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
-    found = _rewritten(found, _LOST, lambda m: f"$${m['body']}$$")
-    found = _rewritten(found, _SHOWN, _named)
+    found = _rewritten(found, _LOST, _restored)
+    found = _rewritten(found, _SHOWN, lambda m: f"{m['display']}{m['name']}_{{{m['sub']}}} = ".replace("_{None}", ""))
     if _MATHEMATICS.search(found[0]):
         return found
 
@@ -73,11 +74,11 @@ def _display(match: re.Match[str]) -> str:
     return "$$" + re.sub(r"\n[ \t]*\n(?=[ \t]*\S)", "$$\n\n$$", body) + "$$\n\n"
 
 
-def _named(match: re.Match[str]) -> str:
-    """A display with the name that stands before it: T_0_1 as ``T_{01}``."""
-    name, _, sub = match["name"].partition("_")
-    sub = sub.replace("_", "")
-    return f"{match['display']}{name}{f'_{{{sub}}}' if sub else ''} = "
+def _restored(match: re.Match[str]) -> str:
+    """A display between brackets on lines of their own, outside of other mathematics."""
+    before = match.string[: match.start()]
+    is_inside = before.count("\\[") > before.count("\\]") or before.count("$$") % 2 or "\\" not in match["body"]
+    return match[0] if is_inside else f"$${match['body']}$$"
 
 
 def _macro(match: re.Match[str]) -> str:

@@ -92,6 +92,7 @@ def check_latex(
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _FORCE = "where the force acts, and in which axes, is not certain"
 _FRAMES = "the frames of the text are others than ours: most entries are not those of {}"
+_ENTRIES = "{} with two indices may be another matrix: most entries are not those of ours"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 
@@ -137,6 +138,10 @@ class _Check(SideReading):
         statics = [one for one in found if isinstance(one, Finding) and one.quantity.startswith("statics")]
         uncertain = [] if any(one.verdict.equal for one in statics) else [(_FORCE, [one]) for one in statics]
         uncertain += [(_FRAMES.format(name), wrong) for name, wrong in of_other_frames(found, self.around)]
+        for letter in set(self.entries.values()):
+            of_letter = [f for f in found if isinstance(f, Finding) and self.entries.get(f) == letter]
+            wrong = [f for f in of_letter if not f.verdict.equal]
+            uncertain += [(_ENTRIES.format(letter), [f]) for f in wrong if 2 * len(wrong) > len(of_letter) > 3]
         for reason, wrong in uncertain if self.document else ():
             found = [one for one in found if one not in wrong]
             self.skipped.append(Skipped(wrong[0].location, reason, wrong[0].text))

@@ -21,7 +21,7 @@ _NO_NAME = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_|^\s*\\(?:arc)?(?:cos|
 # The derivative of a coordinate of the end effector, an entry of the Jacobian.
 _PARTIAL = re.compile(
     r"\\[dt]?frac\{\\partial\{?(?:p_?\{?)?(?P<what>[xyzXYZ]|\\(?:var)?phi)\}?(?:_\{?(?:e|ee|E|EE|t|T)\}?)?\}?\}"
-    r"\{\\partial\{?(?:\\(?:var)?theta|q|d)_?\{?(?P<label>[0-9]+)\}*\}"
+    r"\{\\partial\{?(?P<by>\\(?:var)?theta|q|d)_?\{?(?P<label>[0-9]+)\}*\}"
 )
 
 
@@ -127,7 +127,7 @@ def taken_apart(text: str) -> Left | None:
         return Left("manipulability")
     if partial := _PARTIAL.fullmatch(tight):
         row = {**AXES, "phi": 6}[partial["what"].removeprefix("\\").removeprefix("var").lower()]
-        return Left("J", f"{row},{partial['label']}")
+        return Left("J", f"{row},{partial['label']}", arguments=f"(\u2202{partial['by']})")
     if _NO_NAME.search(text):
         return None
     marks = sum(dots for dots, mark in PRIMED.items() if mark in text)

@@ -41,6 +41,7 @@ _ELEMENTARY = re.compile(
     rf"\s*(?:_\s*(?:\{{\s*)?\\?(?:hat\s*\{{)?(?P<axis>[xyzXYZ])\}}?(?:\s*,\s*(?P<below>[^{{}}]+|[^{{}}]*\{{[^{{}}]*\}}))?\s*\}}?)?"
     rf"\s*(?P<arguments>{_BRACKETS})?"
 )
+_BRACED = re.compile(r"(?<![_^\w])\{(\s*\^(?:[^{}]|\{[^{}]*\})*)\}")
 _UNIT = re.compile(
     r"(?:\{\s*\}\s*\^\s*(?:\{\s*(?P<seen>[0-9])\s*\}|(?P<from>[0-9]))\s*)?"
     rf"\\(?:hat|widehat|vec|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK0])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}{{0,2}})?"
@@ -67,7 +68,8 @@ class MatrixNames:
         if piece.text.strip(AROUND) == MATRIX_MARK:
             yield from self._of_blocks(piece)
             return
-        text, found = piece.text, dict[int, list[Table]]()
+        # {^2f_2} in braces of its own
+        text, found = _BRACED.sub(lambda m: f" {m[1]} ", piece.text), dict[int, list[Table]]()
         for pattern, meaning in (
             (_ELEMENTARY, self._elementary),
             (_NAME, self._by_text),

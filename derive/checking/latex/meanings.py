@@ -120,6 +120,14 @@ class Meanings:
         if indices is not None:
             entry = int(indices[1]), int(indices[2])
             return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
+        if left.arguments.startswith("(\u2202"):  # the column of a derivative is that of its variable
+            (row, label), is_slide = left.sub.split(","), left.arguments == "(\u2202d)"
+            own = (
+                k
+                for k, j in enumerate(self.robot.joints, 1)
+                if (joint_label(j.variable), j.is_revolute) == (label, not is_slide)
+            )
+            left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
         if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
             return ()
         if left.head in self.columns and left.is_plain and left.sub in AXES:

@@ -229,7 +229,7 @@ class Scope:
     def _settle_jacobian(self) -> None:
         """Whether the Jacobian of the text is ours, or which other one: the sign of det J follows its rows."""
         for left, table in self._pairs(lambda left: left.head == "J" and left.sub + left.turned == "", each=True):
-            if left.dots or any(entry.unknown for entry in table.entries):
+            if left.dots or any(e.unknown for e in table.entries) or all(is_constant(e.formula) for e in table.entries):
                 continue
             rights = filter(None, map(self.meanings.right, self.meanings.targets(left)))
             fits = any(right.likeness(fitting) > 0.5 for right in rights if (fitting := right.fitting(table)))
