@@ -33,7 +33,7 @@ _DIRECTIVE = re.compile(
 # A display whose brackets lost their backslashes, and the name that a program shows before a matrix.
 _LOST = re.compile(r"^[ \t]*\[[ \t]*\n(?P<body>(?:(?![ \t]*[][][ \t]*$)[^\n]*\n){1,40})[ \t]*\][ \t]*$", re.MULTILINE)
 _SHOWN = re.compile(
-    r"^(?P<name>[A-Za-z][A-Za-z0-9]{0,8})(?:_(?P<sub>\w{1,9}))?[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(left|begin))",
+    r"^(?P<name>[A-Za-z]+[0-9]*)(?:_(?P<sub>\w{1,9}))?[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(left|begin))",
     re.MULTILINE,
 )
 _WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
