@@ -174,11 +174,10 @@ class ByValue:
 
     def _exponentials(self) -> Iterator[Named]:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""
-        home = {name: 0.0 for name in self._joints}
+        home = dict.fromkeys(self._joints, 0.0)
         for k, joint in enumerate(self._robot.joints, 1):
-            moved = []
+            moved, formulas = [], [expression_from_sympy(e) for e in self._model.frame(k)]
             for at in self._at:
-                formulas = [expression_from_sympy(e) for e in self._model.frame(k)]
                 places = [home, {**home, joint.variable: at[joint.variable]}]
                 known = [{**{n: at[n] for e in formulas for n in names(e)}, **place} for place in places]
                 still, turned = (np.array([float_value(e, v) for e in formulas]).reshape(4, 4) for v in known)
@@ -207,10 +206,11 @@ class ByValue:
             return [np.linalg.svd(part, compute_uv=False) for part in (whole, whole[:3])]
 
         usual = [values[values > _CLOSE].size for values in stretches(self._at[0])]
-        lost: list[list[bool]] = []
-        with suppress(*NO_VALUE):
-            for root in self._roots(e):
-                lost.append([s[rank - 1] < _CLOSE for s, rank in zip(stretches(root), usual, strict=True) if rank])
+        try:
+            found = [zip(stretches(root), usual, strict=True) for root in self._roots(e)]
+        except NO_VALUE:  # what is not known at one root is not said of all
+            return False
+        lost = [[s[rank - 1] < _CLOSE for s, rank in pairs if rank] for pairs in found]
         return bool(lost) and any(map(all, zip(*lost, strict=True)))
 
     def _roots(self, e: Expression) -> Iterator[Mapping[str, float]]:

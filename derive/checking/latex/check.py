@@ -138,7 +138,7 @@ class _Check(SideReading):
         statics = [one for one in found if isinstance(one, Finding) and one.quantity.startswith("statics")]
         uncertain = [] if any(one.verdict.equal for one in statics) else [(_FORCE, [one]) for one in statics]
         uncertain += [(_FRAMES.format(name), wrong) for name, wrong in of_other_frames(found, self.around)]
-        for letter in set(self.entries.values()):
+        for letter in sorted(set(self.entries.values())):
             of_letter = [f for f in found if isinstance(f, Finding) and self.entries.get(f) == letter]
             wrong = [f for f in of_letter if not f.verdict.equal]
             uncertain += [(_ENTRIES.format(letter), [f]) for f in wrong if 2 * len(wrong) > len(of_letter) > 3]
@@ -181,7 +181,7 @@ class _Check(SideReading):
         question, shifts = finding.question, self.scope.shifts
         both: tuple[Expression, ...] = (question.printed, question.right) if question else ()
         with suppress(CheckError):
-            both = both or (self.plain.formula(LatexPiece(finding.quantity, 0)),)
+            both = (self.plain.formula(LatexPiece(finding.quantity, 0)),) if shifts and not both else both
         if not (finding.verdict.equal or shifts.keys().isdisjoint(name for e in both for name in names(e))):
             what = f"with {', '.join(shifts)} counted from another zero, as the text says"
             if question and compare(self.robot, question.printed, substitute(question.right, shifts)).equal:

@@ -86,7 +86,7 @@ _WAY = re.compile(  # the way from one point to another
 )
 # A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
 _POINTED = re.compile(
-    r"(?<=[A-Za-z0-9)}\]])\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])(?!e)"
+    r"(?<=[A-Za-z0-9)}\]])\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
@@ -95,7 +95,6 @@ _GRID = re.compile(
     r"\\begin\s*\{([bpvB]?matrix|cases)\}(?:(?!\\\\|\\begin|\\end).)*\\\s(?:(?!\\\\|\\begin).)*?\\end\s*\{\1\}",
     re.DOTALL,
 )
-_NEARLY = re.compile(r"\\approx(?=\s*-?\s*[01]\s*\$)")  # C_5 \approx 1, a condition
 _SIGNED_WORD = re.compile(
     r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*a(?:rc)?(?P<function>cos|sin|tan)\s*\}"
 )
@@ -129,7 +128,6 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
-    text = _NEARLY.sub(lambda m: "=".ljust(len(m[0])), text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = _CLAMPED.sub(_within, text)
