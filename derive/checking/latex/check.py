@@ -9,7 +9,9 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import groupby
 
+from derive.checking.formulas.certainty import doubtful
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Side
@@ -80,6 +82,12 @@ def check_latex(
         reason = "C is not unique, and the rest of the row is not printed"
         check.skipped.append(Skipped(lone.location, reason, lone.text))
         findings = tuple(finding for finding in findings if finding is not lone)
+    doubted = doubtful(findings) if document and not quantity else frozenset()
+    for _, group in groupby(sorted(doubted, key=findings.index), key=lambda f: f.quantity):
+        first = next(group)
+        reason = _SIDES_DIFFER if first.role is Role.IDENTITY else _FAR.format(first.entry)
+        check.skipped.append(Skipped(first.location, reason, first.text))
+    findings = tuple(finding for finding in findings if finding not in doubted)
     if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
@@ -93,6 +101,8 @@ _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\a
 _FORCE = "where the force acts, and in which axes, is not certain"
 _FRAMES = "the frames of the text are others than ours: most entries are not those of {}"
 _ENTRIES = "{} with two indices may be another matrix: most entries are not those of ours"
+_FAR = "as {} it would be wrong in more than one place, and so would most of its kind: it may mean something else"
+_SIDES_DIFFER = "its sides differ in more than one place, as too many here do: a name may mean something else"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 

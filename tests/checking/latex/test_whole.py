@@ -98,7 +98,7 @@ def test_a_letter_for_anything_names_a_matrix_of_which_most_entries_are_right(sl
     entries = ["2" if k < slips else entry for k, entry in enumerate(ENTRIES)]
     rows = r" \\ ".join(" & ".join(entries[k : k + 4]) for k in (0, 4, 8, 12))
     report = checked(ANT, rf"$$H = \begin{{bmatrix}} {rows} \end{{bmatrix}}$$ $$p_z = d_1 + a_2 s_2 + a_3 s_{{23}}$$")
-    is_certain = 1 - slips / 16 >= VAGUE
+    is_certain = 1 - slips / 16 >= VAGUE and 2 * slips <= sum(entry not in "01" for entry in ENTRIES)
     assert len(report.wrong) == (slips if is_certain else 0)
     assert len(report.unread) == (0 if is_certain else 1)
 
