@@ -137,7 +137,7 @@ def test_formulas_belong_to_the_robot_of_their_section() -> None:
 
 
 def test_what_is_wrong_for_all_and_stands_between_them_is_not_compared() -> None:
-    slip = "$$J_{21} = a_1 c_1 + a_2 s_{12}$$\n"
+    slip = "$$J_{61} = -1$$\n"
     (_, wrong, unread), three = told("$$x = a_1 c_1 + a_2 c_{12}$$\n" + slip + "$$J_{13} = -a_3 s_{123}$$")
     assert not wrong
     assert "wrong for planar-2r-perugia and for planar-3r; which is meant is not certain" in unread[0]

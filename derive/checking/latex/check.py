@@ -9,9 +9,8 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import groupby
 
-from derive.checking.formulas.certainty import doubtful
+from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex.comparing import ANY, VAGUE, Side
@@ -29,7 +28,6 @@ from derive.checking.latex.targets import is_scalar as is_scalar_target
 from derive.checking.latex.whole import (
     is_no_claim,
     names_its_columns,
-    of_other_frames,
     other_factorisation,
     refuse_other_arm,
     uncertain_entries,
@@ -82,27 +80,19 @@ def check_latex(
         reason = "C is not unique, and the rest of the row is not printed"
         check.skipped.append(Skipped(lone.location, reason, lone.text))
         findings = tuple(finding for finding in findings if finding is not lone)
-    doubted = doubtful(findings) if document and not quantity else frozenset()
-    for _, group in groupby(sorted(doubted, key=findings.index), key=lambda f: f.quantity):
-        first = next(group)
-        reason = _SIDES_DIFFER if first.role is Role.IDENTITY else _FAR.format(first.entry)
-        check.skipped.append(Skipped(first.location, reason, first.text))
-    findings = tuple(finding for finding in findings if finding not in doubted)
+    begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
+    findings, doubts = certain(findings, begins) if document and not quantity else (findings, ())
+    check.skipped += doubts
     if not findings and not (document and check.skipped):
         skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
-    begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
 
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _FORCE = "where the force acts, and in which axes, is not certain"
-_FRAMES = "the frames of the text are others than ours: most entries are not those of {}"
-_ENTRIES = "{} with two indices may be another matrix: most entries are not those of ours"
-_FAR = "as {} it would be wrong in more than one place, and so would most of its kind: it may mean something else"
-_SIDES_DIFFER = "its sides differ in more than one place, as too many here do: a name may mean something else"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
 
@@ -146,15 +136,9 @@ class _Check(SideReading):
             reason = "which point x, y and z are is not certain"
             self.skipped += [] if all(meant) else [Skipped(one.location, reason, one.text) for one in wrong]
         statics = [one for one in found if isinstance(one, Finding) and one.quantity.startswith("statics")]
-        uncertain = [] if any(one.verdict.equal for one in statics) else [(_FORCE, [one]) for one in statics]
-        uncertain += [(_FRAMES.format(name), wrong) for name, wrong in of_other_frames(found, self.around)]
-        for letter in sorted(set(self.entries.values())):
-            of_letter = [f for f in found if isinstance(f, Finding) and self.entries.get(f) == letter]
-            wrong = [f for f in of_letter if not f.verdict.equal]
-            uncertain += [(_ENTRIES.format(letter), [f]) for f in wrong if 2 * len(wrong) > len(of_letter) > 3]
-        for reason, wrong in uncertain if self.document else ():
-            found = [one for one in found if one not in wrong]
-            self.skipped.append(Skipped(wrong[0].location, reason, wrong[0].text))
+        if self.document and not any(one.verdict.equal for one in statics):
+            found = [one for one in found if one not in statics]
+            self.skipped += [Skipped(one.location, _FORCE, one.text) for one in statics]
         judged = iter(poses.judged(claims, self.scope.readings, known, self._names_the_pose) if poses else ())
         for one in found:
             if isinstance(one, Finding):

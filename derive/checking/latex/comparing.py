@@ -78,7 +78,6 @@ class Comparing:
         self._values = ByValue(scope.model, scope.poses)
         self.conditions: list[Condition] = []
         self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
-        self.entries: dict[Finding, str] = {}  # of entries with a letter and two indices, the letter
         self.joints = {joint.variable: joint for joint in self.robot.joints}
         self.rates = set(map(velocity_name, self.joints))
         self._accelerations = set(map(acceleration_name, self.joints))
@@ -272,8 +271,6 @@ class Comparing:
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen:
             raise self._unfit(name, rights, table, offset)
-        if name.left is not None and name.left.is_plain and re.fullmatch("[1-9],?[1-9]", name.left.sub):
-            self.entries |= dict.fromkeys(chosen, name.left.head)
         if name.left is not None and name.left.head in AXES and name.left.is_plain and not name.left.sub:
             self.loose |= dict.fromkeys(chosen, name.left.head)
         yield from chosen

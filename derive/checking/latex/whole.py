@@ -1,7 +1,7 @@
 """Texts and printed matrices as a whole: conventions, names of entries, one cause of slips, chains of frames."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations, pairwise
 
@@ -21,7 +21,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
-from derive.robot.expression import ZERO, Name, add, is_constant, multiply, number
+from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
@@ -47,7 +47,6 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
-_BETWEEN = re.compile(r"(?:A|T)\[[0-9],?[0-9]?\]")
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -187,22 +186,6 @@ def uncertain_entries(findings: tuple[Finding, ...], n: int) -> frozenset[Findin
         return frozenset()
     columns = {row: {f.column for f in entries if f.row == row} for row in range(1, n + 1)}
     return frozenset(f for f in wrong if len(columns[f.row]) < n)
-
-
-def of_other_frames(
-    found: Sequence[object], around: Mapping[Finding, frozenset[str]]
-) -> Iterator[tuple[str, list[Finding]]]:
-    """Wrong entries of printed matrices between two frames that have little in common with ours, without one cause."""
-    matrices: dict[tuple[str, frozenset[str]], list[Finding]] = {}
-    for one in found:
-        if isinstance(one, Finding) and _BETWEEN.fullmatch(one.quantity) and one.row and one.column:
-            matrices.setdefault((one.quantity, around.get(one, frozenset())), []).append(one)
-    for (quantity, _), entries in matrices.items():
-        said = [f for f in entries if not f.verdict.equal or (f.question and not is_constant(f.question.right))]
-        wrong = [f for f in said if not f.verdict.equal and not f.cause]
-        is_turning = any(f.question and not is_constant(f.question.printed) for f in entries)
-        if is_turning and len(entries) > 8 and 2 * len(wrong) > len(said):
-            yield quantity, wrong
 
 
 def one_cause(right: Right, table: Table) -> str:

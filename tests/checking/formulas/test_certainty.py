@@ -2,11 +2,12 @@
 
 import pytest
 
+from derive.checking.formulas.certainty import AMONG
 from derive.robot.robot import Robot
 from tests.checking.test_pages import checked
 
 R2 = Robot.load("planar-2r-perugia")
-X = "$$x = a_1 c_1 + a_2 c_{12}$$\n$$y = a_1 s_1 + a_2 s_{12}$$\n"
+X = "$$x = a_1 c_1 + a_2 c_{12}$$\n"
 
 
 @pytest.mark.parametrize(
@@ -15,7 +16,7 @@ X = "$$x = a_1 c_1 + a_2 c_{12}$$\n$$y = a_1 s_1 + a_2 s_{12}$$\n"
         ("$$x = a_1 s_1 + a_2 c_{12}$$", ["p[1]"], 0),  # one change away
         ("$$x = a_1 c_1 + a_2 c_1 c_2$$", ["p[1]"], 0),  # most of it is that of ours
         ("$$x = 7 s_2 a_1^2$$", [], 1),  # nothing says that this x is ours
-        (X + "$$x = 7 s_2 a_1^2$$", ["p[1]"], 0),  # formulas of its kind are right
+        (X * AMONG + "$$x = 7 s_2 a_1^2$$", ["p[1]"], 0),  # formulas of its kind are right
         (r"$$s_1 + 1 = c_2 + a_1 / a_2$$ $$c_1 + 2 = a_1 s_2$$", [], 2),
         (r"$$s_1 + 1 = c_2 + a_1 / a_2$$", [r"s_1 + 1"], 0),  # both sides of the only identity are those of the text
     ],
