@@ -15,6 +15,7 @@ from itertools import combinations, pairwise, permutations, product
 import numpy as np
 import numpy.typing as npt
 
+from derive.checking.absolute import turning
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
@@ -135,7 +136,9 @@ class ByValue:
         for k, body in enumerate(robot.links if is_dynamic else (), 1):
             com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
             points = [*points, (f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:])]
-        jacobian, rates = self._numbers(self._model.quantity("J")), self._of_joints(velocity_name)
+        turn = np.array(turning(self._model), dtype=float)
+        jacobian = self._numbers(self._model.quantity("J")) @ np.linalg.inv(turn)
+        rates = self._of_joints(velocity_name)
         for reference, where, frame in seen_from:
             axes = frame[:, :3, :3].swapaxes(1, 2)
             for k, other in enumerate(frames):
@@ -150,6 +153,7 @@ class ByValue:
                 linear = jacobian[:, :3] + np.cross(jacobian[:, 3:], point - end[:, :3, 3:], axis=1)
                 both = np.concatenate([axes @ linear, axes @ jacobian[:, 3:]], axis=1)
                 both[:, :, link:] = 0
+                both = both @ turn
                 yield from _jacobian(f"J of {name}{where}", both)
                 for label, part in _rows(f"velocity of {name}{where}", both @ rates) if is_dynamic else ():
                     yield from _vector(label, part)

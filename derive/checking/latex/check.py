@@ -6,10 +6,11 @@ compared with those that are formulas or matrices. A name that the robot does no
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from derive.checking.absolute import AbsoluteModel, has_absolute_angles
 from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
@@ -26,7 +27,6 @@ from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
 from derive.checking.latex.targets import is_scalar as is_scalar_target
 from derive.checking.latex.whole import (
-    is_no_claim,
     names_its_columns,
     other_factorisation,
     refuse_other_arm,
@@ -63,19 +63,25 @@ def check_latex(
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
-    # a capital arctangent may take the cosine first: the order with which most formulas are right, else the usual one
-    orders = (False, True) if document and _CAPITAL.search(text) else (None,)
-    checks = [_Check(Scope(model, text, where, document, cosine_first=order), quantity) for order in orders]
-    if alone:
-        equations = (" ".join(text[s.start : s.end] for s in sides) for sides in checks[0].scope.equations)
-        refuse_other_arm(model.robot, equations, where)
-    found = [other_factorisation(model, tuple(check.findings())) for check in checks]
-    right = [sum(finding.verdict.equal for finding in findings) for findings in found]
-    check, findings = checks[right.index(max(right))], found[right.index(max(right))]
-    if check is not checks[0]:
-        check.scope.readings.append(
-            f"Atan2 is read with the cosine first ({max(right) - right[0]} more formulas agree)"
-        )
+
+    def read(model: Model, order: bool | None) -> tuple[_Check, tuple[Finding, ...]]:
+        check = _Check(Scope(model, text, where, document, cosine_first=order), quantity)
+        if alone:
+            equations = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
+            refuse_other_arm(model.robot, equations, where)
+        return check, other_factorisation(model, tuple(check.findings()))
+
+    # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
+    order = False if document and _CAPITAL.search(text) else None
+    check, findings = read(model, order)
+    if order is not None and (gain := _right((other := read(model, True))[1]) - _right(findings)) > 0:
+        order, (check, findings) = True, other
+        check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
+    if document and _wrong(findings) and has_absolute_angles(model):
+        other = read(AbsoluteModel(model), order)
+        if (gain := _right(other[1]) - _right(findings)) > 0 and _wrong(other[1]) < _wrong(findings):
+            check, findings = other
+            check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
     for lone in uncertain_entries(findings, model.n) if document else ():
         reason = "C is not unique, and the rest of the row is not printed"
         check.skipped.append(Skipped(lone.location, reason, lone.text))
@@ -88,6 +94,14 @@ def check_latex(
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
+
+
+def _right(findings: Sequence[Finding]) -> int:
+    return sum(finding.verdict.equal for finding in findings)
+
+
+def _wrong(findings: Sequence[Finding]) -> int:
+    return sum(not finding.verdict.equal and finding.unknown is None for finding in findings)
 
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
@@ -315,25 +329,8 @@ class _Check(SideReading):
 
     # -- one equation
 
-    def _claiming(self, index: int, equation: Sides) -> list[LatexPiece]:
-        """The sides that say something: neither names that the text defines nor how a matrix is made."""
-        pieces = [piece for piece in equation if (index, piece.offset) not in self.names]
-        if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
-            return []
-        if len(pieces) > 2:
-            pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
-        if len(pieces) > 1 and any(map(is_no_claim, pieces)):
-            pieces = [piece for piece in pieces if not is_no_claim(piece)]
-            if len(pieces) < 2 and not any(piece.matrices for piece in equation):
-                return []
-            if len(pieces) < 2:
-                raise self._refused(equation[-1], "a matrix that gives names to the entries of a pose")
-        # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
-        kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
-        return kept if len(kept) > 1 and any(piece.matrices for piece in pieces) else pieces
-
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
-        pieces = self._claiming(index, equation)
+        pieces = self.claiming(index, equation)
         if not pieces:
             return
         is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)

@@ -5,6 +5,7 @@ from typing import Any
 
 import sympy
 
+from derive.checking.absolute import turning
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
@@ -145,8 +146,9 @@ def _of_link(model: Model, kind: str, link: int) -> Matrix:
     if kind.startswith(("inertial", "joint")):
         return _force_on_link(model, kind, link)
     if kind in ("omega", "alpha"):  # the sum over the joints before it
-        rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints[:moving]])
-        omega = sympy.Matrix(model.quantity("J"))[3:, :moving] * rates
+        turn = turning(model)
+        rates = turn * sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+        omega = (sympy.Matrix(model.quantity("J"))[3:, :] * turn.inv())[:, :moving] * rates[:moving, :]
         return omega if kind == "omega" else slope(robot, omega, "t")
     place = (model.quantity("T") if link > model.n else model.frame(link))[:3, 3]
     if kind.endswith("_com"):

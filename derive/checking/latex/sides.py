@@ -20,7 +20,7 @@ from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import between, chained, factors, frames_of
+from derive.checking.latex.whole import between, chained, factors, frames_of, is_no_claim
 from derive.errors import CheckError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -196,6 +196,23 @@ class SideReading(Comparing):
         """What stands for a name of the pose or of a point until it is known which one is meant."""
         poses = self.scope.poses
         return None if poses is None or self.scope.is_own(left) else poses.placeholder(left.flat)
+
+    def claiming(self, index: int, equation: Sides) -> list[LatexPiece]:
+        """The sides that say something: neither names that the text defines nor how a matrix is made."""
+        pieces = [piece for piece in equation if (index, piece.offset) not in self.scope.names]
+        if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
+            return []
+        if len(pieces) > 2:
+            pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
+        if len(pieces) > 1 and any(map(is_no_claim, pieces)):
+            pieces = [piece for piece in pieces if not is_no_claim(piece)]
+            if len(pieces) < 2 and not any(piece.matrices for piece in equation):
+                return []
+            if len(pieces) < 2:
+                raise self._refused(equation[-1], "a matrix that gives names to the entries of a pose")
+        # T(alpha, a, d, theta) between a name and its matrix says how the matrix is made
+        kept = [p for p in pieces if p.matrices or not ((left := taken_apart(p.text)) and left.is_of_parameters)]
+        return kept if len(kept) > 1 and any(piece.matrices for piece in pieces) else pieces
 
     def _names_new_entries(self, piece: LatexPiece) -> bool:
         """Whether a side is a matrix of names that nothing knows, between what it is and what they stand for."""

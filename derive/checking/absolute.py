@@ -1,0 +1,69 @@
+"""Angles of links that a text counts from one direction, as those of a double pendulum from the vertical.
+
+With theta the angles of the text and q the joint variables, q = A theta: in a run of revolute joints with parallel
+axes q_k = theta_k - theta_{k-1}. So J becomes J A, torques A' tau, and B becomes A' B A.
+"""
+
+from itertools import product
+
+import sympy
+
+from derive.lecture.sympy_conversion import Expr, Matrix
+from derive.model.model import Model
+from derive.model.quantity_names import parse
+
+
+class AbsoluteModel(Model):
+    """A model in whose formulas the joint variables are such angles."""
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model.robot, model.style)
+        self._relative, self.turning = model, _turning(model)
+        self._meanings = {
+            symbol: value
+            for names in (self.q, self.qd, self.qdd)
+            for symbol, value in zip(names, self.turning * sympy.Matrix(names), strict=True)
+        }
+
+    def quantity(self, name: str) -> Expr:
+        """A quantity by its name, with its rows and columns for the angles of the text."""
+        quantity, indices, entry = parse(self, name)
+        value, turn = quantity.value(self._relative, *indices), self.turning
+        if quantity.name == "christoffel":
+            i, j, k = indices
+            value = sum(
+                turn[a, i - 1] * turn[b, j - 1] * turn[c, k - 1] * self._relative.christoffel(a + 1, b + 1, c + 1)
+                for a, b, c in product(range(self.n), repeat=3)
+            )
+        value = (turn.T * value).expand() if quantity.shape.startswith("nx") else value
+        value = (value * turn).expand() if quantity.shape.endswith("xn") else value
+        value = value.xreplace(self._meanings)
+        value = value if quantity.shape else value.expand()
+        return value if entry is None else value[tuple(index - 1 for index in entry)]
+
+    def frame(self, i: int) -> Matrix:
+        """DH frame i in the world."""
+        return self._relative.frame(i).xreplace(self._meanings)
+
+    def christoffel(self, i: int, j: int, k: int) -> Expr:
+        """c_ijk for the angles of the text."""
+        return self.quantity(f"christoffel[{i},{j},{k}]")
+
+
+def turning(model: Model) -> Matrix:
+    """The joint variables by the angles of the text, n x n."""
+    return model.turning if isinstance(model, AbsoluteModel) else sympy.eye(model.n)
+
+
+def has_absolute_angles(model: Model) -> bool:
+    """Whether two joints behind each other turn about parallel axes."""
+    return bool(_turning(model) != sympy.eye(model.n))
+
+
+def _turning(model: Model) -> Matrix:
+    """A with q = A theta."""
+    a, axes, joints = sympy.eye(model.n), model.quantity("J")[3:, :], model.robot.joints
+    for k in range(1, model.n):
+        if joints[k - 1].is_revolute and joints[k].is_revolute and axes[:, k - 1] == axes[:, k]:
+            a[k, k - 1] = -1
+    return a
