@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
@@ -112,4 +112,8 @@ class _Traced:
         sizes = {"n": self.trace.n, "p": len(self.columns), "m": len(task_rows(self.trace.robot))}
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
         formulation, tape = chosen
-        return Function(row.interface, shape, tape, formulation.words, self.columns)
+        interface = row.interface
+        if any(isinstance(link.coulomb, tuple) for link in self.trace.robot.links):
+            result = interface.result.replace("coulomb*sign(qd)", "(coulomb of the direction)*sign(qd)")
+            interface = replace(interface, result=result)
+        return Function(interface, shape, tape, formulation.words, self.columns)

@@ -45,6 +45,7 @@ def test_torques_are_pinocchios_with_the_friction_of_the_way_in_which_each_joint
     oracle = Oracle.of(robot, values).evaluate("inverse_dynamics", q, qd, qdd)
     for found in (model.inverse_dynamics(q, qd, qdd, params=values), fitted, oracle):
         assert found == pytest.approx(wanted, rel=1e-10, abs=1e-10 * np.abs(wanted).max())
+    assert "(coulomb of the direction)*sign(qd)" in model.inverse_dynamics.__doc__
     slopes = model.inverse_dynamics_dqd(q, qd, params=values)
     assert slopes == pytest.approx(outside.inverse_dynamics_dqd(q, qd), rel=1e-9, abs=1e-9 * np.abs(slopes).max())
 
