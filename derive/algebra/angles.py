@@ -39,8 +39,7 @@ def decompose(angle: Expression) -> ExactAngle:
     parts: dict[Expression | None, Fraction] = {}
     _collect(angle, Fraction(1), parts)
     pi_multiple = parts.pop(None, Fraction(0))
-    terms = tuple((unit, k) for unit, k in parts.items() if unit is not None and k)
-    return ExactAngle(pi_multiple, terms)
+    return ExactAngle(pi_multiple, tuple((unit, k) for unit, k in parts.items() if unit is not None and k))
 
 
 def composed(angle: ExactAngle) -> Expression:

@@ -140,8 +140,7 @@ def _settle(value: Any, scale: Any) -> Constant:
     # a binary fraction of few bits came from an identity, (sqrt(2)/2)^2, not by chance: 2^-96 is the odds against it
     sign, mantissa, exponent, bits = _rounded(value)
     if bits <= _RATIONAL_BITS and abs(exponent) <= _MAX_RATIONAL_SIZE:
-        whole = -mantissa if sign else mantissa
-        return Fraction(whole) * Fraction(2) ** exponent
+        return Fraction(-mantissa if sign else mantissa) * Fraction(2) ** exponent
     return value
 
 

@@ -128,8 +128,7 @@ class ResidueDomain(MappedDomain[Residue]):
         return point
 
     def _numbers(self, count: int) -> Array:
-        drawn = [[self._random.randrange(2, self.prime - 1)] for _ in range(count)]
-        return np.array(drawn, dtype=np.int64)
+        return np.array([[self._random.randrange(2, self.prime - 1)] for _ in range(count)], dtype=np.int64)
 
     def _residue(self, p: Polynomial, point: list[Array]) -> Array:
         total: Array = np.zeros((1, 1), dtype=np.int64)

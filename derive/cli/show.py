@@ -64,8 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "at", help=point)
     add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
     add("--accelerations", metavar="V1,V2,...", help="joint accelerations, likewise")
-    precision = parser.add_mutually_exclusive_group()
-    add = precision.add_argument
+    add = parser.add_mutually_exclusive_group().add_argument
     add("--digits", type=digit_count, metavar="N", help=f"significant digits of numbers in text and LaTeX ({DIGITS})")
     add("--exact", action="store_true", help="exact fractions and roots (default for Python and JSON without --at)")
 

@@ -101,8 +101,7 @@ def turned(value: Real) -> Expression:
             root = round(2 * float(value))
             if root * root * divisor == 4 * near:
                 return number(Fraction(root, 2))
-            sign = number(1 if value > 0 else -1)
-            return multiply(sign, Call("sqrt", (number(Fraction(near, divisor)),)))
+            return multiply(number(1 if value > 0 else -1), Call("sqrt", (number(Fraction(near, divisor)),)))
     return number(decimal(value))
 
 

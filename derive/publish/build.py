@@ -311,8 +311,7 @@ def check_many(
 ) -> list[CheckResult | BuildFailure]:
     """Checks robots as `check_robot` does."""
     names = None if targets is None else tuple(targets)
-    work = partial(check_robot, out=out, targets=names, effort=effort, only=only)
-    return _run(work, robots, jobs, progress)
+    return _run(partial(check_robot, out=out, targets=names, effort=effort, only=only), robots, jobs, progress)
 
 
 def _run(

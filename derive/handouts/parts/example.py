@@ -151,10 +151,9 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     python = "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
-        columns = enumerate(zip(*rows, strict=True), 1)
         lines = pack(
             concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(context, value)] for value in column]))
-            for k, column in columns
+            for k, column in enumerate(zip(*rows, strict=True), 1)
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)

@@ -300,8 +300,7 @@ class GraphDerivation:
         return NodeFormula(choice.kind, known) if len(known) == len(equations) else None
 
     def _equation(self, number: int, state: State, unknown: Unknown) -> NodeEquation | None:
-        p = self.domain.rewritten(self.polynomial(number), state, unknown)
-        terms = self._terms(p, state, unknown)
+        terms = self._terms(self.domain.rewritten(self.polynomial(number), state, unknown), state, unknown)
         if not any(map(any, terms)):
             return None
         source = self._source(number)

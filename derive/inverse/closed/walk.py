@@ -95,8 +95,7 @@ class GraphWalk(Generic[N, M]):
                 exists, boundary = exists & value.exists, boundary | value.boundary
                 ill, doubt = ill | value.ill, doubt | value.doubt
             joints = tuple(values[home].numbers[k] for home, k in homes)
-            free = tuple(values[home].free for home, _ in homes)
-            yield Leaf(joints, exists, free, boundary, ill, doubt)
+            yield Leaf(joints, exists, tuple(values[home].free for home, _ in homes), boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
         """The joint variables of a solution: angles in (-pi, pi] less their shifts, lengths, and what was given."""
@@ -225,8 +224,7 @@ class Posture(MappedDomain[N]):
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
         """Cosine and sine of ``sign*q + theta``."""
         cosine, sine = self._joints[index]
-        own = (cosine, sine if joint.sign > 0 else -sine)
-        return turned(own, self.cosine_sine(joint.theta))
+        return turned((cosine, sine if joint.sign > 0 else -sine), self.cosine_sine(joint.theta))
 
     def joint_offset(self, index: int, joint: Joint) -> N:
         """The offset ``sign*q + d`` [m]."""

@@ -144,8 +144,7 @@ class _System:
         before = math.prod(self.powers(other) for other in self.others[: self.others.index(self.multiplied)])
         split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
         product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
-        moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)
-        return self.loop.settle(moved)
+        return self.loop.settle(product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1))
 
     def count(self) -> int:
         columns, prime = self.coefficients.shape[2], self.prime

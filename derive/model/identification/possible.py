@@ -107,8 +107,7 @@ def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
         found.append(np.block(rows) / sqrt(weight))
     units = np.array(found)
     # A congruence U P U^T: it keeps a pseudo-inertia semidefinite.
-    moved = np.moveaxis(pseudo_inertias(along), 3, 1)
-    changes = np.einsum("nab,nkbc,ndc->nkad", units, moved, units)
+    changes = np.einsum("nab,nkbc,ndc->nkad", units, np.moveaxis(pseudo_inertias(along), 3, 1), units)
     own = packed(np.einsum("nab,nbc,ndc->nad", units, given, units))
     return Bodies(own, packed(changes).swapaxes(1, 2), units, np.zeros(len(given)))
 
@@ -364,8 +363,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
     mass = _kept(link.mass, body.mass, domain)
     # From the joint frame to the link's: first moment about its origin, tensor about its centre (Steiner).
     m = domain.constant(mass)
-    moment = add(body.first_moment, scale(-body.mass, end.position))
-    moments = multiply(turned, moment)
+    moments = multiply(turned, add(body.first_moment, scale(-body.mass, end.position)))
     com = link.com
     if not massless:
         x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))

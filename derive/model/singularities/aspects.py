@@ -173,10 +173,8 @@ class _Look:
 
     def poses(self) -> Iterator[Array]:
         """The real solutions of random poses, (solutions, n) each."""
-        q = random_configurations(self._chain, POSES, 8)
-        goal, _ = self._chain.pose_and_jacobian(q)
-        solver = InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values)
-        for found in solver.solve(goal).q:
+        goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, POSES, 8))
+        for found in InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values).solve(goal).q:
             yield found[np.isfinite(found).all(axis=-1)]
 
     def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
@@ -199,8 +197,7 @@ class _Look:
 
     def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
         """For each solution in closed form the signs of the factors, where they are the same at all poses."""
-        q = random_configurations(self._chain, _LOOKED_AT, 10)
-        goal, _ = self._chain.pose_and_jacobian(q)
+        goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, _LOOKED_AT, 10))
         for solution in self._inverse.solutions if self.conditions else ():
             seen = set[tuple[int, ...]]()
             for pose in goal:

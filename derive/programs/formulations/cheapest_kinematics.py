@@ -77,8 +77,7 @@ class Stations:
         # From the tip inward: a run's steps, what lies beyond it, and the way to its station, turned by the run before.
         found: list[Vector[Value]] = [(self.chain.zero,) * 3]
         for r in range(self.last, 0, -1):
-            there = self._with_steps(r, -1, found[-1])
-            found.append(self.inward(r, add(self.entries[r], there)))
+            found.append(self.inward(r, add(self.entries[r], self._with_steps(r, -1, found[-1]))))
         return found[::-1]
 
     def turned(self, r: int, place: Placement) -> Matrix[Value]:

@@ -50,8 +50,7 @@ def gradient_columns(values: Sequence[Value], inputs: Sequence[Value]) -> list[l
     if not values:
         return []
     one = Value(values[0].graph, ONE)
-    columns = [derivative(values, {source: one}) for source in inputs]
-    return [list(row) for row in zip(*columns, strict=True)]
+    return [list(row) for row in zip(*[derivative(values, {source: one}) for source in inputs], strict=True)]
 
 
 def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:
