@@ -72,9 +72,7 @@ def reciprocal(a: Constant) -> Constant:
     """The reciprocal, 1/a."""
     if a == 0:
         raise _no_value("division by zero")
-    if isinstance(a, Fraction):
-        return 1 / a
-    return _settle(1 / a, 0)
+    return 1 / a if isinstance(a, Fraction) else _settle(1 / a, 0)
 
 
 def square_root(a: Constant) -> Constant:
@@ -114,9 +112,7 @@ def _no_value(what: str) -> QuantityError:
 
 
 def _real(value: Constant) -> Any:
-    if isinstance(value, Fraction):
-        return _CONTEXT.mpf(value.numerator) / value.denominator
-    return value
+    return _CONTEXT.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
 
 def _bounded(value: Fraction) -> Constant:

@@ -44,9 +44,7 @@ class Residue:
         self.values: Array = np.asarray(values, dtype=np.int64) % prime
 
     def _other(self, other: Any) -> Any:
-        if isinstance(other, Residue):
-            return other.values
-        return fraction_residue(Fraction(other), self.prime)
+        return other.values if isinstance(other, Residue) else fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self.values + self._other(other))

@@ -1,7 +1,4 @@
-"""``derive show``: quantities of a robot as text, LaTeX, Python or JSON.
-
-A scalar stands on a line, a matrix as a grid or, if that is too wide, entry by entry.
-"""
+"""``derive show``: quantities of a robot as text, LaTeX, Python or JSON."""
 
 from __future__ import annotations
 

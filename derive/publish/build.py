@@ -1,7 +1,4 @@
-"""From robots to verified folders: render in memory, write beside the target, verify there, take its place.
-
-Of several robots, one after the other or at once, one failure does not stop the rest.
-"""
+"""From robots to verified folders: render in memory, write beside the target, verify there, take its place."""
 
 import gc
 import multiprocessing

@@ -9,6 +9,7 @@ depend on theta_1, so that both together cost two evaluations and have four valu
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -245,11 +246,7 @@ def horner(p: Polynomial) -> Plan:
 
 def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
     # The generator in most terms; in equal numbers the first one, for one order on every machine.
-    counts: dict[int, int] = {}
-    for exponents in terms:
-        for i, e in enumerate(exponents):
-            if e:
-                counts[i] = counts.get(i, 0) + 1
+    counts = Counter(i for exponents in terms for i, e in enumerate(exponents) if e)
     if not counts:
         return next(iter(terms.values()), Fraction(0))
     best = max(counts, key=lambda i: (counts[i], -i))

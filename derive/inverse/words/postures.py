@@ -196,9 +196,7 @@ def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
     """The point of one line that is nearest to another."""
     normal = _cross(a, b)
     square = float(normal @ normal)
-    if square < SMALL:
-        return p
-    return p + (_cross(q - p, b) @ normal) / square * a
+    return p if square < SMALL else p + (_cross(q - p, b) @ normal) / square * a
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

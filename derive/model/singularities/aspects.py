@@ -305,11 +305,8 @@ class Roadmap:
         return found
 
     def _near(self, q: Array) -> list[list[int]]:
-        found = []
-        for own in q:
-            way = self._way(own, self._places)[:, self._active]
-            found.append(np.argsort(np.sum(way**2, axis=-1), kind="stable")[: _NEIGHBOURS + 1].tolist())
-        return found
+        ways = (self._way(own, self._places)[:, self._active] for own in q)
+        return [np.argsort(np.sum(way**2, axis=-1), kind="stable")[: _NEIGHBOURS + 1].tolist() for way in ways]
 
     def _clearances(self, starts: Array, ends: Array) -> Array:
         """The smallest amount of det J on straight pieces; 0 where it changes its sign."""

@@ -131,8 +131,7 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
     for r, run in enumerate(stations.runs):
         # One axis for the whole run, and a linear column for each of its joints.
         groups.append([stations.world(r, stations.axes[2], meeting) for meeting in _meetings(stations, r)])
-        for k in range(len(run.placements)):
-            groups.append(_linear_ways(stations, r, k))
+        groups += [_linear_ways(stations, r, k) for k in range(len(run.placements))]
     return [list(row) for row in zip(*_columns(stations, groups, 1), strict=True)]
 
 

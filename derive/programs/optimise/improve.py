@@ -179,9 +179,7 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
     for variable in network.order():
         definition = network.definition[variable]
         if not isinstance(definition, Opaque):
-            terms: list[Ref] = []
-            for monomial, coefficient in definition.items():
-                terms.append(reduce(graph.multiply, sorted(refs[v] for v in monomial), coefficient))
+            terms = [reduce(graph.multiply, sorted(refs[v] for v in m), factor) for m, factor in definition.items()]
             terms.sort(key=lambda ref: (graph.layer[node_of(ref)], ref))  # coefficients first
             refs[variable] = reduce(graph.add, terms, ZERO)
         elif definition.op is None:

@@ -115,9 +115,7 @@ def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
     d = arm.d[i] + moving * (not arm.revolute[i])
     about_z, along_z = _rotation(2, theta), _translation(2, d)
     along_x, about_x = _translation(0, arm.a[i]), _rotation(0, arm.alpha[i])
-    if arm.standard:
-        return about_z @ along_z @ along_x @ about_x
-    return about_x @ along_x @ about_z @ along_z
+    return about_z @ along_z @ along_x @ about_x if arm.standard else about_x @ along_x @ about_z @ along_z
 
 
 def chain_frames(arm: NumericArm, q: Array) -> Array:
