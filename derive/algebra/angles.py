@@ -44,8 +44,7 @@ def decompose(angle: Expression) -> ExactAngle:
 
 def composed(angle: ExactAngle) -> Expression:
     """The expression of an angle, its units first."""
-    terms = [multiply(Number(k), unit) for unit, k in angle.terms]
-    return add(*terms, multiply(Number(angle.pi_multiple), Pi()))
+    return add(*[multiply(Number(k), unit) for unit, k in angle.terms], multiply(Number(angle.pi_multiple), Pi()))
 
 
 def _collect(e: Expression, factor: Fraction, parts: dict[Expression | None, Fraction]) -> None:

@@ -286,8 +286,7 @@ def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
         return [f"{target} = [", *(f"    [{', '.join(row)}]," for row in rows), "]"]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     if 2 + sum(widths) + 2 * (len(widths) - 1) <= WIDTH:
-        aligned = ("  ".join(map(str.rjust, row, widths)) for row in rows)
-        return [f"{name} =", *(f"  {line}" for line in aligned)]
+        return [f"{name} =", *(f"  {'  '.join(map(str.rjust, row, widths))}" for row in rows)]
     found = [(i, j, cell) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1) if cell != "0"]
     lines = [f"{name} = ({len(rows)} x {len(widths)}, row,column: entry)"]
     lines += [f"  {i},{j}: {cell}" for i, j, cell in found]

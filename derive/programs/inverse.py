@@ -313,8 +313,7 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
     solution: GeneralSolution | None = payload.solution if payload else None
     places = tuple(sorted(graph.places))
     entries = next((known for known in (WHOLE, POSITION) if tuple(sorted(known)) == places), places)
-    words = "the frames between the joints"
-    formulation, tape = trace.choice.cheapest([Formulation(words, lambda: frames(trace))])
+    formulation, tape = trace.choice.cheapest([Formulation("the frames between the joints", lambda: frames(trace))])
     widths = {POSE: POSE_ENTRIES, **({GIVEN: len(graph.given)} if graph.given else {}), NEAR: trace.n}
     function = Function(SEARCH_INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths)
     return InverseSearch(

@@ -268,8 +268,7 @@ def gravity(context: Context) -> Iterator[Block]:
         return
     yield context.paragraph("The gradient of the potential energy.")
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
-    task = context.text("Find the gravity vector.")
-    yield formula(context, context.dynamics.closed("g"), "gravity_vector", task)
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector", context.text("Find the gravity vector."))
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:

@@ -250,9 +250,8 @@ class _System:
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
     """Every way to make a regular eigenvalue problem of a loop, at a generic pose, (1, 4, 4)."""
-    ways = closures(loop)
     groups: dict[tuple[int, ...], list[Closure]] = {}
-    for way in ways:
+    for way in closures(loop):
         groups.setdefault(way.unknowns, []).append(way)
     for unknowns, group in groups.items():
         # Of the ways around with the same unknowns the one from which the eliminated joints follow best.
@@ -327,10 +326,9 @@ def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, 
 
 def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entries = POSE) -> tuple[Elimination, ...]:
     """The eliminations that find all solutions of an arm, compared at random poses."""
-    draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
     # Poses of random configurations, so that it is known which solutions there are.
-    q = draw.uniform(-span, span, (POLICY.trials, chain.n))
+    q = np.random.default_rng(7).uniform(-span, span, (POLICY.trials, chain.n))
     poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
     loop, free = free_loop(chain, given, None if values is None else values[:1], entries)
     pose, results = scaled(poses[:1], chain.reach), []

@@ -180,8 +180,7 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
 def _masses(bodies: Bodies, more: int) -> list[Limit]:
     """What ``masses`` asks for, of functions of the steps and of some more variables."""
     least_masses, slopes = bodies.given[:, -1] - bodies.masses, _slopes(bodies, more)[:, -1]
-    places = np.flatnonzero(bodies.masses)
-    return [Limit(Cone.NOT_NEGATIVE, least_masses[i, None], slopes[i, None]) for i in places]
+    return [Limit(Cone.NOT_NEGATIVE, least_masses[i, None], slopes[i, None]) for i in np.flatnonzero(bodies.masses)]
 
 
 def needed(bodies: Bodies, target: Array) -> list[int]:

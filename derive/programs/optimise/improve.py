@@ -130,8 +130,7 @@ class _GraphReader:
             definition = self._polynomial(i)
         else:
             definition = Opaque(op, tuple(self._values[k] for k in old.operands[i]))
-        known = self.network.find(self.network.evaluate(definition))
-        return known or Operand(self.network.create(definition), ONE)
+        return self.network.find(self.network.evaluate(definition)) or Operand(self.network.create(definition), ONE)
 
     def _polynomial(self, root: int) -> Polynomial:
         """A sum of products, or one product."""
