@@ -82,8 +82,7 @@ def pseudo_inertias(parameters: Array) -> Array:
         [-xz, -yz, (xx + yy - zz) / 2, hz],
         [hx, hy, hz, m],
     ]
-    found: Array = np.moveaxis(np.array(rows), 2, 0)
-    return found
+    return np.asarray(np.moveaxis(np.array(rows), 2, 0))
 
 
 def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
@@ -115,8 +114,7 @@ def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
 def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
     """(n,) least eigenvalue of each pseudo-inertia in the units of its link, after steps along directions if any."""
     moved = bodies.given if steps is None else bodies.given + bodies.along @ steps
-    found: Array = np.linalg.eigvalsh(unpacked(moved))[..., 0]
-    return found
+    return np.asarray(np.linalg.eigvalsh(unpacked(moved))[..., 0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -203,8 +201,7 @@ def nearest(bodies: Bodies, target: Array) -> Array:
     limits = [*map(_beyond, bodies.given, slopes, target), *_masses(bodies, 0)]
     # Least squares of all changes, |A x|^2 with A the stacked directions.
     every = slopes.reshape(-1, slopes.shape[2])
-    found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
-    return found
+    return np.asarray(least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies))
 
 
 def _beyond(body: Array, slope: Array, margin: float) -> Limit:
@@ -213,8 +210,7 @@ def _beyond(body: Array, slope: Array, margin: float) -> Limit:
 
 def _column_units(bodies: Bodies) -> Array:
     """What a step along each direction is measured in, so that all are alike to the solver."""
-    found: Array = 1 / np.sqrt((bodies.along**2).sum(axis=(0, 1)))
-    return found
+    return np.asarray(1 / np.sqrt((bodies.along**2).sum(axis=(0, 1))))
 
 
 def _slopes(bodies: Bodies, more: int = 0) -> Array:
@@ -300,10 +296,8 @@ def possible(robot: Robot) -> Possible:
 def wants_possible(inertia: str) -> bool:
     """Whether physically consistent bodies are asked for."""
     if inertia not in INERTIAS:
-        allowed = f"allowed: {', '.join(INERTIAS)}"
-        raise DeriveError(
-            f"unknown choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
-        )
+        found, allowed = f"unknown choice of inertia {quoted(inertia)}", f"allowed: {', '.join(INERTIAS)}"
+        raise DeriveError(found, allowed=allowed, remedy=near_miss(inertia, INERTIAS))
     return inertia == "possible"
 
 

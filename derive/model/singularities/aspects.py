@@ -301,8 +301,7 @@ class Roadmap:
     def _way(self, start: Array, end: Array) -> Array:
         """The shortest way, around by the other side where angles are nearer there."""
         way = end - start
-        found: Array = np.where(self._chain.revolute, way - 2.0 * math.pi * np.round(way / (2.0 * math.pi)), way)
-        return found
+        return np.asarray(np.where(self._chain.revolute, way - 2.0 * math.pi * np.round(way / (2.0 * math.pi)), way))
 
     def _near(self, q: Array) -> list[list[int]]:
         ways = (self._way(own, self._places)[:, self._active] for own in q)
