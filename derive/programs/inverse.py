@@ -226,8 +226,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else replace(INTERFACE, arguments=(POSE, NEAR))
-    given_width = {GIVEN: len(graph.given)} if graph.given else {}
-    widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
+    widths = {POSE: POSE_ENTRIES, **({GIVEN: len(graph.given)} if graph.given else {}), NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
     closed = POLICY.closed if graph.is_short else POLICY.reproduced

@@ -265,12 +265,10 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
             reductions.sort(key=lambda each: each.closure.aligned != hidden)
             choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
             others = [joint for joint in unknowns if joint != hidden]
-            for chosen in choices:
-                for multiplied in (None, *others):
-                    trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
-                    rows = _rows(loop, pose, trial)
-                    if rows is not None:
-                        yield replace(trial, rows=rows)
+            for chosen, multiplied in product(choices, (None, *others)):
+                trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
+                if (rows := _rows(loop, pose, trial)) is not None:
+                    yield replace(trial, rows=rows)
 
 
 def _rank(matrix: Array) -> int:
