@@ -39,14 +39,12 @@ def decompose(angle: Expression) -> ExactAngle:
     parts: dict[Expression | None, Fraction] = {}
     _collect(angle, Fraction(1), parts)
     pi_multiple = parts.pop(None, Fraction(0))
-    terms = tuple((unit, k) for unit, k in parts.items() if unit is not None and k)
-    return ExactAngle(pi_multiple, terms)
+    return ExactAngle(pi_multiple, tuple((unit, k) for unit, k in parts.items() if unit is not None and k))
 
 
 def composed(angle: ExactAngle) -> Expression:
     """The expression of an angle, its units first."""
-    terms = [multiply(Number(k), unit) for unit, k in angle.terms]
-    return add(*terms, multiply(Number(angle.pi_multiple), Pi()))
+    return add(*[multiply(Number(k), unit) for unit, k in angle.terms], multiply(Number(angle.pi_multiple), Pi()))
 
 
 def _collect(e: Expression, factor: Fraction, parts: dict[Expression | None, Fraction]) -> None:

@@ -72,9 +72,7 @@ def reciprocal(a: Constant) -> Constant:
     """The reciprocal, 1/a."""
     if a == 0:
         raise _no_value("division by zero")
-    if isinstance(a, Fraction):
-        return 1 / a
-    return _settle(1 / a, 0)
+    return 1 / a if isinstance(a, Fraction) else _settle(1 / a, 0)
 
 
 def square_root(a: Constant) -> Constant:
@@ -114,9 +112,7 @@ def _no_value(what: str) -> QuantityError:
 
 
 def _real(value: Constant) -> Any:
-    if isinstance(value, Fraction):
-        return _CONTEXT.mpf(value.numerator) / value.denominator
-    return value
+    return _CONTEXT.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
 
 def _bounded(value: Fraction) -> Constant:
@@ -140,8 +136,7 @@ def _settle(value: Any, scale: Any) -> Constant:
     # a binary fraction of few bits came from an identity, (sqrt(2)/2)^2, not by chance: 2^-96 is the odds against it
     sign, mantissa, exponent, bits = _rounded(value)
     if bits <= _RATIONAL_BITS and abs(exponent) <= _MAX_RATIONAL_SIZE:
-        whole = -mantissa if sign else mantissa
-        return Fraction(whole) * Fraction(2) ** exponent
+        return Fraction(-mantissa if sign else mantissa) * Fraction(2) ** exponent
     return value
 
 

@@ -40,9 +40,7 @@ class PolynomialDomain:
         self.groups, self.directions = contracted_groups(robot, contraction)
         self.with_offsets = offsets  # whether sines and cosines add the constants of their cells to the variables
         # for each joint the constant that its sines and cosines add to the variable [rad]
-        self.offsets: tuple[Expression, ...] = (ZERO,) * robot.n
-        if offsets:
-            self.offsets = printed_offsets(robot, self.groups, self.directions)
+        self.offsets = printed_offsets(robot, self.groups, self.directions) if offsets else (ZERO,) * robot.n
         # in a group the generator of a joint is the sum of its angle and all before it, where `sums` says so
         home = {joint: group for group in self.groups for joint in group}
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}

@@ -44,9 +44,7 @@ class Residue:
         self.values: Array = np.asarray(values, dtype=np.int64) % prime
 
     def _other(self, other: Any) -> Any:
-        if isinstance(other, Residue):
-            return other.values
-        return fraction_residue(Fraction(other), self.prime)
+        return other.values if isinstance(other, Residue) else fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self.values + self._other(other))
@@ -128,8 +126,7 @@ class ResidueDomain(MappedDomain[Residue]):
         return point
 
     def _numbers(self, count: int) -> Array:
-        drawn = [[self._random.randrange(2, self.prime - 1)] for _ in range(count)]
-        return np.array(drawn, dtype=np.int64)
+        return np.array([[self._random.randrange(2, self.prime - 1)] for _ in range(count)], dtype=np.int64)
 
     def _residue(self, p: Polynomial, point: list[Array]) -> Array:
         total: Array = np.zeros((1, 1), dtype=np.int64)

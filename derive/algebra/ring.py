@@ -94,9 +94,7 @@ class Ring:
             if bits >> r & 1:
                 raw = divmod(raw, relation.polynomial)[1]
         # an inverse brings back generators of the relations before it: they are reduced once more
-        if bits & self.always:
-            return self._reduce(raw, self._bits(raw) & ~self.always)
-        return raw
+        return self._reduce(raw, self._bits(raw) & ~self.always) if bits & self.always else raw
 
     def settle(self, raw: fmpq_mpoly) -> Polynomial:
         """A raw polynomial reduced until nothing changes: a radicand may bring back what was reduced before."""
@@ -121,9 +119,7 @@ class Ring:
     def wrap(self, raw: fmpq_mpoly) -> Polynomial:
         """A raw polynomial as an element of this ring, reduced to normal form."""
         mask = self._bits(raw)
-        if mask & self.opening:
-            return self.settle(raw)
-        return Polynomial(self, self._reduce(raw, mask), mask)
+        return self.settle(raw) if mask & self.opening else Polynomial(self, self._reduce(raw, mask), mask)
 
     def project(self, p: Polynomial) -> Polynomial:
         """A polynomial of another ring as one of this ring."""

@@ -119,8 +119,7 @@ def check_formula(robot: RobotLike, quantity: str, formula: str, *, latex: bool 
         UnknownNameError: A name in it that the robot does not know.
         QuantityError: There is no such quantity, or it is no scalar.
     """
-    chosen = load(robot, remarks_on_bodies=False)
-    reported = formula_printout(chosen, quantity, formula, latex=latex)
+    reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, formula, latex=latex)
     finding, *others = reported.report.findings
     if others:
         raise CheckError(f"{len(others) + 1} formulas", allowed="allowed: one", remedy="use derive.check_latex")

@@ -78,8 +78,7 @@ def import_all(file: str | Path | bytes, **options: Unpack[ImportKeywords]) -> A
     refused: dict[str, str] = {}
     for tip in moving_tips(urdf):
         called = robot_name(f"{wanted.name or urdf.name or 'arm'}-{tip}")
-        taken = any(arm.robot.name == called for arm in arms)
-        called = f"{called}-{len(arms) + 1}" if taken else called
+        called = f"{called}-{len(arms) + 1}" if any(arm.robot.name == called for arm in arms) else called
         try:
             arms.append(of_urdf(urdf, None, tip, replace(wanted, name=called), source))
         except (RobotFileError, NoSuchBodies) as error:

@@ -204,8 +204,7 @@ def copied_robot_text(name: str, model: str) -> str:
         text = dedent(block[1])
     named = re.compile(rf"(?m)^(\{{?\s*(?:\"name\"|'name'|name)\s*:\s*)(['\"]?){re.escape(robot.name)}\2(?=[\s,}}]|$)")
     text = named.sub(rf"\g<1>{name}", text, count=1)
-    copied = type(robot).from_text(text, f"{name}.yaml")
-    if copied.name != name:
+    if type(robot).from_text(text, f"{name}.yaml").name != name:
         found = f"the name '{robot.name}' in {quoted(model)} cannot be exchanged"
         raise RobotFileError(found, remedy="copy the file and write the new name into it")
     head = f"# A copy of {robot.name}. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml"

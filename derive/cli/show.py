@@ -1,7 +1,4 @@
-"""``derive show``: quantities of a robot as text, LaTeX, Python or JSON.
-
-A scalar stands on a line, a matrix as a grid or, if that is too wide, entry by entry.
-"""
+"""``derive show``: quantities of a robot as text, LaTeX, Python or JSON."""
 
 from __future__ import annotations
 
@@ -64,8 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "at", help=point)
     add("--rates", metavar="V1,V2,...", help="joint velocities, in the units of the robot file per second")
     add("--accelerations", metavar="V1,V2,...", help="joint accelerations, likewise")
-    precision = parser.add_mutually_exclusive_group()
-    add = precision.add_argument
+    add = parser.add_mutually_exclusive_group().add_argument
     add("--digits", type=digit_count, metavar="N", help=f"significant digits of numbers in text and LaTeX ({DIGITS})")
     add("--exact", action="store_true", help="exact fractions and roots (default for Python and JSON without --at)")
 
@@ -290,8 +286,7 @@ def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
         return [f"{target} = [", *(f"    [{', '.join(row)}]," for row in rows), "]"]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     if 2 + sum(widths) + 2 * (len(widths) - 1) <= WIDTH:
-        aligned = ("  ".join(map(str.rjust, row, widths)) for row in rows)
-        return [f"{name} =", *(f"  {line}" for line in aligned)]
+        return [f"{name} =", *(f"  {'  '.join(map(str.rjust, row, widths))}" for row in rows)]
     found = [(i, j, cell) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1) if cell != "0"]
     lines = [f"{name} = ({len(rows)} x {len(widths)}, row,column: entry)"]
     lines += [f"  {i},{j}: {cell}" for i, j, cell in found]

@@ -63,8 +63,7 @@ class RigidBody:
     def moved(self, frame: Frame) -> RigidBody:
         """The same body seen from outside."""
         axes = (frame.x, frame.y, frame.z)
-        inertia = matmul(matmul(transpose(axes), self.inertia), axes)
-        return RigidBody(self.mass, frame.point(self.com), inertia)
+        return RigidBody(self.mass, frame.point(self.com), matmul(matmul(transpose(axes), self.inertia), axes))
 
     def about(self, point: Point) -> list[list[Real]]:
         """The tensor about a point (Steiner)."""

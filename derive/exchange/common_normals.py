@@ -67,8 +67,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
         free = [own, *free]
     # Points that frames may take: base, tip, and where neighbours are nearest to each other, with their joint.
     spots: list[tuple[int | None, Point]] = [(None, WORLD.origin), (None, arm.end.origin)]
-    turning = [i for i, axis in enumerate(arm.axes) if axis.is_revolute]
-    for i, j in pairwise(turning):
+    for i, j in pairwise([i for i, axis in enumerate(arm.axes) if axis.is_revolute]):
         line, other = lines[i], lines[j]
         if not parallel(line.direction, other.direction, ALIKE):
             near = ((i, line.nearest(other), line.point), (j, other.nearest(line), other.point))

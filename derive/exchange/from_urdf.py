@@ -222,8 +222,7 @@ class _Chain:
         arm = arm_of(as_meant(self.urdf) if cut else self.urdf, self.written.base, self.written.tip, snap)
         placement = place(arm, self.convention or Convention.STANDARD, float(snap))
         description = self._described(arm, placement, snap)
-        meanings = (float(abs(meant(angle) - angle)) for _, angle in cut)
-        changes = (*arm.snaps, *placement.turned, *meanings)
+        changes = (*arm.snaps, *placement.turned, *(float(abs(meant(angle) - angle)) for _, angle in cut))
         return _Table(arm, placement, description, certify(self.written, description), changes)
 
     def _described(self, arm: Arm, placement: Placement, snap: Fraction) -> Description:
@@ -336,8 +335,7 @@ def as_meant(urdf: Urdf) -> Urdf:
 
 def cut_off(urdf: Urdf, one: str, other: str, snap: Fraction) -> CutOff:
     """Angles between two links, with their joints, that are first decimals of fractions of pi beyond the snap [rad]."""
-    between = joints_between(urdf, one, other)
-    angles = [(joint, angle) for joint in between for angle in joint.origin.rpy]
+    angles = [(joint, angle) for joint in joints_between(urdf, one, other) for angle in joint.origin.rpy]
     return [(joint, angle) for joint, angle in angles if abs(meant(angle) - angle) > snap]
 
 

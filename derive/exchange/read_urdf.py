@@ -269,8 +269,7 @@ class _UrdfReader:
                 raise self.refused(element, found, f'write <{end} link="..."/> with the name of a link')
             ends[end] = link
         axis = element.find("axis")
-        usual = (Fraction(1), Fraction(0), Fraction(0))
-        direction = usual if axis is None else self.numbers(axis, "xyz", 3) or ZEROS
+        x, y, z = (Fraction(1), *ZEROS[:2]) if axis is None else self.numbers(axis, "xyz", 3) or ZEROS
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         lower, upper, effort, velocity = (
             None if limit is None else self.number(limit, key, infinite=True)
@@ -278,9 +277,8 @@ class _UrdfReader:
         )
         bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
         if kind in ("revolute", "prismatic") and not bounded:
-            self.note(
-                element, f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
-            )
+            said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
+            self.note(element, said)
         dry, viscous = (None if dynamics is None else self.number(dynamics, key) for key in ("friction", "damping"))
         return UrdfJoint(
             name=name,
@@ -288,7 +286,7 @@ class _UrdfReader:
             parent=ends["parent"],
             child=ends["child"],
             origin=self.origin(element),
-            axis=(direction[0], direction[1], direction[2]),
+            axis=(x, y, z),
             limits=(lower or Fraction(0), upper or Fraction(0)) if bounded else None,
             effort=effort,
             velocity=velocity,

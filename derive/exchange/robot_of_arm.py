@@ -48,8 +48,7 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
         joints.append(Joint(kind, variable, 1, *cells, limits, speed, torque, "" if label == variable else label))
     links: tuple[Link, ...] = ()
     if any(axis.bodies for axis in arm.axes):
-        frames = placement.frames[1:]
-        links = tuple(_link(axis, frame, snap) for axis, frame in zip(arm.axes, frames, strict=True))
+        links = tuple(_link(axis, frame, snap) for axis, frame in zip(arm.axes, placement.frames[1:], strict=True))
     down = (multiply(number(-1), turned(component), Name("g")) for component in arm.up)
     return Description(
         name=name,
@@ -101,8 +100,7 @@ def turned(value: Real) -> Expression:
             root = round(2 * float(value))
             if root * root * divisor == 4 * near:
                 return number(Fraction(root, 2))
-            sign = number(1 if value > 0 else -1)
-            return multiply(sign, Call("sqrt", (number(Fraction(near, divisor)),)))
+            return multiply(number(1 if value > 0 else -1), Call("sqrt", (number(Fraction(near, divisor)),)))
     return number(decimal(value))
 
 
@@ -134,8 +132,7 @@ def _link(axis: Axis, frame: Frame, snap: Fraction) -> Link:
         com = plus(com, frame.inside(body.axes.origin), real(body.mass) / real(mass))
     tensor = _tensor(axis.bodies, frame, com)
     x, y, z = _written(com, snap, arb(1))
-    inertia = Inertia(*_written(tensor, snap))
-    return Link(number(rounded(mass)), (x, y, z), inertia, viscous=viscous, coulomb=coulomb)
+    return Link(number(rounded(mass)), (x, y, z), Inertia(*_written(tensor, snap)), viscous=viscous, coulomb=coulomb)
 
 
 def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:

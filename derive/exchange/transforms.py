@@ -195,9 +195,8 @@ def _table(product: Sequence[Elementary], name: str) -> Description:
     base, along = words[0][: len(words[0]) - count], words[0][len(words[0]) - count :]
     behind = _Split(twist=_sum(along, turns=True), beyond=_sum(along, turns=False))
     end, tool = _last(words[-1])
-    rows = [*map(_split, words[1:-1]), end]
     joints = []
-    for part, row in zip(moving, rows, strict=True):
+    for part, row in zip(moving, [*map(_split, words[1:-1]), end], strict=True):
         theta, d = _plus(behind.twist, row.theta), _plus(behind.beyond, row.d)
         theta, d = (_plus(theta, part.cell), d) if part.turns else (theta, _plus(d, part.cell))
         kind = JointType.REVOLUTE if part.turns else JointType.PRISMATIC

@@ -84,9 +84,7 @@ def factored(terms: Terms, inside: Writer, among: Level | None = None) -> Plan:
     common = common_factor(terms) if len(terms) > 1 else ()
     if among is not None:
         common = project(common, among)
-    if not common:
-        return inside(terms)
-    return _times(common, inside({divide(m, common): c for m, c in terms.items()}))
+    return inside(terms) if not common else _times(common, inside({divide(m, common): c for m, c in terms.items()}))
 
 
 def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
@@ -96,9 +94,7 @@ def grouped(terms: Terms, level: Level, inside: Writer) -> Plan:
 
 def joined(plans: Iterable[Plan]) -> Plan:
     """The sum of some plans, without a bracket of its own."""
-    flattened: list[Plan] = []
-    for part in plans:
-        flattened.extend(part.parts if isinstance(part, Plus) else (part,))
+    flattened = [part for plan in plans for part in (plan.parts if isinstance(plan, Plus) else (plan,))]
     return flattened[0] if len(flattened) == 1 else Plus(tuple(flattened))
 
 

@@ -113,6 +113,4 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
 
 def written(value: Any) -> Expr:
     """A number of mpmath as the rational of its first thirty digits; an expression as it is."""
-    if isinstance(value, sympy.Basic):
-        return value
-    return sympy.Rational(Fraction(mpmath.nstr(value, KEPT)))
+    return value if isinstance(value, sympy.Basic) else sympy.Rational(Fraction(mpmath.nstr(value, KEPT)))

@@ -76,9 +76,8 @@ def expression_from_sympy(expression: Any) -> Expression:
     try:
         tree = sympy.sympify(expression, strict=True)
     except sympy.SympifyError:
-        kind = type(expression).__name__
         raise ExpressionError(
-            f"an expression of type {kind}", allowed="allowed: numbers and SymPy expressions"
+            f"an expression of type {type(expression).__name__}", allowed="allowed: numbers and SymPy expressions"
         ) from None
     return _tree(tree, {})
 

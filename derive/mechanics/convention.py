@@ -239,8 +239,7 @@ def _made_up(
     """
     to_modified = robot.convention is Convention.STANDARD
     joint, mu = robot.joints[i + 1], domain.constant(motor.mass)
-    axis = vectors.column(behind.rotation, 2)
-    along = vectors.scale(domain.constant(joint.d), axis)
+    along = vectors.scale(domain.constant(joint.d), vectors.column(behind.rotation, 2))
     # o_{i-1}, and d_i further on the axis of the rotor's joint.
     places = (behind.position, vectors.add(behind.position, along))
     old, new = places if to_modified else places[::-1]

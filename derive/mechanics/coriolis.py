@@ -156,8 +156,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
             upper = generalized_force(inner, column.force, column.moment)
             lower = column.kappa[2] if inner.revolute else column.unit[0] * omega[1] - column.unit[1] * omega[0]
             # Rates count about +z; a joint with sign -1 has the other sign in its row and its column.
-            same = joint.sign == inner.sign
-            matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
+            matrix[i][j], matrix[j][i] = (upper, lower) if joint.sign == inner.sign else (-upper, -lower)
     return matrix
 
 

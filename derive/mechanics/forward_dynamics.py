@@ -120,10 +120,7 @@ class _Articulated(Generic[F]):
         """What the joint needs, and the link as the one before feels it while the joint gives way."""
         mass, coupling, inertia = self.mass.matrix, self.coupling, self.inertia.matrix
         # U = I_A s, its force part (upper) and its moment part (lower): the third row of [H I] or column of [M; H].
-        if joint.revolute:
-            upper, lower = coupling[2], inertia[2]
-        else:
-            upper, lower = mass[2], vectors.column(coupling, 2)
+        upper, lower = (coupling[2], inertia[2]) if joint.revolute else (mass[2], vectors.column(coupling, 2))
         # D = s . U + armature; the rotor's coupling belongs to U and not to D.
         pivot = (lower[2] if joint.revolute else upper[2]) + joint.armature
         lower = (lower[0], lower[1], lower[2] + joint.coupling)

@@ -114,8 +114,7 @@ def jacobian_rate(chain: Chain[S], qd: Sequence[S]) -> list[list[S]]:
     for joint, rate, z, r, rdot in zip(chain.joints, rates, axes, levers, reversed(beyond[1:]), strict=True):
         turning = cross(omega, z)
         if joint.revolute:  # omega x (z x r) is the turn of the whole column
-            linear = add(cross(omega, cross(z, r)), cross(z, rdot))
-            entries = [*linear, *turning]
+            entries = [*add(cross(omega, cross(z, r)), cross(z, rdot)), *turning]
             omega = add(omega, scale(rate, z))
         else:
             entries = [*turning, *chain.null]
@@ -135,8 +134,7 @@ def jacobian_hessian(jacobian: Sequence[Sequence[S]], zero: S) -> list[list[S]]:
 
 def wrench_torques(jacobian: Sequence[Sequence[S]], force: Vector[S], moment: Vector[S]) -> list[S]:
     """J^T h [N m or N], from J and a wrench in the same axes."""
-    columns = zip(*jacobian, strict=True)
-    return [dot((a, b, c), force) + dot((d, e, f), moment) for a, b, c, d, e, f in columns]
+    return [dot((a, b, c), force) + dot((d, e, f), moment) for a, b, c, d, e, f in zip(*jacobian, strict=True)]
 
 
 def wrench_torque_derivatives(

@@ -129,8 +129,7 @@ def _beyond_revolute(
     upper, lower = xy - alpha[2], xy + alpha[2]
     below = (x * omega[2] - alpha[1], y * omega[2] + alpha[0])
     if choice.held and choice.grown:  # the entries off the diagonal from those of the link before
-        fixed = joint.fixed.rotation
-        old = conjugate(transpose(fixed), before.tensor)
+        old = conjugate(transpose(joint.fixed.rotation), before.tensor)
         twice = rate + rate
         upper, lower = old[0][1] - acceleration, old[1][0] + acceleration
         below = (old[2][0] + twice * x, old[2][1] + twice * y)
@@ -149,8 +148,7 @@ def _beyond_prismatic(
     if not choice.column:
         return _from_angular(omega, alpha, origin_acceleration)
     turn = matmul(joint.fixed.rotation, joint.motion(chain.zero, chain.one).rotation)
-    tensor = conjugate(transpose(turn), before.tensor)
-    return LinkMotion(omega, alpha, tensor, origin_acceleration)
+    return LinkMotion(omega, alpha, conjugate(transpose(turn), before.tensor), origin_acceleration)
 
 
 def _origin_acceleration(joint: ChainJoint[S], before: LinkMotion[S]) -> Vector[S]:
@@ -209,8 +207,7 @@ def carried_wrenches(
         joint, motion = chain.joints[i], motions[i + 1]
         own_force, own_moment = body_wrench(chain.bodies[i], motion, (choices[i] if choices else PLAIN).second_moments)
         if chain.axial:
-            along_z = own_force[2] + chain.axial[i] * motion.acceleration[2]
-            own_force = (own_force[0], own_force[1], along_z)
+            own_force = (own_force[0], own_force[1], own_force[2] + chain.axial[i] * motion.acceleration[2])
         force, moment = add(force, own_force), add(moment, own_moment)
         yield i, (force, moment)
         force, moment = wrench_to_parent(joint, (force, moment))

@@ -107,13 +107,11 @@ class Frame:
 
     def then(self, other: Frame) -> Frame:
         """The world coordinates of a frame that is given in this one."""
-        axes = (self.direction(axis) for axis in (other.x, other.y, other.z))
-        return Frame(self.point(other.origin), *axes)
+        return Frame(self.point(other.origin), *(self.direction(axis) for axis in (other.x, other.y, other.z)))
 
     def seen_from(self, other: Frame) -> Frame:
         """This frame in another one."""
-        axes = (other.turned(axis) for axis in (self.x, self.y, self.z))
-        return Frame(other.inside(self.origin), *axes)
+        return Frame(other.inside(self.origin), *(other.turned(axis) for axis in (self.x, self.y, self.z)))
 
 
 WORLD = Frame(vector((0, 0, 0)), vector((1, 0, 0)), vector((0, 1, 0)), vector((0, 0, 1)))
@@ -136,7 +134,6 @@ class Line:
 
     def nearest(self, other: Line) -> Point:
         """The point of this line that is nearest to a line that is not parallel."""
-        normal = cross(self.direction, other.direction)
-        across = cross(other.direction, normal)
+        across = cross(other.direction, cross(self.direction, other.direction))
         away = plus(other.point, self.point, -1)
         return plus(self.point, self.direction, dot(away, across) / dot(self.direction, across))

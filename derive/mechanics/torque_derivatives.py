@@ -167,8 +167,7 @@ def torque_position_derivative(
                 response = replace(response, eta=eta, delta=delta)
             upper = generalized_force(inner, response.force, response.moment)
             lower = response.inner_derivative(inner, motions[i + 1])
-            same = joint.sign == inner.sign
-            matrix[i][j], matrix[j][i] = (upper, lower) if same else (-upper, -lower)
+            matrix[i][j], matrix[j][i] = (upper, lower) if joint.sign == inner.sign else (-upper, -lower)
     return matrix
 
 

@@ -59,8 +59,7 @@ def _matrix(model: DynamicModel, quantity: str, writer: _ByChristoffel | _ByCoef
                 accelerated = [entry * qdd for entry, qdd in zip(row, model.qdd, strict=True)]
                 row = [*accelerated, writer.rate_sum(model.velocity_pairs(i)), model.friction[i]]
             if quantity != "B":
-                gravity = writer.constant_part(model.kinematics.gravity_vector[i], model.g[i])
-                row = [sympy.Add(*row, gravity)]
+                row = [sympy.Add(*row, writer.constant_part(model.kinematics.gravity_vector[i], model.g[i]))]
             rows.append(row)
         return sympy.ImmutableMatrix(rows)
     coefficient = model.rate_coefficient(quantity)

@@ -94,7 +94,6 @@ class DynamicForm:
 
     def _grouped(self, p: Polynomial) -> Expr:
         """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
-        # p = sum of lumped parameter * trigonometric polynomial; multiples of one polynomial are written once.
         parts, rest = self.dynamics.split(p)
         terms = []
         for lump, coefficient in parts:
@@ -146,18 +145,15 @@ class DynamicForm:
     def _by_term(self, pairs: Sequence[tuple[Polynomial, Expr]]) -> Expr:
         """Every product of lengths once: ``m2*l2**2*(qdd1 + qdd2) + (m1 + m2)*l1**2*qdd1``."""
         form, parts = self.form, []
-        by_geometry: dict[Monomial, dict[Monomial, Combination]] = {}
+        # Of each product the bodies with the same combination of rates, up to a number, are added first.
+        by_geometry: dict[Monomial, dict[tuple[tuple[Expr, Fraction], ...], list[Plan]]] = {}
         for (body, geometry), rates in self._combinations(pairs).items():
-            by_geometry.setdefault(geometry, {})[body] = rates
-        for geometry, bodies in by_geometry.items():
-            # bodies with the same combination of rates, up to a number, are added first
-            alike: dict[tuple[tuple[Expr, Fraction], ...], list[Plan]] = {}
-            for body, rates in bodies.items():
-                scale = next(iter(rates.values()))
-                # Combinations of rates in whole numbers: 2 qd1 + qd2, with the fraction at the mass.
-                whole = lcm(*((value / scale).denominator for value in rates.values()))
-                combination = tuple((rate, value * whole / scale) for rate, value in rates.items())
-                alike.setdefault(combination, []).append(Term(scale / whole, body))
+            scale = next(iter(rates.values()))
+            # Combinations of rates in whole numbers: 2 qd1 + qd2, with the fraction at the mass.
+            whole = lcm(*((value / scale).denominator for value in rates.values()))
+            combination = tuple((rate, value * whole / scale) for rate, value in rates.items())
+            by_geometry.setdefault(geometry, {}).setdefault(combination, []).append(Term(scale / whole, body))
+        for geometry, alike in by_geometry.items():
             for combination, masses in alike.items():
                 rate = sympy.Add(*(int(value) * rate for rate, value in combination))
                 parts.append(sympy.Mul(form.sympy(joined(masses)), form.monomial(geometry), rate))

@@ -257,8 +257,7 @@ class DynamicModel(KinematicModel):
         """B qdd, nx1: the part of the torques that accelerations ask for [N m or N]."""
         b, n, form = self.dynamics.inertia_matrix, range(self.n), self.dynamic_form
         writing = RateWriting(self.style.accelerations, self._in_torques(self.style.inertia), form.inertia_limit)
-        rows = [form.rate_sum([(b[i][j], self.qdd[j]) for j in n], writing) for i in n]
-        return sympy.ImmutableMatrix(rows)
+        return sympy.ImmutableMatrix([form.rate_sum([(b[i][j], self.qdd[j]) for j in n], writing) for i in n])
 
     @cached_property
     def coriolis_vector(self) -> Matrix:

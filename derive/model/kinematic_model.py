@@ -376,8 +376,7 @@ class KinematicModel:
             raise QuantityError(
                 found, allowed=f"allowed: as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy
             )
-        block = [[entries[c - 1][r - 1] for c in columns] for r in rows]
-        return self.form.determinant(determinant(block))
+        return self.form.determinant(determinant([[entries[c - 1][r - 1] for c in columns] for r in rows]))
 
     @cached_property
     def manipulability(self) -> Expr:

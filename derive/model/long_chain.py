@@ -108,8 +108,7 @@ class LongChain:
         t = self.transform(j, i)
         # T^-1 = (R^T, -R^T p).
         turned = t[:3, :3].T
-        rows = turned.row_join(-turned * t[:3, 3])
-        return sympy.ImmutableMatrix(rows.col_join(sympy.Matrix([[0, 0, 0, 1]])))
+        return sympy.ImmutableMatrix(turned.row_join(-turned * t[:3, 3]).col_join(sympy.Matrix([[0, 0, 0, 1]])))
 
     def _rows(self, i: int, j: int) -> list[Frame[Expr]]:
         """A_{i+1} ... A_j."""

@@ -300,8 +300,7 @@ class Motion:
         if step.payload is None:
             return ()
         body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
-        standard = self._functions.standard_parameters
-        return tuple((k, body[name]) for k, name in enumerate(standard) if name in body)
+        return tuple((k, body[name]) for k, name in enumerate(self._functions.standard_parameters) if name in body)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:

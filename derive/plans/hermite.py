@@ -110,8 +110,7 @@ def symbolic(value: Expr) -> Expr:
 
 def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
     """Coefficients of a piece by powers of unit time."""
-    scale = [duration**i / factorial(i) for i in range(k)]
-    weights = numbers * np.array(scale * 2)
+    weights = numbers * np.array([duration**i / factorial(i) for i in range(k)] * 2)
     # h_0(u) + h_0(1 - u) = 1: the difference of both positions, and the first one added at last, round less.
     weights[0], weights[k] = 0.0, numbers[k] - numbers[0]
     coefficients: Array = weights @ _derived(k, 0)

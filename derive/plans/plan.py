@@ -250,9 +250,8 @@ class _PlanReader:
         time = (*path, "time")
         through = document.text(*path, "through")
         if document.scalar((*path, "through")) and through not in points:
-            remedy = near_miss(through, points)
-            allowed = f"allowed: {listed(tuple(points))}"
-            raise document.error((*path, "through"), f"unknown point {quoted(through)}", allowed, remedy)
+            found, allowed = f"unknown point {quoted(through)}", f"allowed: {listed(tuple(points))}"
+            raise document.error((*path, "through"), found, allowed, near_miss(through, points))
         straight = document.text(*path, "line") in ("yes", "true")
         if through and straight:
             raise document.error((*path, "through"), "both line and through", "allowed: one of the two", "remove one")

@@ -226,8 +226,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
     words = "closed form, all branches at once"
     formulation, tape = trace.choice.cheapest([Formulation(words, lambda: [*angles, *codes])])
     interface = INTERFACE if graph.given else replace(INTERFACE, arguments=(POSE, NEAR))
-    given_width = {GIVEN: len(graph.given)} if graph.given else {}
-    widths = {POSE: POSE_ENTRIES, **given_width, NEAR: n}
+    widths = {POSE: POSE_ENTRIES, **({GIVEN: len(graph.given)} if graph.given else {}), NEAR: n}
     function = Function(interface, (len(codes) * (n + 1),), tape, formulation.words, widths=widths)
     step = newton_step(trace, graph, run.reach)
     closed = POLICY.closed if graph.is_short else POLICY.reproduced
@@ -240,8 +239,7 @@ def inverse_function(trace: Trace, graph: SolutionGraph) -> Inverse:
 def around(graph: SolutionGraph) -> Around:
     """Where solutions that are alone are looked for where others are free."""
     n = graph.robot.n
-    nudge = [round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in range(n)]
-    rows = (nudge, *starts(n).tolist())
+    rows = ([round(POLICY.nudge * (1.6 - (7 * k + 3) % 11 * 0.3), 6) for k in range(n)], *starts(n).tolist())
     free = [tuple(0.0 if k in graph.given else entry for k, entry in enumerate(row)) for row in rows]
     return Around(motions=MOTIONS, starts=tuple(free[1:]), nudge=free[0], is_short=graph.is_short)
 
@@ -298,8 +296,7 @@ class _AtZero(TapeDomain):
 
 def frames(trace: Trace) -> list[Value]:
     """The constant frames of T = C_1 M_1 C_2 M_2 ... C_n M_n C_(n+1), M_i the motion of joint i about or along z."""
-    domain = _AtZero(trace.robot, trace.graph)
-    chain = build_chain(replace(trace.robot, links=(), gravity=None), domain)
+    chain = build_chain(replace(trace.robot, links=(), gravity=None), _AtZero(trace.robot, trace.graph))
     between = [joint.fixed @ joint.motion(chain.zero, chain.one) for joint in chain.joints]
     ordered: list[Frame[Value]] = [chain.base @ between[0], *between[1:], chain.tool]
     return [entry for frame in ordered for row in frame.rows(chain.zero, chain.one)[:3] for entry in row]
@@ -315,10 +312,8 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
     solution: GeneralSolution | None = payload.solution if payload else None
     places = tuple(sorted(graph.places))
     entries = next((known for known in (WHOLE, POSITION) if tuple(sorted(known)) == places), places)
-    words = "the frames between the joints"
-    formulation, tape = trace.choice.cheapest([Formulation(words, lambda: frames(trace))])
-    given = {GIVEN: len(graph.given)} if graph.given else {}
-    widths = {POSE: POSE_ENTRIES, **given, NEAR: trace.n}
+    formulation, tape = trace.choice.cheapest([Formulation("the frames between the joints", lambda: frames(trace))])
+    widths = {POSE: POSE_ENTRIES, **({GIVEN: len(graph.given)} if graph.given else {}), NEAR: trace.n}
     function = Function(SEARCH_INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths)
     return InverseSearch(
         function=function,

@@ -1,7 +1,4 @@
-"""From robots to verified folders: render in memory, write beside the target, verify there, take its place.
-
-Of several robots, one after the other or at once, one failure does not stop the rest.
-"""
+"""From robots to verified folders: render in memory, write beside the target, verify there, take its place."""
 
 import gc
 import multiprocessing
@@ -311,8 +308,7 @@ def check_many(
 ) -> list[CheckResult | BuildFailure]:
     """Checks robots as `check_robot` does."""
     names = None if targets is None else tuple(targets)
-    work = partial(check_robot, out=out, targets=names, effort=effort, only=only)
-    return _run(work, robots, jobs, progress)
+    return _run(partial(check_robot, out=out, targets=names, effort=effort, only=only), robots, jobs, progress)
 
 
 def _run(

@@ -68,10 +68,9 @@ def rendering(
     with in_another_process(lambda: {each.name: each.render(without_program) for each in early}) as early_texts:
         source = source_of(robot, targets, effort)
         heading = {"title": python_docstring(robot.title), "name": robot.name, "version": __version__}
-        package = templating.render("package/__init__.py.jinja", **heading).encode()
 
         def _made() -> Rendered:
-            files = {PACKAGE: package}
+            files = {PACKAGE: templating.render("package/__init__.py.jinja", **heading).encode()}
             for target in targets:
                 files |= rendered.get(target.name, {})
             files[MANIFEST] = manifest_text(source, targets, files, effort).encode()

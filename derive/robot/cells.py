@@ -182,8 +182,7 @@ class Cells:
     def constant(self, path: KeyPath, value: Expression, found: str, allowed: str) -> Expression:
         """A cell that is a number, without any name."""
         if not is_constant(value):
-            name = next(names(value))
-            raise self.document.error(path, f"name '{name}' in {found}", allowed, "write its number")
+            raise self.document.error(path, f"name '{next(names(value))}' in {found}", allowed, "write its number")
         return value
 
     def to_radians(self, path: KeyPath, expression: Expression) -> Expression:

@@ -120,9 +120,7 @@ def power(base: Expression, exponent: int) -> Expression:
         return base
     if isinstance(base, Number):
         return Number(base.value**exponent)
-    if isinstance(base, Power):
-        return power(base.base, base.exponent * exponent)
-    return Power(base, exponent)
+    return power(base.base, base.exponent * exponent) if isinstance(base, Power) else Power(base, exponent)
 
 
 def negate(expression: Expression) -> Expression:

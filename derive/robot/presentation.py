@@ -43,8 +43,7 @@ def with_options(
         options = replace(options, notation=handout.chosen_notation(notation, options.notation))
     if q is not None:
         figure = replace(figure, q=joint_values(robot, q))
-    grouped = robot.style if style is None else Style.of(style)
-    return replace(robot, handout=options, figure=figure, style=grouped)
+    return replace(robot, handout=options, figure=figure, style=robot.style if style is None else Style.of(style))
 
 
 def read_style(document: Document) -> Style:

@@ -52,8 +52,7 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
             found[path] = Remark(document.location(path), what, "the constant is written pi")
     named = {term.name for _, angle in angles for _, term in tree.linear_terms(angle) if isinstance(term, Name)}
     angles += [(path, cells.raw(path)) for path in _symbol_paths(robot) if path[-1] in named]
-    slips = [(path, _slip(path, angle, robot.units)) for path, angle in angles]
-    for path, slip in [*slips, *_sizes(robot)]:
+    for path, slip in [*((path, _slip(path, angle, robot.units)) for path, angle in angles), *_sizes(robot)]:
         if path not in found and slip is not None:
             found[path] = Remark(document.location(path), f"{path_text(path)}: {slip[0]}", slip[1])
     return tuple(sorted(found.values(), key=lambda remark: (remark.location.line, remark.location.column)))

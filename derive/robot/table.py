@@ -193,12 +193,8 @@ def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterabl
                 allowed = f"allowed: a rotation to within {ROTATION_TOLERANCE:g}"
                 raise document.error((key, i), found, allowed, remedy)
         # orthogonal with determinant -1: a reflection, that is a left-handed frame
-        determinant = (
-            m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
-            - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-        )
-        if determinant < 0:
+        cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+        if sum(m[0][i] * (m[1][j] * m[2][k] - m[1][k] * m[2][j]) for i, j, k in cycles) < 0:
             found = "reflection: the rotation block has determinant -1"
             raise document.error((key,), found, remedy="change the sign of one column")
 

@@ -86,8 +86,7 @@ def _nearest_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
 
 
 def _inverse_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dict[str, object]:
-    function = inverse.function
-    widths = dict(function.widths) | ({"k": text["constant_count"]} if text["constant_count"] else {})
+    widths = dict(inverse.function.widths) | ({"k": text["constant_count"]} if text["constant_count"] else {})
     count, size = len(widths), inverse.branches * inverse.joints
     inputs = tuple(Input(name, width, i, count + 2 + i) for i, (name, width) in enumerate(widths.items()))
     return {

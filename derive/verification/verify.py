@@ -139,14 +139,11 @@ def _worst_error(where: str, function: str, trial: Trial, expected: Expectation)
         with np.errstate(all="ignore"):
             got = np.asarray(trial.run(), dtype=float)
     except Exception as error:
-        divided = isinstance(error, (ArithmeticError, np.linalg.LinAlgError))
-        if divided and not expected.regular.all():
+        if isinstance(error, (ArithmeticError, np.linalg.LinAlgError)) and not expected.regular.all():
             return 0.0  # by zero, which may be right there
         found = f"{where} raises {type(error).__name__}: {error} ({trial.how})"
         raise VerificationError(found, remedy=REMEDY) from error
-    shape = expected.value.shape
-    if trial.repeated:
-        shape = (trial.repeated, *shape[1:])
+    shape = (trial.repeated, *expected.value.shape[1:]) if trial.repeated else expected.value.shape
     if got.shape != shape:
         found = f"{where} returns shape {got.shape} instead of {shape} ({trial.how})"
         raise VerificationError(found, remedy=REMEDY)

@@ -224,9 +224,8 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     """The curves on which a function of two variables is zero, as short lines: (2 variables, lines, 2 ends)."""
     # The zeros on the lines of a grid are found by bisection; in each cell they are joined, all of them where there are
     # four, which closes every crossing.
-    values = np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs)))
     # Grid lines whose ends have different signs, in both directions; joints that turn all around close the grid.
-    above = np.array(values >= 0.0)
+    above = np.array(np.broadcast_to(function(us[:, None], vs[None, :]), (len(us), len(vs))) >= 0.0)
     for axis, is_closed in enumerate(closed):
         if is_closed:
             np.moveaxis(above, axis, 0)[-1] = np.moveaxis(above, axis, 0)[0]

@@ -140,9 +140,7 @@ def _places_inside(faces: Any) -> Array:
 
 def joined(cells: Any, size: float) -> Region:
     """Cells joined to one area."""
-    if not len(cells):
-        return shapely().Polygon()
-    return closed(shapely().unary_union(cells), 2.0 * _THIN * size)
+    return closed(shapely().unary_union(cells), 2.0 * _THIN * size) if len(cells) else shapely().Polygon()
 
 
 def by_number(area: Area, numbers: Callable[[Array], Array], size: float) -> tuple[tuple[int, Region], ...]:

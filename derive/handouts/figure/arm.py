@@ -110,8 +110,7 @@ class _Stage:
         for segment in self.scene.segments:
             self._draw_length(segment)
         if self.robot.n <= _MOST_NAMES:
-            centers = joint_centers(self.scene, self.scale, sizes)
-            for joint, center in zip(self.robot.joints, centers, strict=True):
+            for joint, center in zip(self.robot.joints, joint_centers(self.scene, self.scale, sizes), strict=True):
                 latex = self.data.notation.glyph(joint.variable).box.tex.strip()
                 places = around(self.view.flat(center), (1.0, 0.3), 11.0 + 4.0 * sizes.factor)
                 self.paper.label(latex, places, DIMENSION)

@@ -118,8 +118,7 @@ def _runs(tokens: Iterator[str], style: LabelRun, *, one: bool = False) -> Itera
         elif name in _STYLES:
             yield from _runs(tokens, replace(style, style=_STYLES[name]), one=True)
         elif name in _ACCENTS:
-            accented = _runs(tokens, style, one=True)
-            yield from (replace(run, text=run.text + _ACCENTS[name]) for run in accented)
+            yield from (replace(run, text=run.text + _ACCENTS[name]) for run in _runs(tokens, style, one=True))
         elif name == "frac":
             yield from _runs(tokens, style, one=True)
             yield replace(style, text="/", style="upright")

@@ -31,8 +31,7 @@ _ONE_POINT = 1e-9  # a workspace smaller than this is a point, which gives a plo
 
 def workspace_bytes(views: Sequence[WorkspaceView], suffix: str, title: str, scale: float = 1.0) -> bytes:
     """The plot as the contents of a file."""
-    matplotlib = require_matplotlib()
-    with matplotlib.rc_context({**STYLE, **_SETTINGS}):
+    with require_matplotlib().rc_context({**STYLE, **_SETTINGS}):
         from matplotlib.figure import Figure
 
         width = scale * WIDTH / POINTS_PER_INCH
@@ -90,6 +89,5 @@ def _fill(axes: Any, region: Region, picture: Picture, color: Any, edge: Any, na
     _, low, right, high = region.bounds
     strip = package.box(-right, low - right, 1e-4 * right, high + right) if picture is Picture.SECTION else None
     for ring in rings:
-        border = ring if strip is None else ring.difference(strip)
-        for line in package.get_parts(border):
+        for line in package.get_parts(ring if strip is None else ring.difference(strip)):
             axes.plot(*np.asarray(line.coords).T, color=edge, solid_joinstyle="round")

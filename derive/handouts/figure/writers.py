@@ -178,8 +178,7 @@ def require_matplotlib() -> Any:
 
 def drawing_bytes(drawing: Drawing, suffix: str, scale: float = 1.0) -> bytes:
     """A drawing as the contents of a file."""
-    matplotlib = require_matplotlib()
-    with matplotlib.rc_context(STYLE):
+    with require_matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
         from matplotlib.patches import Polygon
 

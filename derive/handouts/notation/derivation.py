@@ -139,13 +139,9 @@ def headline(found: InverseKinematics) -> str:
 
 def reason(found: InverseKinematics, step: PrintedStep) -> str:
     """Where the equations of a step come from, in words."""
-    match step.kind:
-        case NodeKind.GIVEN:
-            return "given"
-        case NodeKind.SUM:
-            return "from the angles already found"
     if step.kind is not NodeKind.GENERAL:
-        return _sources(found.robot, step.equations)
+        known = {NodeKind.GIVEN: "given", NodeKind.SUM: "from the angles already found"}
+        return known.get(step.kind) or _sources(found.robot, step.equations)
     formula = next(node.formulas[0] for node in found.graph.nodes if node.kind is NodeKind.GENERAL).payload
     hidden, others, eliminated = formula.joints
     (joint,) = step.joints

@@ -30,12 +30,8 @@ class MassBody:
 
 def bodies(robot: Robot) -> tuple[MassBody, ...]:
     """Links with mass or inertia, each followed by the rotor of its joint."""
-    found: list[tuple[int, bool]] = []
-    for i, link in enumerate(robot.links, 1):
-        if link.mass != ZERO or link.inertia != Inertia():
-            found.append((i, False))
-        if has_rotor(link):
-            found.append((i, True))
+    kinds = [(link.mass != ZERO or link.inertia != Inertia(), has_rotor(link)) for link in robot.links]
+    found = [(i, is_rotor) for i, has in enumerate(kinds, 1) for is_rotor in (False, True) if has[is_rotor]]
     return tuple(MassBody(place, *body) for place, body in enumerate(found))
 
 
@@ -272,8 +268,7 @@ def gravity(context: Context) -> Iterator[Block]:
         return
     yield context.paragraph("The gradient of the potential energy.")
     yield textbook("gravity_vector", rotors=has_rotors(context.robot))
-    task = context.text("Find the gravity vector.")
-    yield formula(context, context.dynamics.closed("g"), "gravity_vector", task)
+    yield formula(context, context.dynamics.closed("g"), "gravity_vector", context.text("Find the gravity vector."))
 
 
 def equations_of_motion(context: Context) -> Iterator[Block]:

@@ -42,10 +42,9 @@ def example(context: Context) -> Iterator[Block]:
     if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
         return
     # lengths and angles without a number, with those of the drawing
-    drawn = context.poses.assumed if context.poses is not None else ()
     assumed: dict[str, Expression] = {
         name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
-        for name, value, unit in drawn
+        for name, value, unit in (context.poses.assumed if context.poses is not None else ())
     }
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     chosen = configuration(robot)
@@ -151,10 +150,9 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     python = "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
-        columns = enumerate(zip(*rows, strict=True), 1)
         lines = pack(
             concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(context, value)] for value in column]))
-            for k, column in columns
+            for k, column in enumerate(zip(*rows, strict=True), 1)
         )
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, python),)

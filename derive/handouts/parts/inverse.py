@@ -288,8 +288,7 @@ class _InversePart:
         if step.exists is not sympy.true:
             # |D| <= 1, or A^2 + B^2 >= K^2
             left, right = step.exists.lhs, self._tex(step.exists.rhs)
-            is_size = isinstance(left, sympy.Abs)
-            shown = f"\\lvert {self._tex(left.args[0])} \\rvert" if is_size else self._tex(left)
+            shown = f"\\lvert {self._tex(left.args[0])} \\rvert" if isinstance(left, sympy.Abs) else self._tex(left)
             sign = "\\leq" if step.exists.rel_op == "<=" else "\\geq"
             yield _(
                 "Real if %(condition)s; at equality (workspace boundary) the two solutions coincide.",

@@ -179,8 +179,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
         used = [(3, 1), (1, 2), (2, 2)]
     else:
-        by_sine = _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3)))
-        angles = _atan2(t(3, 2), t(3, 3)), by_sine, _atan2(t(2, 1), t(1, 1))
+        angles = _atan2(t(3, 2), t(3, 3)), _atan2(minus(t(3, 1)), _root(t(3, 2), t(3, 3))), _atan2(t(2, 1), t(1, 1))
         used = [(3, 2), (3, 3), (3, 1), (2, 1), (1, 1)]
     yield from _angles(context, names, angles, used, context.entries.rpy, task)
     if is_upright:
@@ -228,8 +227,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
         used = [(3, 3), (2, 1), (1, 1)]
     else:
-        by_cosine = _atan2(_root(t(1, 3), t(2, 3)), cosine)
-        angles = _atan2(t(2, 3), t(1, 3)), by_cosine, _atan2(t(3, 2), minus(t(3, 1)))
+        angles = _atan2(t(2, 3), t(1, 3)), _atan2(_root(t(1, 3), t(2, 3)), cosine), _atan2(t(3, 2), minus(t(3, 1)))
         used = [(2, 3), (1, 3), (3, 3), (3, 2), (3, 1)]
     yield from _angles(context, names, angles, used, context.entries.euler_zyz, task)
     if is_parallel:
@@ -252,8 +250,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
 
 
 def _rotations(axes: str, names: Sequence[Box]) -> str:
-    pairs = zip(axes, names, strict=True)
-    return "\\,".join(f"\\mathrm{{Rot}}({axis},{name.tex.strip()})" for axis, name in pairs)
+    return "\\,".join(f"\\mathrm{{Rot}}({axis},{name.tex.strip()})" for axis, name in zip(axes, names, strict=True))
 
 
 def _angles(

@@ -163,8 +163,7 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
     # Greedy: after each cut the pages are counted anew, and the first document that fits is taken.
     sections = {section.part: section for section in document.sections}
     touched: list[str] = []
-    sparing = _Sparing(limit, text)
-    for part, shorter in _shortened(sections, sparing):
+    for part, shorter in _shortened(sections, _Sparing(limit, text)):
         if shorter == sections.get(part):
             continue
         touched += [part] if part not in touched else []

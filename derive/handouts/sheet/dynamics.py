@@ -81,8 +81,7 @@ class DynamicsLayout:
         policy = replace(
             self.layouter.policy, flat_terms=40, quantity_entries=4, entry_lines=6, quantity_lines=24, landscape_total=0
         )
-        layouter = replace(self.layouter, policy=policy)
-        return layouter.lay_out(
+        return replace(self.layouter, policy=policy).lay_out(
             symbol, lambda i, j: script(held, italic(f"{i}{j}")), quantity, group=group, symmetric=symmetric
         )
 

@@ -52,9 +52,8 @@ class InverseSolver:
     @classmethod
     def of(cls, robot: Robot, graph: SolutionGraph, parameters: Mapping[str, float] | None = None) -> InverseSolver:
         """The solver of an arm; parameters without a number in the file need one, others may have another."""
-        entries = tuple(sorted(graph.places))
         numbers = parameter_values(robot, parameters)
-        return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), entries)
+        return cls(graph, NumericChain.of(robot, parameters), FloatField(numbers), tuple(sorted(graph.places)))
 
     def solve(
         self,

@@ -191,8 +191,7 @@ class Evidence:
         # A polynomial of second degree on the circle: interpolated in 1, c, s, c^2, c s, checked at one more place.
         values = np.concatenate([rows[:, :, :1], rows[:, :, span]], axis=2)
         if change.group >= 0:
-            points = [(1, 0), *self._nodes]
-            basis = [[1, c, s, c * c % p, c * s % p] for c, s in points]
+            basis = [[1, c, s, c * c % p, c * s % p] for c, s in [(1, 0), *self._nodes]]
             degree_of = np.array([0, 1, 1, 2, 2])
         else:
             basis = [[1, r, r * r % p] for r in (0, *self._steps)]

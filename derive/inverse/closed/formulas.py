@@ -260,10 +260,8 @@ class GraphDerivation:
 
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs."""
-        owners: dict[str, Unknown] = {}
         needed = {name for formula in formulas for name in _names_of_formula(formula)}
-        for unknown in self.domain.unknowns():
-            owners.update(dict.fromkeys(unknown.generators, unknown))
+        owners = {name: unknown for unknown in self.domain.unknowns() for name in unknown.generators}
         parts = {part for formula in formulas for part, _ in formula.parts}
         wanted = parts | {owners[name] for name in needed if name in owners}
         needs = tuple(sorted({self._ensure(unknown) for unknown in wanted - set(unknowns)}))
@@ -300,8 +298,7 @@ class GraphDerivation:
         return NodeFormula(choice.kind, known) if len(known) == len(equations) else None
 
     def _equation(self, number: int, state: State, unknown: Unknown) -> NodeEquation | None:
-        p = self.domain.rewritten(self.polynomial(number), state, unknown)
-        terms = self._terms(p, state, unknown)
+        terms = self._terms(self.domain.rewritten(self.polynomial(number), state, unknown), state, unknown)
         if not any(map(any, terms)):
             return None
         source = self._source(number)

@@ -188,8 +188,7 @@ class _Leaving:
         joints = [(np.cos(x), np.sin(x)) if j.is_revolute else (x,) for j, x in zip(graph.robot.joints, q, strict=True)]
         frame: Any = pose_of(GraphWalk(graph, field, []), joints)
         rotation = np.array([[float(x) for x in row] for row in frame.rotation])
-        position = np.array([float(x) for x in frame.position])
-        poses = self._around(rotation, position)
+        poses = self._around(rotation, np.array([float(x) for x in frame.position]))
         given = [q[k] - field.constant(graph.shifts[k]) + np.zeros(13) for k in graph.given]
         self._run: GraphWalk[Any, Any] = GraphWalk(
             graph, field, [[poses[:, i, j] for j in range(4)] for i in range(3)], given

@@ -127,8 +127,7 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
     """The number of leaves that lead to the pose; 0 where some square root is missing at every sample."""
     residues = ResidueDomain(sampled, _SAMPLES, seed=2)
     field = PrimeField(residues, numbers)
-    chain = build_chain(sampled.robot, residues)
-    frame = forward_kinematics(chain)
+    frame = forward_kinematics(build_chain(sampled.robot, residues))
     pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
     given = []
     for k in graph.given:
@@ -195,8 +194,7 @@ class Freedom:
     def __init__(self, robot: Robot, task: Task) -> None:
         numbers = baked(robot)
         self.robot = with_numbers(shifted(with_numbers(robot, numbers))[0], numbers)
-        domain = InverseDomain(self.robot)
-        residues = ResidueDomain(domain, 1, seed=3)
+        residues = ResidueDomain(InverseDomain(self.robot), 1, seed=3)
         chain = build_chain(self.robot, residues)
         rotation = forward_kinematics(chain).rotation
         columns = list(zip(*jacobian(chain), strict=True))
@@ -282,5 +280,4 @@ class Freedom:
         """Whether the axes of three joints meet in one point."""
         if not all(joint.is_revolute for joint in self.robot.joints[first : first + 3]):
             return False
-        position = self._pool.inside(first, first + 2).position
-        return not any(np.any(x.values) for x in position)
+        return not any(np.any(x.values) for x in self._pool.inside(first, first + 2).position)

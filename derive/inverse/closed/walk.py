@@ -9,6 +9,7 @@ depend on theta_1, so that both together cost two evaluations and have four valu
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -95,8 +96,7 @@ class GraphWalk(Generic[N, M]):
                 exists, boundary = exists & value.exists, boundary | value.boundary
                 ill, doubt = ill | value.ill, doubt | value.doubt
             joints = tuple(values[home].numbers[k] for home, k in homes)
-            free = tuple(values[home].free for home, _ in homes)
-            yield Leaf(joints, exists, free, boundary, ill, doubt)
+            yield Leaf(joints, exists, tuple(values[home].free for home, _ in homes), boundary, ill, doubt)
 
     def angles(self, leaf: Leaf[N, M]) -> tuple[N, ...]:
         """The joint variables of a solution: angles in (-pi, pi] less their shifts, lengths, and what was given."""
@@ -225,8 +225,7 @@ class Posture(MappedDomain[N]):
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[N, N]:
         """Cosine and sine of ``sign*q + theta``."""
         cosine, sine = self._joints[index]
-        own = (cosine, sine if joint.sign > 0 else -sine)
-        return turned(own, self.cosine_sine(joint.theta))
+        return turned((cosine, sine if joint.sign > 0 else -sine), self.cosine_sine(joint.theta))
 
     def joint_offset(self, index: int, joint: Joint) -> N:
         """The offset ``sign*q + d`` [m]."""
@@ -247,11 +246,7 @@ def horner(p: Polynomial) -> Plan:
 
 def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
     # The generator in most terms; in equal numbers the first one, for one order on every machine.
-    counts: dict[int, int] = {}
-    for exponents in terms:
-        for i, e in enumerate(exponents):
-            if e:
-                counts[i] = counts.get(i, 0) + 1
+    counts = Counter(i for exponents in terms for i, e in enumerate(exponents) if e)
     if not counts:
         return next(iter(terms.values()), Fraction(0))
     best = max(counts, key=lambda i: (counts[i], -i))

@@ -144,8 +144,7 @@ class _System:
         before = math.prod(self.powers(other) for other in self.others[: self.others.index(self.multiplied)])
         split = rows.reshape(count, 3, before, own, rows.size // (3 * own * count * before))
         product_ = np.tensordot(split, whole, axes=([3], [1]))  # rows, 3, before, after, factor, ext
-        moved = product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1)
-        return self.loop.settle(moved)
+        return self.loop.settle(product_.transpose(4, 0, 1, 2, 5, 3).reshape(2 * count, 3, -1))
 
     def count(self) -> int:
         columns, prime = self.coefficients.shape[2], self.prime
@@ -251,9 +250,8 @@ class _System:
 
 def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Elimination]:
     """Every way to make a regular eigenvalue problem of a loop, at a generic pose, (1, 4, 4)."""
-    ways = closures(loop)
     groups: dict[tuple[int, ...], list[Closure]] = {}
-    for way in ways:
+    for way in closures(loop):
         groups.setdefault(way.unknowns, []).append(way)
     for unknowns, group in groups.items():
         # Of the ways around with the same unknowns the one from which the eliminated joints follow best.
@@ -267,12 +265,10 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
             reductions.sort(key=lambda each: each.closure.aligned != hidden)
             choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
             others = [joint for joint in unknowns if joint != hidden]
-            for chosen in choices:
-                for multiplied in (None, *others):
-                    trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
-                    rows = _rows(loop, pose, trial)
-                    if rows is not None:
-                        yield replace(trial, rows=rows)
+            for chosen, multiplied in product(choices, (None, *others)):
+                trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
+                if (rows := _rows(loop, pose, trial)) is not None:
+                    yield replace(trial, rows=rows)
 
 
 def _rank(matrix: Array) -> int:
@@ -328,10 +324,9 @@ def _rows(loop: Loop, pose: Array, elimination: Elimination) -> tuple[int, int, 
 
 def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entries = POSE) -> tuple[Elimination, ...]:
     """The eliminations that find all solutions of an arm, compared at random poses."""
-    draw = np.random.default_rng(7)
     span = np.where(chain.revolute, math.pi, chain.reach)
     # Poses of random configurations, so that it is known which solutions there are.
-    q = draw.uniform(-span, span, (POLICY.trials, chain.n))
+    q = np.random.default_rng(7).uniform(-span, span, (POLICY.trials, chain.n))
     poses, values = chain.pose_and_jacobian(q)[0], q[:, list(given)] if given else None
     loop, free = free_loop(chain, given, None if values is None else values[:1], entries)
     pose, results = scaled(poses[:1], chain.reach), []

@@ -84,9 +84,7 @@ class Shape:
         self._robot, n = robot, robot.n
         revolute = [joint.is_revolute for joint in robot.joints]
         axes = example.axes
-        self.wrist: int | None = None
-        if (n >= 6 or (n == 3 and _meet(example))) and all(revolute[-3:]):
-            self.wrist = n - 2
+        self.wrist = n - 2 if (n >= 6 or (n == 3 and _meet(example))) and all(revolute[-3:]) else None
         before = n if self.wrist is None else n - 3
         self.elbow: int | None = None
         self._upper = 0
@@ -196,9 +194,7 @@ def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
     """The point of one line that is nearest to another."""
     normal = _cross(a, b)
     square = float(normal @ normal)
-    if square < SMALL:
-        return p
-    return p + (_cross(q - p, b) @ normal) / square * a
+    return p if square < SMALL else p + (_cross(q - p, b) @ normal) / square * a
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

@@ -229,8 +229,7 @@ class _Reading:
         # x^2 + b x = (x + b/2)^2 - b^2/4 for every coordinate with a plain square.
         places = sorted(self._places & e.free_symbols, key=str)
         p = sympy.Poly(e, *places)
-        squares = [p.coeff_monomial(x**2) for x in places]
-        known = [c for c in (*squares, *p.coeffs()) if c.is_number and c != 0]
+        known = [c for c in (*[p.coeff_monomial(x**2) for x in places], *p.coeffs()) if c.is_number and c != 0]
         scale = known[0] if known else sympy.S.One
         p = sympy.Poly(sympy.expand(e / scale), *places)
         rest = p.coeff_monomial(1)

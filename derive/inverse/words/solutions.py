@@ -218,8 +218,7 @@ class InverseKinematics:
                 floats = {str(symbol): float(x) for symbol, x in known.items() if symbol not in self._variables}
                 given = [float(known[self._variables[k]]) for k in self.graph.given]
                 every = InverseSolver.of(self.robot, self.graph, floats).solve(goal, given).q
-                for q in every[np.isfinite(every).all(axis=-1)]:
-                    columns.append([written(mpmath.mpf(float(x))) for x in q])
+                columns += [[written(mpmath.mpf(float(x))) for x in q] for q in every[np.isfinite(every).all(axis=-1)]]
             for solution in self.solutions:
                 numbers = solution.numbers(values)
                 if numbers is not None and self.error(values, numbers) < CLOSE:

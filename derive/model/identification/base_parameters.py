@@ -75,8 +75,7 @@ class ColumnSolver:
             if len(pivots) < len(basis):
                 raise Unproven("columns that are independent at the points are not")
             chosen = [rows[k] for k in pivots]
-        matrix = [row[:-1] for row in chosen]
-        scale = determinant(matrix) if basis else self.domain.ring.one
+        scale = determinant([row[:-1] for row in chosen]) if basis else self.domain.ring.one
         tops = [determinant([[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen]) for k in range(len(basis))]
         # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
         for row in rows:
@@ -198,8 +197,7 @@ def _independent(
     n = domain.robot.n
     residues = ResidueDomain(domain, samples)
     units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), ends=False)
-    pairs = [(a, b) for a in range(n) for b in range(a, n)]
-    place = {pair: k for k, pair in enumerate(pairs)}
+    place = {pair: k for k, pair in enumerate([(a, b) for a in range(n) for b in range(a, n)])}
     # Entries of B (upper triangle) and g at every sample, one column for each parameter.
     matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
     for j, parameter in enumerate(candidates):

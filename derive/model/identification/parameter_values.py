@@ -60,9 +60,8 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
             turning = axial_tensor(inertia - ratio * inertia, axis(chain.joints[i - 1]))
             bodies[i - 2] = bodies[i - 2] + Body(z, chain.null, turning)
     grouped = regroup(replace(chain, bodies=tuple(bodies))).bodies
-    values: dict[Parameter, S] = {}
-    for p in [*base.parameters, *(relation.parameter for relation in base.relations)]:
-        values[p] = _value(p, robot, grouped, domain)
+    everything = (*base.parameters, *(relation.parameter for relation in base.relations))
+    values = {p: _value(p, robot, grouped, domain) for p in everything}
     for p, added in armatures.items():
         values[p] = values[p] + added
     return values

@@ -82,8 +82,7 @@ def pseudo_inertias(parameters: Array) -> Array:
         [-xz, -yz, (xx + yy - zz) / 2, hz],
         [hx, hy, hz, m],
     ]
-    found: Array = np.moveaxis(np.array(rows), 2, 0)
-    return found
+    return np.asarray(np.moveaxis(np.array(rows), 2, 0))
 
 
 def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
@@ -107,8 +106,7 @@ def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
         found.append(np.block(rows) / sqrt(weight))
     units = np.array(found)
     # A congruence U P U^T: it keeps a pseudo-inertia semidefinite.
-    moved = np.moveaxis(pseudo_inertias(along), 3, 1)
-    changes = np.einsum("nab,nkbc,ndc->nkad", units, moved, units)
+    changes = np.einsum("nab,nkbc,ndc->nkad", units, np.moveaxis(pseudo_inertias(along), 3, 1), units)
     own = packed(np.einsum("nab,nbc,ndc->nad", units, given, units))
     return Bodies(own, packed(changes).swapaxes(1, 2), units, np.zeros(len(given)))
 
@@ -116,8 +114,7 @@ def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
 def least_eigenvalues(bodies: Bodies, steps: Array | None = None) -> Array:
     """(n,) least eigenvalue of each pseudo-inertia in the units of its link, after steps along directions if any."""
     moved = bodies.given if steps is None else bodies.given + bodies.along @ steps
-    found: Array = np.linalg.eigvalsh(unpacked(moved))[..., 0]
-    return found
+    return np.asarray(np.linalg.eigvalsh(unpacked(moved))[..., 0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,8 +178,7 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
 def _masses(bodies: Bodies, more: int) -> list[Limit]:
     """What ``masses`` asks for, of functions of the steps and of some more variables."""
     least_masses, slopes = bodies.given[:, -1] - bodies.masses, _slopes(bodies, more)[:, -1]
-    places = np.flatnonzero(bodies.masses)
-    return [Limit(Cone.NOT_NEGATIVE, least_masses[i, None], slopes[i, None]) for i in places]
+    return [Limit(Cone.NOT_NEGATIVE, least_masses[i, None], slopes[i, None]) for i in np.flatnonzero(bodies.masses)]
 
 
 def needed(bodies: Bodies, target: Array) -> list[int]:
@@ -205,8 +201,7 @@ def nearest(bodies: Bodies, target: Array) -> Array:
     limits = [*map(_beyond, bodies.given, slopes, target), *_masses(bodies, 0)]
     # Least squares of all changes, |A x|^2 with A the stacked directions.
     every = slopes.reshape(-1, slopes.shape[2])
-    found: Array = least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies)
-    return found
+    return np.asarray(least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies))
 
 
 def _beyond(body: Array, slope: Array, margin: float) -> Limit:
@@ -215,8 +210,7 @@ def _beyond(body: Array, slope: Array, margin: float) -> Limit:
 
 def _column_units(bodies: Bodies) -> Array:
     """What a step along each direction is measured in, so that all are alike to the solver."""
-    found: Array = 1 / np.sqrt((bodies.along**2).sum(axis=(0, 1)))
-    return found
+    return np.asarray(1 / np.sqrt((bodies.along**2).sum(axis=(0, 1))))
 
 
 def _slopes(bodies: Bodies, more: int = 0) -> Array:
@@ -302,10 +296,8 @@ def possible(robot: Robot) -> Possible:
 def wants_possible(inertia: str) -> bool:
     """Whether physically consistent bodies are asked for."""
     if inertia not in INERTIAS:
-        allowed = f"allowed: {', '.join(INERTIAS)}"
-        raise DeriveError(
-            f"unknown choice of inertia {quoted(inertia)}", allowed=allowed, remedy=near_miss(inertia, INERTIAS)
-        )
+        found, allowed = f"unknown choice of inertia {quoted(inertia)}", f"allowed: {', '.join(INERTIAS)}"
+        raise DeriveError(found, allowed=allowed, remedy=near_miss(inertia, INERTIAS))
     return inertia == "possible"
 
 
@@ -364,8 +356,7 @@ def _moved_link(link: Link, chain: Chain[Exact], i: int, change: Sequence[Exact]
     mass = _kept(link.mass, body.mass, domain)
     # From the joint frame to the link's: first moment about its origin, tensor about its centre (Steiner).
     m = domain.constant(mass)
-    moment = add(body.first_moment, scale(-body.mass, end.position))
-    moments = multiply(turned, moment)
+    moments = multiply(turned, add(body.first_moment, scale(-body.mass, end.position)))
     com = link.com
     if not massless:
         x, y, z = (_kept(old, h / body.mass, domain) for old, h in zip(link.com, moments, strict=True))

@@ -30,8 +30,7 @@ Direction = list[Exact]  # a change of all links' parameters
 
 def bare_chain(robot: Robot, domain: ExactDomain) -> Chain[Exact]:
     """The links of an arm without the rotors that they carry."""
-    links = tuple(replace(link, motor=None) for link in robot.links)
-    return build_chain(replace(robot, links=links), domain)
+    return build_chain(replace(robot, links=tuple(replace(link, motor=None) for link in robot.links)), domain)
 
 
 def parameters_of(body: Body[Exact]) -> list[Exact]:

@@ -78,8 +78,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
 def packed(matrices: Array) -> Array:
     """Symmetric matrices as vectors."""
     rows, columns = _triangle(matrices.shape[-1])
-    found: Array = matrices[..., rows, columns] * np.where(rows == columns, 1.0, sqrt(2))
-    return found
+    return np.asarray(matrices[..., rows, columns] * np.where(rows == columns, 1.0, sqrt(2)))
 
 
 def unpacked(vectors: Array) -> Array:

@@ -169,8 +169,7 @@ def _in_units(factors: Sequence[float], units: Array) -> Array:
     """The matrices of functions, one a link after the other, in the units of the links."""
     inverses = np.linalg.inv(units)
     matrices = [function_matrix(factors[WIDTH * i : WIDTH * (i + 1)]) for i in range(len(units))]
-    found: Array = np.einsum("nba,nbc,ncd->nad", inverses, np.array(matrices), inverses).ravel()
-    return found
+    return np.asarray(np.einsum("nba,nbc,ncd->nad", inverses, np.array(matrices), inverses).ravel())
 
 
 def _still(chain: Chain[Exact]) -> list[Direction]:

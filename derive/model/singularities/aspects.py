@@ -173,10 +173,8 @@ class _Look:
 
     def poses(self) -> Iterator[Array]:
         """The real solutions of random poses, (solutions, n) each."""
-        q = random_configurations(self._chain, POSES, 8)
-        goal, _ = self._chain.pose_and_jacobian(q)
-        solver = InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values)
-        for found in solver.solve(goal).q:
+        goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, POSES, 8))
+        for found in InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values).solve(goal).q:
             yield found[np.isfinite(found).all(axis=-1)]
 
     def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
@@ -199,8 +197,7 @@ class _Look:
 
     def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
         """For each solution in closed form the signs of the factors, where they are the same at all poses."""
-        q = random_configurations(self._chain, _LOOKED_AT, 10)
-        goal, _ = self._chain.pose_and_jacobian(q)
+        goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, _LOOKED_AT, 10))
         for solution in self._inverse.solutions if self.conditions else ():
             seen = set[tuple[int, ...]]()
             for pose in goal:
@@ -304,15 +301,11 @@ class Roadmap:
     def _way(self, start: Array, end: Array) -> Array:
         """The shortest way, around by the other side where angles are nearer there."""
         way = end - start
-        found: Array = np.where(self._chain.revolute, way - 2.0 * math.pi * np.round(way / (2.0 * math.pi)), way)
-        return found
+        return np.asarray(np.where(self._chain.revolute, way - 2.0 * math.pi * np.round(way / (2.0 * math.pi)), way))
 
     def _near(self, q: Array) -> list[list[int]]:
-        found = []
-        for own in q:
-            way = self._way(own, self._places)[:, self._active]
-            found.append(np.argsort(np.sum(way**2, axis=-1), kind="stable")[: _NEIGHBOURS + 1].tolist())
-        return found
+        ways = (self._way(own, self._places)[:, self._active] for own in q)
+        return [np.argsort(np.sum(way**2, axis=-1), kind="stable")[: _NEIGHBOURS + 1].tolist() for way in ways]
 
     def _clearances(self, starts: Array, ends: Array) -> Array:
         """The smallest amount of det J on straight pieces; 0 where it changes its sign."""

@@ -241,12 +241,8 @@ def _of_minors(robot: Robot, style: Style) -> Singularities:
     alone = tuple(SingularFactor(family[0].expression, 1, family[0]) for family in families if len(family) == 1)
     task = () if robot.inverse.task == POSE else task_words(robot.inverse.task)
     shape = (sum(FREEDOMS.get(word, 1) for word in robot.inverse.task), robot.n)
-    if loss.rank < min(shape):
-        outcome = Outcome.EVERYWHERE
-    elif families:
-        outcome = Outcome.FOUND
-    else:
-        outcome = Outcome.NEVER if loss.complete else Outcome.UNSOLVED
+    alike = Outcome.NEVER if loss.complete else Outcome.UNSOLVED
+    outcome = Outcome.EVERYWHERE if loss.rank < min(shape) else Outcome.FOUND if families else alike
     zero = sympy.S.Zero if outcome is Outcome.EVERYWHERE else None
     unless = tuple(map(write, loss.unless))
     return Singularities(outcome, (), zero, alone, task, shape, loss.rank, families, loss.complete, unless)

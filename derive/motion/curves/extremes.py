@@ -172,5 +172,4 @@ def _inner_zeros(rows: Array) -> Array:
 
 
 def _real_zeros(coefficients: list[float]) -> list[float]:
-    zeros = np.roots(coefficients)
-    return sorted(float(zero.real) for zero in zeros if abs(zero.imag) < 1e-9 and 0 < zero.real < 1)
+    return sorted(float(zero.real) for zero in np.roots(coefficients) if abs(zero.imag) < 1e-9 and 0 < zero.real < 1)

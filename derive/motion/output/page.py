@@ -104,9 +104,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     trajectory, steps = motion.trajectory, motion.plan.steps
     carried = [step.payload for step in steps] or [None]  # curves have a segment and no step
     loads = list(dict.fromkeys(carried))
-    functions: tuple[str, ...] = ()
-    if motion.has_torques:
-        functions = (TORQUE, REGRESSOR) if any(carried) else (TORQUE,)
+    functions = () if not motion.has_torques else (TORQUE, REGRESSOR) if any(carried) else (TORQUE,)
     payloads = [motion.payload_columns(step) for step in steps if functions] or [()] * len(trajectory.segments)
     tracks, places = _tracks(motion, MOST_NUMBERS if run is None else MOST_NUMBERS // 2)
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]

@@ -116,8 +116,7 @@ def _arrange(panels: Any, height: float, below: float) -> None:
 def _wanted(motion: Motion) -> tuple[Array, list[Array]]:
     """Times, also on both sides of where segments meet, and q, qd, qdd and tau at them."""
     edges = [float(segment.start) for segment in motion.trajectory.segments[1:]] + list(motion.trajectory.jumps)
-    even = np.linspace(0.0, motion.duration, PLACES)
-    times = np.unique(np.concatenate([even, edges, np.nextafter(edges, 0.0)]))
+    times = np.unique(np.concatenate([np.linspace(0.0, motion.duration, PLACES), edges, np.nextafter(edges, 0.0)]))
     values = list(motion(times))
     return times, [*values, motion.torques(times)] if motion.has_torques else values
 

@@ -31,10 +31,9 @@ AXES = ("x", "y", "z")
 
 def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """All formulas, segment by segment."""
-    joints = motion.plan.robot.joints
     for segment in motion.trajectory.segments:
         heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
-        for joint, pieces in zip(joints, segment.joints, strict=True):
+        for joint, pieces in zip(motion.plan.robot.joints, segment.joints, strict=True):
             if len(pieces) > MOST_PRINTED:
                 said = f"{joint.variable}: {len(pieces)} polynomials between places on the way"
                 lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")

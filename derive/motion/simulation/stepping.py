@@ -257,8 +257,7 @@ def _compiled(robot: Robot) -> _Library | None:
         stiction=repr(STICTION_SPEED),
         diverged=repr(DIVERGED),
     )
-    files = {**c.TARGET.render(source), "held.c": code}
-    for name, text in files.items():
+    for name, text in {**c.TARGET.render(source), "held.c": code}.items():
         (folder / name).write_text(text, encoding="utf-8")
     try:
         compile_shared(compiler, [folder / "model.c", folder / "held.c"], folder / "held.so", OPTIONS)

@@ -113,8 +113,7 @@ class OpenLink:
         body = CarriedBody.last_link(robot, values)
         for payload in filter(None, payloads):
             body += CarriedBody.payload(robot, payload, values)
-        entries = [body.inertia[place] for place in _ENTRIES.values()]
-        numbers = map(float, (body.mass, *body.com, *entries))
+        numbers = map(float, (body.mass, *body.com, *[body.inertia[place] for place in _ENTRIES.values()]))
         return {**values, **dict(zip(self.names, numbers, strict=True))}
 
 

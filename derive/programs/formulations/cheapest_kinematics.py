@@ -77,8 +77,7 @@ class Stations:
         # From the tip inward: a run's steps, what lies beyond it, and the way to its station, turned by the run before.
         found: list[Vector[Value]] = [(self.chain.zero,) * 3]
         for r in range(self.last, 0, -1):
-            there = self._with_steps(r, -1, found[-1])
-            found.append(self.inward(r, add(self.entries[r], there)))
+            found.append(self.inward(r, add(self.entries[r], self._with_steps(r, -1, found[-1]))))
         return found[::-1]
 
     def turned(self, r: int, place: Placement) -> Matrix[Value]:
@@ -132,8 +131,7 @@ def cheapest_jacobian(stations: Stations) -> list[list[Value]]:
     for r, run in enumerate(stations.runs):
         # One axis for the whole run, and a linear column for each of its joints.
         groups.append([stations.world(r, stations.axes[2], meeting) for meeting in _meetings(stations, r)])
-        for k in range(len(run.placements)):
-            groups.append(_linear_ways(stations, r, k))
+        groups += [_linear_ways(stations, r, k) for k in range(len(run.placements))]
     return [list(row) for row in zip(*_columns(stations, groups, 1), strict=True)]
 
 

@@ -157,8 +157,7 @@ def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
     rates, accelerations = trace.arguments(QD), trace.arguments(QDD)
 
     def _values(choices: FrameChoices) -> list[Value]:
-        chain = trace.arranged(choices)
-        return flat(torque_position_derivative(chain, rates, accelerations, trace.half, choices))
+        return flat(torque_position_derivative(trace.arranged(choices), rates, accelerations, trace.half, choices))
 
     starts = (*_torque_choices(trace), *_coriolis_choices(trace))
     yield from _searched(trace, "torque slopes", f"moving composite bodies {_BASE}", _values, (), starts)

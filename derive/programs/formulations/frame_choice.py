@@ -143,8 +143,7 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
         c, s = (chain.one, chain.zero) if choice.held else (lag.cosine, lag.sine)
         joints.append(replace(joint, fixed=fixed, cosine=c, sine=s))
         if choice.held:
-            moment = lag.turned(body.first_moment)
-            body = Body(body.mass, moment, turn_about_z(lag.cosine, lag.sine, body.inertia))
+            body = Body(body.mass, lag.turned(body.first_moment), turn_about_z(lag.cosine, lag.sine, body.inertia))
         bodies.append(body)
         before = lag if choice.held else None
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))

@@ -130,8 +130,7 @@ class _GraphReader:
             definition = self._polynomial(i)
         else:
             definition = Opaque(op, tuple(self._values[k] for k in old.operands[i]))
-        known = self.network.find(self.network.evaluate(definition))
-        return known or Operand(self.network.create(definition), ONE)
+        return self.network.find(self.network.evaluate(definition)) or Operand(self.network.create(definition), ONE)
 
     def _polynomial(self, root: int) -> Polynomial:
         """A sum of products, or one product."""
@@ -179,9 +178,7 @@ def graph_of(network: Network, old: Graph) -> tuple[Graph, tuple[Ref, ...]]:
     for variable in network.order():
         definition = network.definition[variable]
         if not isinstance(definition, Opaque):
-            terms: list[Ref] = []
-            for monomial, coefficient in definition.items():
-                terms.append(reduce(graph.multiply, sorted(refs[v] for v in monomial), coefficient))
+            terms = [reduce(graph.multiply, sorted(refs[v] for v in m), factor) for m, factor in definition.items()]
             terms.sort(key=lambda ref: (graph.layer[node_of(ref)], ref))  # coefficients first
             refs[variable] = reduce(graph.add, terms, ZERO)
         elif definition.op is None:

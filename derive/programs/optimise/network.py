@@ -273,9 +273,7 @@ class Network:
             for m, k in inner.items():
                 self.plus(result, tuple(sorted((*rest, *m))), self.coefficients.multiply(coefficient, k))
         # Powers of the variable: one factor was written out at a time.
-        if any(variable in m for m in result):
-            return self.expanded(result, variable, inner)
-        return result
+        return self.expanded(result, variable, inner) if any(variable in m for m in result) else result
 
 
 def occurrences(definition: Definition) -> list[int]:
@@ -294,9 +292,7 @@ def single(polynomial: Polynomial) -> Operand | None:
     monomial, coefficient = next(iter(polynomial.items()))
     if not monomial:
         return Operand(None, coefficient)
-    if len(monomial) == 1 and coefficient in UNITS:
-        return Operand(monomial[0], coefficient)
-    return None
+    return Operand(monomial[0], coefficient) if len(monomial) == 1 and coefficient in UNITS else None
 
 
 def term_cost(monomial: Monomial, coefficient: Ref) -> int:

@@ -209,8 +209,7 @@ class Circle:
                 continue
             place = monomial.index(variable)
             rest = monomial[:place] + monomial[place + 2 :]
-            stack.append((rest, coefficient))
-            stack.append((tuple(sorted((*rest, other, other))), negated(coefficient)))
+            stack += [(rest, coefficient), (tuple(sorted((*rest, other, other))), negated(coefficient))]
         return result
 
     def squares(self, polynomial: Polynomial) -> list[int]:

@@ -40,8 +40,7 @@ def gradient(value: Value, inputs: Sequence[Value]) -> list[Value]:
     adjoints = {node_of(value.ref): signed(ONE, is_negative(value.ref))}
     for i in reversed(reachable(graph, [value.ref])):
         for k in set(graph.operands[i]) if i in adjoints else ():
-            share = graph.multiply(adjoints[i], _tangent(graph, i, {k: ONE}))
-            adjoints[k] = graph.add(adjoints.get(k, ZERO), share)
+            adjoints[k] = graph.add(adjoints.get(k, ZERO), graph.multiply(adjoints[i], _tangent(graph, i, {k: ONE})))
     return [Value(graph, signed(adjoints.get(node_of(x.ref), ZERO), is_negative(x.ref))) for x in inputs]
 
 
@@ -50,8 +49,7 @@ def gradient_columns(values: Sequence[Value], inputs: Sequence[Value]) -> list[l
     if not values:
         return []
     one = Value(values[0].graph, ONE)
-    columns = [derivative(values, {source: one}) for source in inputs]
-    return [list(row) for row in zip(*columns, strict=True)]
+    return [list(row) for row in zip(*[derivative(values, {source: one}) for source in inputs], strict=True)]
 
 
 def _tangent(graph: Graph, i: int, tangents: Mapping[int, Ref]) -> Ref:

@@ -30,9 +30,8 @@ class TapeDomain:
         self.graph = graph
         self._joints = robot.joints
         self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
-        symbols = enumerate(robot_symbols(robot))
         self._known: dict[Expression, Value] = {
-            Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in symbols
+            Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(robot_symbols(robot))
         }
 
     def argument(self, kind: str, index: int) -> Value:

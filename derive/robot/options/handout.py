@@ -19,8 +19,7 @@ PARTS = (
 USUAL_PARTS = tuple(part for part in PARTS if part != "conversion")
 """What a handout shows unless parts are named: the table of the other convention is asked for."""
 
-MOST_PAGES = 9999
-"""Largest number of pages that can be asked for."""
+MOST_PAGES = 9999  # largest number of pages that can be asked for
 
 
 class Derivation(StrEnum):

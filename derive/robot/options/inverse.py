@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 
 from derive.errors import Location, QuantityError, listed, near_miss, quoted
 
-Task = tuple[str, ...]
-"""Rows of a task, in the words of `ROWS`."""
+Task = tuple[str, ...]  # rows of a task, in the words of `ROWS`
 
 ROWS: Mapping[str, tuple[tuple[int, int], ...]] = {
     "x": ((1, 4),),
@@ -22,11 +21,8 @@ angle of its x axis about the world's z axis, the direction of its z axis, and i
 FREEDOMS: Mapping[str, int] = {"phi": 1, "approach": 2, "orientation": 3}
 """How many numbers a row asks for, where it is not one coordinate."""
 
-TASKS: Mapping[str, Task] = {"pose": ("x", "y", "z", "orientation"), "position": ("x", "y", "z")}
-"""Tasks with a name."""
-
+TASKS: Mapping[str, Task] = {"pose": ("x", "y", "z", "orientation"), "position": ("x", "y", "z")}  # by name
 POSE: Task = TASKS["pose"]
-"""The whole pose."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,4 @@
-"""How books group and write the same expression: the keys ``style`` and ``contraction`` of a robot file.
-
-A `Style` is a few independent options, for the ways in which books differ are few and independent; `NAMED_STYLES` are
-the usual sets.
-"""
+"""How books group and write the same expression: the keys ``style`` and ``contraction`` of a robot file."""
 
 from __future__ import annotations
 
@@ -204,8 +200,7 @@ class Style:
         return ", ".join([*([name] if name else []), *(f"{key}: {value}" for key, value in options.items())])
 
 
-DEFAULT_STYLE: Final = "compact"
-"""Name of the set that holds where a file says nothing."""
+DEFAULT_STYLE: Final = "compact"  # name of the set that holds where a file says nothing
 
 NAMED_STYLES: Mapping[str, Style] = MappingProxyType(
     {

@@ -214,8 +214,7 @@ class _TreeBuilder:
             self._stack[-1] = (parent, None)
         elif isinstance(node, YamlScalar):
             if node.text in parent.entries:
-                first = parent.entries[node.text][0].location
-                remedy = f"remove one; the first is in line {first.line}"
+                remedy = f"remove one; the first is in line {parent.entries[node.text][0].location.line}"
                 raise RobotFileError(f"key {quoted(node.text)} twice", remedy=remedy, location=node.location)
             self._stack[-1] = (parent, node)
 

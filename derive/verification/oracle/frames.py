@@ -115,9 +115,7 @@ def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
     d = arm.d[i] + moving * (not arm.revolute[i])
     about_z, along_z = _rotation(2, theta), _translation(2, d)
     along_x, about_x = _translation(0, arm.a[i]), _rotation(0, arm.alpha[i])
-    if arm.standard:
-        return about_z @ along_z @ along_x @ about_x
-    return about_x @ along_x @ about_z @ along_z
+    return about_z @ along_z @ along_x @ about_x if arm.standard else about_x @ along_x @ about_z @ along_z
 
 
 def chain_frames(arm: NumericArm, q: Array) -> Array:
@@ -152,8 +150,7 @@ def angular_jacobian(arm: NumericArm, frames: Array, carriers: Array) -> Array:
     """Angular Jacobians in frame 0 of links, each moved by its first ``carriers`` (m,) joints: sign z, 0 for slides."""
     axis, _ = joint_axes(arm, frames)
     columns = np.where(arm.revolute[:, None], axis, 0.0)[..., None, :, :]
-    shape = (*columns.shape[:-3], len(carriers), arm.n, 3)
-    return _only_moving(arm, np.broadcast_to(columns, shape), carriers)
+    return _only_moving(arm, np.broadcast_to(columns, (*columns.shape[:-3], len(carriers), arm.n, 3)), carriers)
 
 
 def rotor_places(arm: NumericArm, frames: Array) -> Array:
@@ -187,8 +184,7 @@ def jacobian(arm: NumericArm, q: Array) -> Array:
     carrier = np.array([arm.n])
     turn = arm.base[:3, :3]
     linear = turn @ point_jacobian(arm, frames, end, carrier)[..., 0, :, :]
-    angular = turn @ angular_jacobian(arm, frames, carrier)[..., 0, :, :]
-    return np.concatenate([linear, angular], axis=-2)
+    return np.concatenate([linear, turn @ angular_jacobian(arm, frames, carrier)[..., 0, :, :]], axis=-2)
 
 
 def task_rows(arm: NumericArm, part: str = "all") -> list[int]:
@@ -237,8 +233,7 @@ def cross(u: Array, v: Array) -> Array:
 
 def _only_moving(arm: NumericArm, columns: Array, carriers: Array) -> Array:
     moves = np.arange(arm.n) < carriers[:, None]
-    signed = columns * (arm.sign * moves)[..., None]
-    return np.swapaxes(signed, -1, -2)
+    return np.swapaxes(columns * (arm.sign * moves)[..., None], -1, -2)
 
 
 def _rotation(axis: int, angle: Array) -> Array:

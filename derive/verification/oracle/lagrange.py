@@ -125,8 +125,7 @@ def _rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
 def _mass_centres(arm: NumericArm, frames: Array) -> Array:
     """(..., n, 3) in frame 0."""
     links = frames[..., 1:, :, :]
-    turned = np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com)
-    return np.asarray(links[..., :3, 3] + turned)
+    return np.asarray(links[..., :3, 3] + np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com))
 
 
 def _transpose(matrix: Array) -> Array:

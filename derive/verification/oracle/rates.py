@@ -42,8 +42,7 @@ def wrench_torques_end(arm: NumericArm, q: Array, h: Array) -> Array:
 
 def slopes(function: Callable[..., Array], arm: NumericArm, q: Array, h: Array) -> Array:
     """The derivatives of the torques of a wrench by q_j, column j."""
-    moved = function(arm, _each(q) + 1j * STEP * np.eye(arm.n), h[..., None, :])
-    return np.swapaxes(moved.imag / STEP, -1, -2)
+    return np.swapaxes(function(arm, _each(q) + 1j * STEP * np.eye(arm.n), h[..., None, :]).imag / STEP, -1, -2)
 
 
 def task_mobility(arm: NumericArm, q: Array) -> Array:
@@ -101,8 +100,7 @@ def analytic_jacobian_zyz(arm: NumericArm, q: Array) -> Array:
 def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
     """Sine of the angle by which the second turn misses its singular values."""
     # |(r11, r21)| = |cos(pitch)|, |(r13, r23)| = |sin(theta)|
-    column = forward_kinematics(arm, q)[..., :2, TILTED[kind]]
-    return np.asarray(np.sqrt((column**2).sum(axis=-1)))
+    return np.asarray(np.sqrt((forward_kinematics(arm, q)[..., :2, TILTED[kind]] ** 2).sum(axis=-1)))
 
 
 def coriolis_vector(arm: NumericArm, q: Array, qd: Array) -> Array:
@@ -129,8 +127,7 @@ def _each(argument: Array) -> Array:
 
 
 def _columns(arm: NumericArm, function: Callable[[Array], Array]) -> Array:
-    values = function(1j * STEP * np.eye(arm.n)).imag / STEP
-    return np.swapaxes(values, -1, -2)
+    return np.swapaxes(function(1j * STEP * np.eye(arm.n)).imag / STEP, -1, -2)
 
 
 def _pose_and_slope(arm: NumericArm, q: Array) -> tuple[Array, Array]:
@@ -152,5 +149,4 @@ def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
 
 def _rows(slope: Array, *angles: Array) -> Array:
     """Rows of velocity, then of the angles."""
-    position = [slope[..., k, 3] for k in range(3)]
-    return np.stack([*position, *angles], axis=-2)
+    return np.stack([*[slope[..., k, 3] for k in range(3)], *angles], axis=-2)
