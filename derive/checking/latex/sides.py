@@ -80,7 +80,8 @@ class SideReading(Comparing):
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
         for table in self._matrices.values(side.piece):
-            quantity = next((right.quantity for right in rights if right.fits(table) == 1), "")
+            # zeros times anything are zeros: they show nothing
+            quantity = next((r.quantity for r in rights if r.fits(table) == 1 and any(r.value)), "")
             if quantity or any(are_alike(table, other) for other in tables):
                 text, where = self._typed(side.piece), self.plain.location(side.piece.start)
                 role = Role.PRINTED if quantity else Role.IDENTITY
