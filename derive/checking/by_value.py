@@ -14,18 +14,19 @@ from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
 import numpy.typing as npt
+import sympy
 
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
-from derive.robot.names import own_names, velocity_name
+from derive.robot.names import acceleration_name, own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
@@ -197,6 +198,30 @@ class ByValue:
                 angle, label = np.arccos(cosine.clip(-1, 1)), f"angle {one}, {name}, {other}"
                 yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
 
+    def motion(self, value: Expression) -> tuple[str, Expression | None]:
+        """The torque, by a factor or not, that shares most terms with an equation of motion; None if only a few."""
+        joints = [joint.variable for joint in self._robot.joints]
+        if not self._robot.has_dynamics or len(joints) > _MOST_JOINTS:
+            return "", None
+        printed = expression_to_sympy(value)
+        terms, slopes = _terms(printed), [printed.diff(acceleration_name(q)) for q in joints]
+        # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
+        weight = {n for e in self._robot.gravity or () for n in names(e)}
+        lost = [weight, self._rates, *({velocity_name(q), acceleration_name(q)} for q in joints)]
+        best: tuple[int, str, Expression | None] = (0, "", None)
+        for i, torque in enumerate(self._model.quantity("tau"), 1):
+            inertias = self._model.quantity("B").row(i - 1)
+            ratios = [sympy.cancel(b / slope) for b, slope in zip(inertias, slopes, strict=True) if slope != 0]
+            for factor in dict.fromkeys([sympy.S.One, *ratios]):
+                if factor == 0 or not self._joints.isdisjoint(map(str, factor.free_symbols)):
+                    continue
+                own = _terms(right := sympy.expand(torque / factor))
+                is_part = own != terms and any(_terms(right.subs(dict.fromkeys(n, 0))) == terms for n in lost)
+                if not is_part and (common := len(own & terms)) > best[0] and 2 * common >= max(len(own), len(terms)):
+                    label = f"tau[{i}]" if factor == 1 else f"tau[{i}]/({factor})"
+                    best = common, label, expression_from_sympy(right)
+        return best[1:]
+
     def is_singular(self, e: Expression) -> bool:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""
         formulas = [expression_from_sympy(entry) for entry in self._model.quantity("J")]
@@ -253,6 +278,10 @@ def _may_mean(left: Left, label: str) -> bool:
         return False
     point = re.search("[1-9]", left.sub) if row else None
     return point is None or f"{point[0]}]" in label[: place.start() if place else None]
+
+
+def _terms(e: Expr) -> set[Expr]:
+    return {*sympy.Add.make_args(sympy.expand(e))}
 
 
 def _says_little(e: Expression) -> bool:

@@ -8,8 +8,9 @@ from functools import reduce
 from itertools import pairwise
 from operator import mul
 
-from derive.checking.formulas.diagnosis import Repair
-from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
+from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
+from derive.checking.formulas.edits import SlipKind
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
 from derive.checking.latex.comparing import Comparing, Side
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, taken_apart
@@ -22,7 +23,7 @@ from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import between, chained, factors, frames_of
 from derive.errors import CheckError, quoted
-from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
 
@@ -101,20 +102,28 @@ class SideReading(Comparing):
         return ()
 
     def of_motion(self, equation: Sides) -> tuple[Finding, ...]:
-        """That an equation of motion is right, whatever the author calls the torque: M_{11} qdd_1 + ... = u, or = 0."""
-        first, *others = equation
-        with suppress(CheckError):
-            sides = [self.reader.value(first)]
-            for other in others:
-                with suppress(CheckError):
-                    sides.append(self.reader.value(other))
-            formulas = [side for side in sides if not isinstance(side, Table)]
-            for value in (*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))):
-                quantity = "" if self._accelerations.isdisjoint(names(value)) else self._values.quantity(value, None)
-                if quantity.startswith(("tau", "-tau")):
-                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
-                    return (Finding(quantity, 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
-        return ()
+        """That an equation of motion is right, or has one slip, whatever the author calls the torque."""
+        read: list[tuple[LatexPiece, Expression]] = []
+        for side in equation:
+            with suppress(CheckError):
+                read.append((side, self.reader.formula(side)))
+        formulas = [value for _, value in read]
+        differences = [add(a, negate(b)) for a, b in pairwise(formulas)]
+        if self._accelerations.isdisjoint(name for value in formulas for name in names(value)):
+            return ()
+        text, where = self._typed(read[0][0]), self.plain.location(read[0][0].start)
+        for value in (*formulas, *differences):
+            if (quantity := self._values.quantity(value, None)).startswith(("tau", "-tau")):
+                return (Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, False), "", where),)
+        quantity, right = self._values.motion((differences or formulas)[-1])
+        if right is None:
+            return ()
+        question = Question(self.robot, (differences or formulas)[-1], right)
+        found = compared(question, quantity, (0, 0), Role.PRINTED, text, expression_to_sympy(right), where)
+        # a letter that cannot be read may be a force between two bodies, and the equation that of one of them
+        known = (*SlipKind,) if len(read) == len(equation) else PAIRED
+        repair = None if found.verdict.equal else judge(found).repair
+        return (found,) if found.verdict.equal or (repair and set(repair.kinds) <= {*known}) else ()
 
     def sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""
