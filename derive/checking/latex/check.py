@@ -321,6 +321,10 @@ class _Check(SideReading):
         if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
             return []
         if len(pieces) > 2:
+            for piece in pieces:  # how a matrix is made is compared with nothing
+                slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
+                if len({*slopes}) < len(slopes):
+                    self._skip_for(piece, "the same derivative stands in it twice")
             pieces = [piece for piece in pieces if not self._names_new_entries(piece)]
         if len(pieces) > 1 and any(map(is_no_claim, pieces)):
             pieces = [piece for piece in pieces if not is_no_claim(piece)]
