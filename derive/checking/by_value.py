@@ -25,10 +25,11 @@ from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy,
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
-from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
+from derive.robot.expression import Call, Expression, Name, Sum, add, is_constant, names, number, substitute
 from derive.robot.names import acceleration_name, own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
+_SOLVED = 3  # joints of an arm whose equations of motion are solved for an acceleration
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
@@ -205,6 +206,13 @@ class ByValue:
             return "", None
         printed = expression_to_sympy(value)
         terms, slopes = _terms(printed), [printed.diff(acceleration_name(q)) for q in joints]
+        moving = [i for i, slope in enumerate(slopes) if slope != 0]
+        first = value.terms[0] if isinstance(value, Sum) else value
+        if len(moving) == 1 and first == Name(name := acceleration_name(joints[moving[0]])) and len(joints) <= _SOLVED:
+            inertia, torque = self._model.quantity("B"), self._model.quantity("tau")
+            rest = torque.subs({acceleration_name(q): 0 for q in joints})
+            solved = (inertia.adjugate() * rest)[moving[0]] / inertia.det(method="berkowitz")
+            return name, add(first, expression_from_sympy(solved))
         # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
         weight = {n for e in self._robot.gravity or () for n in names(e)}
         lost = [weight, self._rates, *({velocity_name(q), acceleration_name(q)} for q in joints)]

@@ -118,7 +118,10 @@ class SideReading(Comparing):
         quantity, right = self._values.motion((differences or formulas)[-1])
         if right is None:
             return ()
-        question = Question(self.robot, (differences or formulas)[-1], right)
+        question, text = (
+            Question(self.robot, (differences or formulas)[-1], right),
+            " = ".join(map(self._typed, equation)),
+        )
         found = compared(question, quantity, (0, 0), Role.PRINTED, text, expression_to_sympy(right), where)
         # a letter that cannot be read may be a force between two bodies, and the equation that of one of them
         known = (*SlipKind,) if len(read) == len(equation) else PAIRED
