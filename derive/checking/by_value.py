@@ -21,15 +21,14 @@ from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
-from derive.robot.expression import Call, Expression, Name, Sum, add, is_constant, names, number, substitute
+from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
 from derive.robot.names import acceleration_name, own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
-_SOLVED = 3  # joints of an arm whose equations of motion are solved for an acceleration
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
@@ -200,34 +199,31 @@ class ByValue:
                 yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
 
     def motion(self, value: Expression) -> tuple[str, Expression | None]:
-        """The torque, by a factor or not, that shares most terms with an equation of motion; None if only a few."""
-        joints = [joint.variable for joint in self._robot.joints]
-        if not self._robot.has_dynamics or len(joints) > _MOST_JOINTS:
-            return "", None
-        printed = expression_to_sympy(value)
-        terms, slopes = _terms(printed), [printed.diff(acceleration_name(q)) for q in joints]
-        moving = [i for i, slope in enumerate(slopes) if slope != 0]
-        first = value.terms[0] if isinstance(value, Sum) else value
-        if len(moving) == 1 and first == Name(name := acceleration_name(joints[moving[0]])) and len(joints) <= _SOLVED:
-            inertia, torque = self._model.quantity("B"), self._model.quantity("tau")
-            rest = torque.subs({acceleration_name(q): 0 for q in joints})
-            solved = (inertia.adjugate() * rest)[moving[0]] / inertia.det(method="berkowitz")
-            return name, add(first, expression_from_sympy(solved))
+        """What an equation of motion should be: solved for an acceleration, or the torque, divided as that is."""
+        joints, inertia = [joint.variable for joint in self._robot.joints], self._model.quantity("B")
+        torques, printed = self._model.quantity("tau"), expression_to_sympy(value).expand()
+        slopes = {i: slope for i, q in enumerate(joints) if (slope := printed.diff(acceleration_name(q))) != 0}
+        if [*slopes.values()] == [1]:
+            rest = torques.subs({acceleration_name(q): 0 for q in joints})
+            solved, name = (
+                inertia.adjugate() * rest / inertia.det(method="berkowitz"),
+                acceleration_name(joints[min(slopes)]),
+            )
+            return name, expression_from_sympy(sympy.Symbol(name) + solved[min(slopes)])
         # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
         weight = {n for e in self._robot.gravity or () for n in names(e)}
         lost = [weight, self._rates, *({velocity_name(q), acceleration_name(q)} for q in joints)]
         best: tuple[int, str, Expression | None] = (0, "", None)
-        for i, torque in enumerate(self._model.quantity("tau"), 1):
-            inertias = self._model.quantity("B").row(i - 1)
-            ratios = [sympy.cancel(b / slope) for b, slope in zip(inertias, slopes, strict=True) if slope != 0]
-            for factor in dict.fromkeys([sympy.S.One, *ratios]):
+        terms = printed.as_coefficients_dict()
+        for i, torque in enumerate(torques):
+            for factor in dict.fromkeys([sympy.S.One, *(sympy.cancel(inertia[i, j] / slopes[j]) for j in slopes)]):
                 if factor == 0 or not self._joints.isdisjoint(map(str, factor.free_symbols)):
                     continue
-                own = _terms(right := sympy.expand(torque / factor))
-                is_part = own != terms and any(_terms(right.subs(dict.fromkeys(n, 0))) == terms for n in lost)
-                if not is_part and (common := len(own & terms)) > best[0] and 2 * common >= max(len(own), len(terms)):
-                    label = f"tau[{i}]" if factor == 1 else f"tau[{i}]/({factor})"
-                    best = common, label, expression_from_sympy(right)
+                own = (right := (torque / factor).expand()).as_coefficients_dict()
+                is_part = any(right.subs(dict.fromkeys(n, 0)).as_coefficients_dict() == terms != own for n in lost)
+                common = 0 if is_part else len(own.items() & terms.items())
+                if common > best[0] and 2 * common >= max(len(own), len(terms)):
+                    best = common, f"tau[{i + 1}]" + f"/({factor})" * (factor != 1), expression_from_sympy(right)
         return best[1:]
 
     def is_singular(self, e: Expression) -> bool:
@@ -286,10 +282,6 @@ def _may_mean(left: Left, label: str) -> bool:
         return False
     point = re.search("[1-9]", left.sub) if row else None
     return point is None or f"{point[0]}]" in label[: place.start() if place else None]
-
-
-def _terms(e: Expr) -> set[Expr]:
-    return {*sympy.Add.make_args(sympy.expand(e))}
 
 
 def _says_little(e: Expression) -> bool:

@@ -337,7 +337,9 @@ class Comparing:
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # two coordinates of an arm that moves in space may be those in the plane of its links
         is_flat = table.shape == (2, 1) and self._rises and all(r.columns == (4,) or r.quantity == "p" for r, _ in fits)
-        if fits and all("screw" in target.quantity for target in name.targets):  # home may be another configuration
+        if (
+            fits and name.targets and all("screw" in target.quantity for target in name.targets)
+        ):  # home may be another configuration
             least = VAGUE if table.shape[0] * table.shape[1] > len(AXES) else 1
             if all(right.likeness(fitting) < least for right, fitting in fits):
                 raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is no axis of ours at home")

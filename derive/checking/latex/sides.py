@@ -31,6 +31,7 @@ _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
+MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
@@ -103,30 +104,27 @@ class SideReading(Comparing):
 
     def of_motion(self, equation: Sides) -> tuple[Finding, ...]:
         """That an equation of motion is right, or has one slip, whatever the author calls the torque."""
-        read: list[tuple[LatexPiece, Expression]] = []
+        formulas: list[Expression] = []
         for side in equation:
             with suppress(CheckError):
-                read.append((side, self.reader.formula(side)))
-        formulas = [value for _, value in read]
-        differences = [add(a, negate(b)) for a, b in pairwise(formulas)]
+                formulas.append(self.reader.formula(side))
         if self._accelerations.isdisjoint(name for value in formulas for name in names(value)):
             return ()
-        text, where = self._typed(read[0][0]), self.plain.location(read[0][0].start)
-        for value in (*formulas, *differences):
-            if (quantity := self._values.quantity(value, None)).startswith(("tau", "-tau")):
+        values = [*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))]
+        text, where = " = ".join(map(self._typed, equation)), self.plain.location(equation[0].start)
+        for quantity in (self._values.quantity(value, None) for value in values):
+            if quantity.startswith(("tau", "-tau")):
                 return (Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, False), "", where),)
-        quantity, right = self._values.motion((differences or formulas)[-1])
+        is_known = self.robot.has_dynamics and self.robot.n <= MOVING_JOINTS
+        quantity, right = self._values.motion(values[-1]) if is_known else ("", None)
         if right is None:
             return ()
-        question, text = (
-            Question(self.robot, (differences or formulas)[-1], right),
-            " = ".join(map(self._typed, equation)),
-        )
+        question = Question(self.robot, values[-1], right)
         found = compared(question, quantity, (0, 0), Role.PRINTED, text, expression_to_sympy(right), where)
         # a letter that cannot be read may be a force between two bodies, and the equation that of one of them
-        known = (*SlipKind,) if len(read) == len(equation) else PAIRED
-        repair = None if found.verdict.equal else judge(found).repair
-        return (found,) if found.verdict.equal or (repair and set(repair.kinds) <= {*known}) else ()
+        known = {*SlipKind} if len(formulas) == len(equation) else {*PAIRED}
+        repair = judge(found).repair
+        return (found,) if found.verdict.equal or (repair and known.issuperset(repair.kinds)) else ()
 
     def sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""
