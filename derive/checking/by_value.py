@@ -14,6 +14,7 @@ from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
 import numpy.typing as npt
+import sympy
 
 from derive.checking.absolute import turning
 from derive.checking.formulas.branches import SIGN
@@ -21,12 +22,12 @@ from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
-from derive.robot.names import own_names, velocity_name
+from derive.robot.names import acceleration_name, own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
@@ -200,6 +201,34 @@ class ByValue:
                 cosine = (ways[0] * ways[1]).sum(axis=1, keepdims=True)
                 angle, label = np.arccos(cosine.clip(-1, 1)), f"angle {one}, {name}, {other}"
                 yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
+
+    def motion(self, value: Expression) -> tuple[str, Expression | None]:
+        """What an equation of motion should be: solved for an acceleration, or the torque, divided as that is."""
+        joints, inertia = [joint.variable for joint in self._robot.joints], self._model.quantity("B")
+        torques, printed = self._model.quantity("tau"), expression_to_sympy(value).expand()
+        slopes = {i: slope for i, q in enumerate(joints) if (slope := printed.diff(acceleration_name(q))) != 0}
+        if [*slopes.values()] == [1]:
+            rest = torques.subs({acceleration_name(q): 0 for q in joints})
+            solved, name = (
+                inertia.adjugate() * rest / inertia.det(method="berkowitz"),
+                acceleration_name(joints[min(slopes)]),
+            )
+            return name, expression_from_sympy(sympy.Symbol(name) + solved[min(slopes)])
+        # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
+        weight = {n for e in self._robot.gravity or () for n in names(e)}
+        lost = [weight, self._rates, *({velocity_name(q), acceleration_name(q)} for q in joints)]
+        best: tuple[int, str, Expression | None] = (0, "", None)
+        terms = printed.as_coefficients_dict()
+        for i, torque in enumerate(torques):
+            for factor in dict.fromkeys([sympy.S.One, *(sympy.cancel(inertia[i, j] / slopes[j]) for j in slopes)]):
+                if factor == 0 or not self._joints.isdisjoint(map(str, factor.free_symbols)):
+                    continue
+                own = (right := (torque / factor).expand()).as_coefficients_dict()
+                is_part = any(right.subs(dict.fromkeys(n, 0)).as_coefficients_dict() == terms != own for n in lost)
+                common = 0 if is_part else len(own.items() & terms.items())
+                if common > best[0] and 2 * common >= max(len(own), len(terms)):
+                    best = common, f"tau[{i + 1}]" + f"/({factor})" * (factor != 1), expression_from_sympy(right)
+        return best[1:]
 
     def is_singular(self, e: Expression) -> bool:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""

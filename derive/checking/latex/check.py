@@ -255,11 +255,12 @@ class _Check(SideReading):
             printed = frozenset(name for one in entries if one.question for name in names(one.question.printed))
             self.around |= dict.fromkeys(entries, printed)
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
-            known = [one for one in found if isinstance(one, Claim) or not one.unknown]
-            right = sum(one.verdict.equal for one in known if isinstance(one, Finding))
+            right = [one for one in found if isinstance(one, Finding) and one.verdict.equal]
             if unknown is not None and self.document:
                 self._skip(equation[0], unknown)
-                yield from known if right >= VAGUE * len(found) else ()
+                known = [one for one in found if isinstance(one, Claim) or not one.unknown]
+                # a side that is right as a whole stays so beside a matrix of which little can be read
+                yield from known if len(right) >= VAGUE * len(found) else (f for f in right if f.question is None)
             else:
                 yield from found
         if self.document:
@@ -314,13 +315,14 @@ class _Check(SideReading):
         if line == "|" and "=" not in self.text[side.start : side.end + 2]:
             return  # a cell of a table
         if side.inline and "\\partial" not in side.text:
-            left = taken_apart(side.text) if "=" in self.text[side.end :].lstrip()[:2] else None
-            end = self.text.find("$", side.end)
-            is_solution = re.search(r"\\(?:arc|cos|sin|tan|sqrt|operatorname)|atan2", self.text[side.end : end])
+            is_given = "=" in self.text[side.end :].lstrip()[:2]
+            left = taken_apart(side.text) if is_given else None
+            of_angle = is_given and re.match(r"\s*\\(?:cos|sin|tan)(?![a-z])", side.text)
+            rest = self.text[side.end : self.text.find("$", side.end)]
+            is_solution = of_angle or re.search(r"\\(?:arc|cos|sin|tan|sqrt|operatorname)|atan2", rest)
             is_own = left is None or self.scope.is_own(left)
-            if not (left and is_own and is_solution and isinstance(error, UnknownNameError)) and (
-                left is None or is_own or not self.meanings.targets(left)
-            ):
+            is_told = (left or of_angle) and is_own and is_solution and isinstance(error, UnknownNameError)
+            if not is_told and (is_own or left is None or not self.meanings.targets(left)):
                 return
         self._skip_for(side, error.found, error.location)
 
@@ -333,6 +335,7 @@ class _Check(SideReading):
         pieces = self.claiming(index, equation)
         if not pieces:
             return
+        self._tell_repeated(equation)
         is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)
         sides = [self.side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
@@ -377,6 +380,12 @@ class _Check(SideReading):
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
+
+    def _tell_repeated(self, equation: Sides) -> None:
+        for piece in equation[1:-1]:  # how a matrix is made is compared with nothing
+            slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
+            if len({*slopes}) < len(slopes):
+                self._skip_for(piece, "the same derivative stands in it twice")
 
     def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
         """The sides that name quantities; conditions in their arguments are kept."""

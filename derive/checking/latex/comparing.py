@@ -298,6 +298,8 @@ class Comparing:
         used = {word for entry in table.entries for word in names(entry.formula)}
         has_force = not used.isdisjoint(self.meanings.forces)
         rights = tuple(right for right in self._meant(name) if right.quantity.startswith("statics") == has_force)
+        if not self.joints.keys().isdisjoint(used):  # an axis that moves is a column of a Jacobian, not one at home
+            rights = tuple(self._moving_axis(right) or right for right in rights)
         if not self._accelerations.isdisjoint(used):  # K of an equation of motion is no energy
             rights = tuple(right for right in rights if not right.quantity.startswith(_ENERGIES))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
@@ -309,6 +311,12 @@ class Comparing:
         if len(fits) > 1 and table.shape != (1, 1):
             fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
         return rights, fits
+
+    def _moving_axis(self, right: Right) -> Right | None:
+        """The axis of a joint in any configuration, of one in the home position."""
+        axis = re.fullmatch(r"(body_)?screw\[([0-9]+)\]", right.quantity)
+        quantity = "J_end" if axis and axis[1] else "J_space"
+        return self.meanings.right(Target(quantity, right.rows, (int(axis[2]),))) if axis else None
 
     def _unfit(self, name: Side, rights: tuple[Right, ...], table: Table, offset: int) -> CheckError:
         """Of what is printed in a shape that nothing has which is meant."""
@@ -329,7 +337,9 @@ class Comparing:
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # two coordinates of an arm that moves in space may be those in the plane of its links
         is_flat = table.shape == (2, 1) and self._rises and all(r.columns == (4,) or r.quantity == "p" for r, _ in fits)
-        if fits and all("screw" in right.quantity for right, _ in fits):  # home may be another configuration
+        if (
+            fits and name.targets and all("screw" in target.quantity for target in name.targets)
+        ):  # home may be another configuration
             least = VAGUE if table.shape[0] * table.shape[1] > len(AXES) else 1
             if all(right.likeness(fitting) < least for right, fitting in fits):
                 raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is no axis of ours at home")

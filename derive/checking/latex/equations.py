@@ -263,7 +263,8 @@ def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
         left = text[stop : rest[0][0]].strip(" \v\n\r") if rest else ""
         is_solution = ALTERNATIVE.fullmatch(text[first:stop]) and _SEPARATOR.search(left)  # of two, before another name
         left = "" if is_solution else _SEPARATOR.sub(" ", left).strip(" \v\n\r")
-        if left and not _OPERATOR.match(left):
+        # behind a space or a comma a minus may begin another one as well: A = a \qquad -B = b
+        if left and (not _OPERATOR.match(left) or (left[0] == "-" and text[first] != "\v")):
             cuts.append((first, stop))
     edges = [begin, *(edge for cut in cuts for edge in cut), end]
     yield from zip(edges[::2], edges[1::2], strict=True)

@@ -60,10 +60,10 @@ class Right:
     def likeness(self, table: Table) -> float:
         """Which part of the entries of a table in this shape has the same values at a point."""
         both = [(entry, e) for entry, e in zip(table.entries, self.value, strict=True) if not entry.is_open]
-        pairs = [(entry.formula, expression_from_sympy(e)) for entry, e in both]
+        pairs = [(entry.formula, expression_from_sympy(e)) for entry, e in both if not entry.unknown]
         points = [at_a_point(printed, derived) for printed, derived in pairs]
         alike = sum(abs(one - other) <= ALIKE * (1 + abs(other)) for one, other in filter(None, points))
-        return alike / max(len(pairs), 1)
+        return alike / max(len(both), 1)
 
     def fits(self, table: Table) -> float:
         """The likeness of a table in any shape; 0 where it does not fit."""

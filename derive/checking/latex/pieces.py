@@ -148,7 +148,14 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
         for child in node.children:
             if child.name in _GRIDS and not _holds_equations(plain, child):
                 inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
-                rows = tuple(tuple(row.split("\v")) for row in inner if row.text.strip("\v \n\r"))
+                cells = [row.split("\v") for row in inner if row.text.strip("\v \n\r")]
+                # a column that is blank in all rows is a gap
+                gaps = {
+                    j
+                    for j, column in enumerate(zip(*cells, strict=False))
+                    if not any(cell.text.strip() for cell in column)
+                }
+                rows = tuple(tuple(cell for j, cell in enumerate(row) if j not in gaps) for row in cells)
                 found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV", child.name.endswith("cases"))))
                 signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))
             else:

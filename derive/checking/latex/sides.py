@@ -8,8 +8,9 @@ from functools import reduce
 from itertools import pairwise
 from operator import mul
 
-from derive.checking.formulas.diagnosis import Repair
-from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role
+from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
+from derive.checking.formulas.edits import SlipKind
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
 from derive.checking.latex.comparing import Comparing, Side
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, taken_apart
@@ -22,7 +23,7 @@ from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import between, chained, factors, frames_of, is_no_claim
 from derive.errors import CheckError, quoted
-from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
 
@@ -30,6 +31,7 @@ _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
+MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 _LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
@@ -80,7 +82,8 @@ class SideReading(Comparing):
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
         for table in self._matrices.values(side.piece):
-            quantity = next((right.quantity for right in rights if right.fits(table) == 1), "")
+            # zeros times anything are zeros: they show nothing
+            quantity = next((r.quantity for r in rights if r.fits(table) == 1 and any(r.value)), "")
             if quantity or any(are_alike(table, other) for other in tables):
                 text, where = self._typed(side.piece), self.plain.location(side.piece.start)
                 role = Role.PRINTED if quantity else Role.IDENTITY
@@ -100,20 +103,28 @@ class SideReading(Comparing):
         return ()
 
     def of_motion(self, equation: Sides) -> tuple[Finding, ...]:
-        """That an equation of motion is right, whatever the author calls the torque: M_{11} qdd_1 + ... = u, or = 0."""
-        first, *others = equation
-        with suppress(CheckError):
-            sides = [self.reader.value(first)]
-            for other in others:
-                with suppress(CheckError):
-                    sides.append(self.reader.value(other))
-            formulas = [side for side in sides if not isinstance(side, Table)]
-            for value in (*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))):
-                quantity = "" if self._accelerations.isdisjoint(names(value)) else self._values.quantity(value, None)
-                if quantity.startswith(("tau", "-tau")):
-                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
-                    return (Finding(quantity, 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
-        return ()
+        """That an equation of motion is right, or has one slip, whatever the author calls the torque."""
+        formulas: list[Expression] = []
+        for side in equation:
+            with suppress(CheckError):
+                formulas.append(self.reader.formula(side))
+        if self._accelerations.isdisjoint(name for value in formulas for name in names(value)):
+            return ()
+        values = [*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))]
+        text, where = " = ".join(map(self._typed, equation)), self.plain.location(equation[0].start)
+        for quantity in (self._values.quantity(value, None) for value in values):
+            if quantity.startswith(("tau", "-tau")):
+                return (Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, False), "", where),)
+        is_known = self.robot.has_dynamics and self.robot.n <= MOVING_JOINTS
+        quantity, right = self._values.motion(values[-1]) if is_known else ("", None)
+        if right is None:
+            return ()
+        question = Question(self.robot, values[-1], right)
+        found = compared(question, quantity, (0, 0), Role.PRINTED, text, expression_to_sympy(right), where)
+        # a letter that cannot be read may be a force between two bodies, and the equation that of one of them
+        known = {*SlipKind} if len(formulas) == len(equation) else {*PAIRED}
+        repair = judge(found).repair
+        return (found,) if found.verdict.equal or (repair and known.issuperset(repair.kinds)) else ()
 
     def sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""

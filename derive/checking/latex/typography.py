@@ -65,7 +65,8 @@ _LETTERED = re.compile(
     r"(?<![A-Za-z\\])(?P<name>(?:[qxyzv]|\\(?:var)?theta)_)(?P<sub>[0-9]|\{[0-9])(?P<dots>pp?)(?P<end>\}?)(?![A-Za-z])"
 )
 _PRIMES = re.compile(
-    r"(?<![A-Za-z\\])(?P<name>q|\\(?:var)?theta)(?P<before>'{0,2})(?P<sub>_(?:\{[0-9]\}|[0-9]))?(?P<after>'{0,2})"
+    r"\\(?!(?:var)?theta)[A-Za-z]+|(?P<name>q|\\(?:var)?theta)(?P<before>'{0,2})(?P<power>\^2)?"
+    r"(?P<sub>_(?:\{[0-9]\}|[0-9]))?(?P<after>'{0,2})"
 )
 # The centre of mass of a link by its abbreviation, x_{com_1}, and a font of an index.
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
@@ -139,7 +140,7 @@ def cleaned(text: str, time: bool = True) -> str:
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
         text = _LETTERED.sub(lambda m: _marked(m, m["name"] + m["sub"] + m["end"], len(m["dots"])), text)
     if re.search(r"(?:q|theta)(?:_\{?[0-9]\}?)?''", text):
-        text = _PRIMES.sub(lambda m: _marked(m, m["name"] + (m["sub"] or ""), len(m["before"] + m["after"])), text)
+        text = _PRIMES.sub(_primed, text)
     while (braced := _BOXED.sub(_within, _BRACE.sub(_term, text))) != text:
         text = braced
     text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
@@ -165,6 +166,13 @@ def blank(text: str) -> str:
 def _marked(match: re.Match[str], name: str, dots: int) -> str:
     """A name with the mark of its derivative, as long as before."""
     return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
+
+
+def _primed(match: re.Match[str]) -> str:
+    """A name with the mark of its derivative, its index before its exponent; a macro as it is."""
+    dots = PRIMED.get(len((match["before"] or "") + (match["after"] or "")), "")
+    parts = (match["name"], match["sub"], dots, match["power"])
+    return "".join(filter(None, parts)).ljust(len(match[0])) if match["name"] and dots else match[0]
 
 
 def _times(match: re.Match[str]) -> str:
