@@ -216,6 +216,7 @@ def test_fragments_of_the_handout_are_read_back(name: str) -> None:
             assert all(finding.verdict.equal for finding in report.findings), quantity
 
 
+@pytest.mark.first(9)
 @pytest.mark.parametrize("name", [name for name, robot in catalogue().items() if robot.n <= 7])
 def test_printed_latex_is_read_back(name: str) -> None:
     robot = Robot.load(name)

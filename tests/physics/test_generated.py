@@ -67,7 +67,7 @@ def check_with_the_oracle(robot: RandomRobot, loaded: Robot, folder: Path, seed:
     }
 
 
-@pytest.mark.parametrize(("examples", "joints"), [(4, 4), *swept((30, 5))])
+@pytest.mark.parametrize(("examples", "joints"), [(2, 3), *swept((30, 5))])
 def test_generated_code_agrees_with_pinocchio_and_the_oracle(tmp_path: Path, examples: int, joints: int) -> None:
     """Every robot writes over the files of the one before."""
 
@@ -136,7 +136,7 @@ def test_where_its_rows_lose_rank_the_inertia_of_the_task_has_no_finite_diagonal
 
 def test_a_force_accelerates_the_task_as_its_equation_of_motion_says() -> None:
     """Lambda a + mu + p = F (Khatib 1987): mu + p by the consistent inverse, and by the motion without torques."""
-    model = numpy_model(Robot.load("puma560-corke"))
+    model = numpy_model(puma := Robot.load("puma560-corke"), build_program(puma, Effort.QUICK))
     q, qd, force = np.random.default_rng(7).uniform(0.3, 1, (3, 6))
     jacobian, inertia = model.jacobian(q), model.task_inertia(q)
     turning, inverse = model.jacobian_dot(q, qd) @ qd, np.linalg.solve(model.inertia_matrix(q), jacobian.T) @ inertia
@@ -149,7 +149,7 @@ def test_a_force_accelerates_the_task_as_its_equation_of_motion_says() -> None:
 SECONDS, STEPS = 0.5, 250
 
 
-@pytest.mark.parametrize("seed", [29, 39, 59])
+@pytest.mark.parametrize("seed", [29, *swept(39, 59)])
 def test_the_energies_gain_the_work_of_the_drives_less_that_of_friction(seed: int) -> None:
     """Classic Runge-Kutta of order four, with the work as one more state; without the jumps of Coulomb friction."""
     drawn = random_robot(random.Random(seed), 3)

@@ -62,8 +62,7 @@ def test_a_build_writes_every_target_verified(arm: Robot, tmp_path: Path) -> Non
 
 
 def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> None:
-    build_robot(arm, tmp_path)
-    found = contents(tmp_path / "two_bars")
+    found = contents(quickly(arm, tmp_path).folder)
     text = found.pop("MANIFEST.json").decode()
     manifest = json.loads(text)
     assert text == json.dumps(manifest, indent=2, sort_keys=True) + "\n"
@@ -78,23 +77,23 @@ def test_the_manifest_tells_what_the_folder_is(arm: Robot, tmp_path: Path) -> No
 
 
 def test_what_has_not_changed_is_not_built_again(arm: Robot, tmp_path: Path) -> None:
-    assert not build_robot(arm, tmp_path, verified=False).unchanged
-    again = build_robot(arm, tmp_path, verified=False)
+    assert not quickly(arm, tmp_path).unchanged
+    again = quickly(arm, tmp_path)
     assert again.unchanged
     assert set(again.files) == set(contents(again.folder))
-    assert not build_robot(arm, tmp_path, verified=False, force=True).unchanged
-    assert not build_robot(replace(arm, digest="0" * 64), tmp_path, verified=False).unchanged
-    assert not build_robot(arm, tmp_path, verified=False, effort=Effort.QUICK).unchanged
-    assert not build_robot(arm, tmp_path, ["javascript"], verified=False).unchanged
-    assert build_robot(arm, tmp_path, ["javascript"], verified=False).unchanged
-    assert not build_robot(arm, tmp_path, ["numpy"], only=True, verified=False).unchanged
+    assert not quickly(arm, tmp_path, force=True).unchanged
+    assert not quickly(replace(arm, digest="0" * 64), tmp_path).unchanged
+    assert not quickly(arm, tmp_path, effort=Effort.FULL).unchanged
+    assert not quickly(arm, tmp_path, ["javascript"]).unchanged
+    assert quickly(arm, tmp_path, ["javascript"]).unchanged
+    assert not quickly(arm, tmp_path, ["numpy"], only=True).unchanged
     assert set(contents(again.folder)) == {"MANIFEST.json", "__init__.py", "model_numpy.py"}
-    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    assert not quickly(arm, tmp_path).unchanged
     (again.folder / "sheet.tex").write_text("edited")
-    assert not build_robot(arm, tmp_path, verified=False).unchanged
+    assert not quickly(arm, tmp_path).unchanged
     (again.folder / "sheet.tex").unlink()
-    assert not build_robot(arm, tmp_path, verified=False).unchanged
-    assert check_robot(arm, tmp_path).is_current
+    assert not quickly(arm, tmp_path).unchanged
+    assert check_robot(arm, tmp_path, effort=Effort.QUICK).is_current
 
 
 def test_a_folder_of_another_version_is_stale_and_renewed(arm: Robot, tmp_path: Path) -> None:
@@ -166,17 +165,18 @@ def test_a_build_that_is_overtaken_by_one_of_other_targets_keeps_what_that_has_a
 
 
 def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path: Path) -> None:
-    empty = check_robot(arm, tmp_path)
+    checked = partial(check_robot, arm, tmp_path, effort=Effort.QUICK)
+    empty = checked()
     assert set(empty.missing) == ALL_FILES
     assert not list(tmp_path.iterdir())
-    build_robot(arm, tmp_path, verified=False)
-    assert check_robot(arm, tmp_path).is_current
+    quickly(arm, tmp_path)
+    assert checked().is_current
     folder = tmp_path / "two_bars"
     (folder / "model_numpy.py").write_text("edited")
     (folder / "README.md").unlink()
     (folder / "mine.txt").write_text("")
     before = contents(folder)
-    found = check_robot(arm, tmp_path, ["numpy", "readme"], only=True)
+    found = checked(["numpy", "readme"], only=True)
     assert found.stale == ("MANIFEST.json", "model_numpy.py")
     assert found.missing == ("README.md",)
     assert found.extra == ("model.c", "model.h", "model_casadi.py", "sheet.tex")
@@ -186,7 +186,7 @@ def test_a_check_lists_every_difference_and_writes_nothing(arm: Robot, tmp_path:
 def test_a_failed_verification_keeps_the_old_folder(
     arm: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    build_robot(arm, tmp_path)
+    quickly(arm, tmp_path)
     before = contents(tmp_path / "two_bars")
 
     def wrong(robot: Robot, folder: Path, **options: object) -> None:
@@ -195,7 +195,7 @@ def test_a_failed_verification_keeps_the_old_folder(
 
     monkeypatch.setattr(build, "verify", wrong)
     with pytest.raises(VerificationError):
-        build_robot(replace(arm, title="Another title"), tmp_path, force=True)
+        build_robot(replace(arm, title="Another title"), tmp_path, force=True, effort=Effort.QUICK)
     assert contents(tmp_path / "two_bars") == before
     assert os.listdir(tmp_path) == ["two_bars"]
 
@@ -215,7 +215,8 @@ def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_pa
     (tmp_path / "arm_b").mkdir()
     (tmp_path / "arm_b" / "thesis.txt").write_text("")
     told: list[tuple[str, str]] = []
-    results = build_many(robots, tmp_path, ["numpy"], jobs=jobs, progress=lambda *event: told.append(event))
+    options: dict[str, Any] = {"targets": ["numpy"], "only": True, "effort": Effort.QUICK, "jobs": jobs}
+    results = build_many(robots, tmp_path, **options, progress=lambda *event: told.append(event))
     assert [result.robot for result in results] == names
     assert [type(result) for result in results] == [BuildResult, BuildFailure, BuildResult]
     failure = results[1]
@@ -223,7 +224,7 @@ def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_pa
     assert "arm_b" in str(failure.error)
     assert ("arm-b", "failed") in told
     assert {("arm-a", "done"), ("arm-c", "done")} <= set(told)
-    checks = check_many(robots, tmp_path, ["numpy"], jobs=jobs)
+    checks = check_many(robots, tmp_path, **options)
     assert [isinstance(check, CheckResult) and check.is_current for check in checks] == [True, False, True]
 
 

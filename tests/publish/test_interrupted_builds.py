@@ -23,6 +23,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="interrupts ar
 
 OPTIONS = ("--target", "all", "--quiet", "--force")
 ONE = ("scara-perugia",)
+GROUP, PROCESS = "the terminal's group", "the process"
 MANY = ("planar-3r", "skeleton", "scara-matlab", "scara-perugia")
 STARTED, LONGEST = 0.6, 6.0
 """Seconds after which a build is under way, and after which it may be over; it starts where the interpreter does."""
@@ -41,10 +42,9 @@ def descendants(group: int) -> list[str]:
     return found
 
 
-@pytest.mark.first(4)
+@pytest.mark.first(2)
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes that were left")
-@pytest.mark.parametrize("whom", ["the terminal's group", "the process"])
-@pytest.mark.parametrize("robots", [ONE, MANY], ids=["one robot", "several"])
+@pytest.mark.parametrize(("robots", "whom"), [(MANY, GROUP), (ONE, PROCESS), (MANY, PROCESS), (ONE, GROUP)])
 @pytest.mark.parametrize("seed", seeds(30, usual=1, swept=6))
 def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
     robots: tuple[str, ...], whom: str, seed: int, tmp_path: Path
@@ -67,7 +67,7 @@ def test_an_interrupt_ends_a_build_and_leaves_nothing_behind(
     built = all((tmp_path / "generated" / robot).exists() for robot in robots)
     finished = process.poll() is not None
     if not finished:
-        (os.kill if whom == "the process" else os.killpg)(process.pid, signal.SIGINT)
+        (os.kill if whom == PROCESS else os.killpg)(process.pid, signal.SIGINT)
     asked = time.monotonic()
     _, errors = process.communicate(timeout=60)
     assert time.monotonic() - asked < 15

@@ -118,9 +118,11 @@ class Solver:
     parameters: dict[str, float]
 
 
+QUICK_ARMS = {"numpy": ("ur5",), "native": ("planar", "puma"), "casadi-c": ("puma",), "octave": ("elbow", "puma")}
 SOLVERS = [
-    pytest.param((language.values[0], arm), id=f"{language.values[0]}-{arm}", marks=language.marks)
-    for language in languages()
+    pytest.param((name, arm), id=f"{name}-{arm}", marks=[*marks, *[pytest.mark.sweep] * (arm not in few)])
+    for (name,), marks, _ in languages()
+    for few in [QUICK_ARMS.get(name, ARMS)]
     for arm in ARMS
 ]
 

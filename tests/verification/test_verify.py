@@ -285,7 +285,7 @@ Render = Callable[[Source], dict[str, str]]
     ],
 )
 def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, render: Render, joints: int) -> None:
-    rng = random.Random(11)
+    rng, mutants = random.Random(11), 8 if joints > 3 else 4
     robot = Robot.from_text(random_robot(rng, joints).text)
     (file, text), *_ = render(Source(robot, build_program(robot), "0.0.0")).items()
     (tmp_path / file).write_text(text, encoding="utf-8")
@@ -294,7 +294,7 @@ def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, 
     operators = [match.start(1) for match in STEP.finditer(text)]
     assert len(operators) > 100
     found = 0
-    for place in rng.sample(operators, 8):
+    for place in rng.sample(operators, mutants):
         mutant = text[:place] + OTHER[text[place]] + text[place + 1 :]
         (tmp_path / file).write_text(mutant, encoding="utf-8")
         try:
@@ -304,7 +304,7 @@ def test_a_changed_operator_is_found_unless_it_changes_no_value(tmp_path: Path, 
         else:
             (wrong,) = load_models(tmp_path)
             assert_same_values(right, wrong, sample_sets(robot, 60, np.random.default_rng(1))[0])
-    assert found >= 6
+    assert found >= 3 * mutants // 4
 
 
 def assert_same_values(one: GeneratedModel, other: GeneratedModel, sample_set: SampleSet) -> None:

@@ -134,6 +134,7 @@ def test_no_two_names_look_the_same_in_any_notation(
     assert_different(robot, options)
 
 
+@pytest.mark.first(9)
 @pytest.mark.parametrize("name", catalogue_names())
 def test_no_two_symbols_of_a_catalogue_robot_look_the_same_in_any_notation(name: str) -> None:
     for options in EVERY_CHOICE:

@@ -6,6 +6,7 @@ import math
 import os
 import shutil
 from collections.abc import Iterator
+from functools import cache
 from itertools import combinations
 from pathlib import Path
 from types import ModuleType
@@ -18,6 +19,7 @@ from PIL import Image
 from derive.handouts.page.viewer import symbol_values, travels
 from derive.robot.robot import Robot
 from tests.handouts.page.page_documents import assumed, viewer_page
+from tests.random_robots import swept
 from tests.targets.generated_models import numpy_model
 
 pytestmark = pytest.mark.first(1)
@@ -118,12 +120,22 @@ def is_same_picture(one: bytes, other: bytes) -> bool:
     return bool(np.abs(first - second).max() <= 2)
 
 
-@pytest.fixture(params=[ROBOTS[0], "folding", *(pytest.param(name, marks=pytest.mark.sweep) for name in ROBOTS[1:])])
-def figure(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
-    robot = Robot.from_text(MODIFIED) if request.param == "folding" else Robot.load(request.param)
-    made = Figure(browser, tmp_path, robot)
+@cache
+def opened(browser: Any, folder: Path, name: str) -> Figure:
+    """Tests share pages: to open one takes a second."""
+    robot = Robot.from_text(MODIFIED) if name == "folding" else Robot.load(name)
+    (folder / name).mkdir()
+    return Figure(browser, folder / name, robot)
+
+
+def shared(request: pytest.FixtureRequest, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Figure]:
+    made = opened(browser, tmp_path_factory.getbasetemp(), request.param)
+    made.page.locator(".viewer-reset").click()
     yield made
-    made.close()
+    assert made.trouble == []
+
+
+figure = pytest.fixture(params=[ROBOTS[0], "folding", *swept(*ROBOTS[1:])])(shared)
 
 
 def test_the_pose_is_that_of_the_numpy_model(figure: Figure) -> None:
@@ -192,6 +204,8 @@ def test_keys_numbers_and_the_reset_button_work(figure: Figure) -> None:
 
 def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
     page = figure.page
+    page.reload()
+    assert page.evaluate("deriveViewer.configuration()") == [travel.start for travel in figure.travels]
     home = figure.steady_picture()
     box = page.locator(".viewer-canvas").bounding_box()
     page.mouse.move(box["x"] + 200, box["y"] + 200)
@@ -217,6 +231,8 @@ def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
     without_frames = figure.picture()
     figure.page.locator(".viewer-names").uncheck()
     assert len({with_frames, without_frames, figure.picture()}) == 3
+    for box in (".viewer-frames", ".viewer-names"):
+        figure.page.locator(box).check()
 
 
 @pytest.mark.parametrize(("name", "width"), [("kuka-kr5", 1000), ("scara-perugia", 400)])
@@ -255,8 +271,7 @@ def overlap(a: dict[str, float], b: dict[str, float]) -> float:
     return max(0.0, wide) * max(0.0, tall)
 
 
-def test_the_matrix_stands_in_brackets(browser: Any, tmp_path: Path) -> None:
-    figure = Figure(browser, tmp_path, Robot.load("planar-2r-perugia"))
+def test_the_matrix_stands_in_brackets(figure: Figure) -> None:
     sides = figure.page.evaluate(
         """() => ["::before", "::after"].map((side) => {
           const style = getComputedStyle(document.querySelector(".viewer-pose table"), side);
@@ -264,7 +279,6 @@ def test_the_matrix_stands_in_brackets(browser: Any, tmp_path: Path) -> None:
         })"""
     )
     assert sides == [[True, False, True, True], [True, True, True, False]]
-    figure.page.close()
 
 
 def test_dark_pages_get_a_dark_figure(browser: Any, tmp_path: Path) -> None:
@@ -275,13 +289,17 @@ def test_dark_pages_get_a_dark_figure(browser: Any, tmp_path: Path) -> None:
     figure.close()
 
 
-def test_without_webgl_sliders_and_pose_still_work(browser: Any, tmp_path: Path) -> None:
+def test_without_webgl_sliders_pose_and_coordinates_still_work(browser: Any, tmp_path: Path) -> None:
     figure = Figure(browser, tmp_path, Robot.load("planar-3r"), without_webgl=True)
     assert figure.page.locator(".viewer-message").is_visible()
     before = figure.pose()
     figure.page.locator(".viewer-range").first.focus()
     figure.page.keyboard.press("ArrowRight")
     assert np.abs(figure.pose() - before).max() > 1e-3
+    figure.set([0.3, 0.8, -0.4])
+    wanted = target(figure) * [0.9, 0.9, 1.0]
+    assert figure.page.evaluate("(place) => deriveViewer.setTarget(place)", wanted.tolist())
+    assert np.abs(figure.pose()[:3, 3] - wanted).max() <= 1e-9
     figure.close()
 
 
@@ -291,25 +309,10 @@ def test_the_figure_is_accessible(figure: Figure) -> None:
     assert [v["id"] for v in found if v["impact"] in ("serious", "critical")] == []
 
 
-USUAL = ("scara-perugia",)
-SWEPT = (
-    "planar-2r-perugia",
-    "puma560-laschi",
-    "stanford-laschi",
-    "planar-3r",
-    "spherical-arm",
-    "kuka-lwr4",
-    "thumb",
-    "kuka-kr5",
-)
-MARKS = [pytest.mark.sweep] * 3 + [pytest.mark.release] * (len(SWEPT) - 3)
-
-
-@pytest.fixture(params=[*USUAL, *(pytest.param(name, marks=mark) for name, mark in zip(SWEPT, MARKS, strict=True))])
-def dragged(request: pytest.FixtureRequest, browser: Any, tmp_path: Path) -> Iterator[Figure]:
-    made = Figure(browser, tmp_path, Robot.load(request.param))
-    yield made
-    made.close()
+SWEPT = swept("planar-2r-perugia", "puma560-laschi", "stanford-laschi")
+OTHERS = ("planar-3r", "spherical-arm", "kuka-lwr4", "thumb", "kuka-kr5")
+BEFORE_RELEASE = [pytest.param(name, marks=pytest.mark.release) for name in OTHERS]
+dragged = pytest.fixture(params=["scara-perugia", *SWEPT, *BEFORE_RELEASE])(shared)
 
 
 def target(figure: Figure) -> np.ndarray:
@@ -388,13 +391,4 @@ def test_without_a_closed_form_or_a_way_to_go_there_is_no_target(robot: str, bro
     figure = Figure(browser, tmp_path, Robot.load(robot))
     assert figure.page.locator(".viewer-target").count() == 0
     assert figure.page.evaluate("deriveViewer.setTarget") is None
-    figure.close()
-
-
-def test_without_webgl_coordinates_still_move_the_arm(browser: Any, tmp_path: Path) -> None:
-    figure = Figure(browser, tmp_path, Robot.load("planar-3r"), without_webgl=True)
-    figure.set([0.3, 0.8, -0.4])
-    wanted = target(figure) * [0.9, 0.9, 1.0]
-    assert figure.page.evaluate("(place) => deriveViewer.setTarget(place)", wanted.tolist())
-    assert np.abs(figure.pose()[:3, 3] - wanted).max() <= 1e-9
     figure.close()

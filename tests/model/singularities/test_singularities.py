@@ -31,6 +31,7 @@ ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", 
 # -- every robot of the catalogue
 
 
+@pytest.mark.first(14)
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name: str) -> None:
     for seed in range(3):
@@ -41,7 +42,7 @@ def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name:
     assert time.process_time() - start < 5
 
 
-@pytest.mark.first(8)
+@pytest.mark.first(5)
 @pytest.mark.parametrize("name", [name for name in CATALOGUE if Robot.load(name).n <= 7])
 def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
     SingularArm(Robot.load(name)).check(places=200, starts=6)

@@ -41,7 +41,7 @@ def check(oracle: Oracle, outside: Reference, arguments: dict[str, Array]) -> No
 
 
 @given(robots())
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_every_function_agrees_with_pinocchio(robot: RandomRobot) -> None:
     oracle, outside = Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot)
     check(oracle, outside, motion(robot.n))
