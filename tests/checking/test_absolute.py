@@ -103,6 +103,6 @@ def test_a_page_is_read_with_such_angles_where_more_of_it_is_right_then(sign: st
 
 def test_a_slip_of_an_index_does_not_change_the_reading() -> None:
     report = checked(
-        PENDULUM, r"$$x = l_1 \sin\theta_1 + l_2 \sin\theta_2$$ $$\omega_2 = \dot\theta_1 + \dot\theta_2$$"
+        PENDULUM, r"$$x = l_1 \sin\theta_1 + l_2 \sin\theta_2$$ $$y = -l_1 \cos\theta_1 - l_2 \cos\theta_2$$"
     )
-    assert ([finding.entry for finding in report.wrong], report.readings) == (["p[1]"], ())
+    assert ([finding.entry for finding in report.wrong], report.readings) == (["p[1]", "p[2]"], ())

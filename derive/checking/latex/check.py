@@ -77,7 +77,7 @@ def check_latex(
     if order is not None and (gain := _right((other := read(model, True))[1]) - _right(findings)) > 0:
         order, (check, findings) = True, other
         check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
-    if document and _wrong(findings) and has_absolute_angles(model):
+    if document and _DIFFERENCE.search(text) and _wrong(findings) and has_absolute_angles(model):
         other = read(AbsoluteModel(model), order)
         if (gain := _right(other[1]) - _right(findings)) > 0 and _wrong(other[1]) < _wrong(findings):
             check, findings = other
@@ -106,6 +106,8 @@ def _wrong(findings: Sequence[Finding]) -> int:
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
+# A function of the difference of two angles, which no formula for joint angles has.
+_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?[A-Za-z]+_\{?\w+\}?\s*-\s*\\?[A-Za-z]+_\{?\w")
 _FORCE = "where the force acts, and in which axes, is not certain"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
