@@ -207,6 +207,8 @@ class ByValue:
         joints, inertia = [joint.variable for joint in self._robot.joints], self._model.quantity("B")
         torques, printed = self._model.quantity("tau"), expression_to_sympy(value).expand()
         slopes = {i: slope for i, q in enumerate(joints) if (slope := printed.diff(acceleration_name(q))) != 0}
+        if printed.is_Symbol:  # nothing accelerates, or by what nobody says
+            return "", None
         if [*slopes.values()] == [1]:
             rest = torques.subs({acceleration_name(q): 0 for q in joints})
             solved, name = (

@@ -29,6 +29,10 @@ from derive.robot.expression import ZERO, Expression, Name, Number, add, is_cons
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
+_MARKUP = re.compile(r"\\(?:math[a-z]+|boldsymbol|bm|vec)|[\s{}()\[\]]")
+_LAGRANGE = re.compile(
+    r"\\dot\\[dt]?frac\\partial(\w)\\partial\\dotq-\\[dt]?frac\\partial\1\\partialq"
+)  # of all joints
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
@@ -187,7 +191,8 @@ class SideReading(Comparing):
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):
                 return Side(piece, value=self.reader.value(piece))
-            if targets := self.meanings.derivatives(piece.text):
+            is_lagrange = _LAGRANGE.fullmatch(_MARKUP.sub("", piece.text))
+            if targets := (Target("tau"),) if is_lagrange else self.meanings.derivatives(piece.text):
                 return Side(piece, None, targets)
         if may_name and left is not None:
             # a coordinate of a point, or an entry of a rotation: which frame is meant is settled by all of them

@@ -140,7 +140,9 @@ def cleaned(text: str, time: bool = True) -> str:
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
         text = _LETTERED.sub(lambda m: _marked(m, m["name"] + m["sub"] + m["end"], len(m["dots"])), text)
     if re.search(r"(?:q|theta)(?:_\{?[0-9]\}?)?''", text):
-        text = _PRIMES.sub(_primed, text)
+        text = _PRIMES.sub(
+            lambda m: _marked(m, (m[1] or m[0]) + (m[4] or ""), len((m[2] or "") + (m[5] or "")), m[3]), text
+        )
     while (braced := _BOXED.sub(_within, _BRACE.sub(_term, text))) != text:
         text = braced
     text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
@@ -163,16 +165,9 @@ def blank(text: str) -> str:
     return re.sub(r"[^\n]", " ", text)
 
 
-def _marked(match: re.Match[str], name: str, dots: int) -> str:
-    """A name with the mark of its derivative, as long as before."""
-    return (name + PRIMED.get(dots, "")).ljust(len(match[0]))
-
-
-def _primed(match: re.Match[str]) -> str:
-    """A name with the mark of its derivative, its index before its exponent; a macro as it is."""
-    dots = PRIMED.get(len((match["before"] or "") + (match["after"] or "")), "")
-    parts = (match["name"], match["sub"], dots, match["power"])
-    return "".join(filter(None, parts)).ljust(len(match[0])) if match["name"] and dots else match[0]
+def _marked(match: re.Match[str], name: str, dots: int, behind: str | None = None) -> str:
+    """A name with the mark of its derivative and what stands behind it, as long as before."""
+    return (name + PRIMED.get(dots, "") + (behind or "")).ljust(len(match[0]))
 
 
 def _times(match: re.Match[str]) -> str:
