@@ -107,7 +107,7 @@ def _wrong(findings: Sequence[Finding]) -> int:
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 # A function of the difference of two angles, which no formula for joint angles has.
-_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?[A-Za-z]+_\{?\w+\}?\s*-\s*\\?[A-Za-z]+_\{?\w")
+_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
 _FORCE = "where the force acts, and in which axes, is not certain"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
