@@ -88,6 +88,13 @@ class Left:
         return bool(is_component or is_whole) and not self.sup + self.before
 
     @property
+    def labelled(self) -> str:
+        r"""An entry of a pose with the number of another frame, ``{}^1r_{11}`` as r11^1; empty of anything else."""
+        frame = self.before or self.sup
+        is_entry = re.fullmatch("r[1-3][1-3]|[nsoapP][xyz]", self.flat) and re.fullmatch("[1-9]", frame)
+        return f"{self.flat}^{frame}" if is_entry and not self.dots + bool(self.turned) else ""
+
+    @property
     def is_vague(self) -> bool:
         """Whether it is a letter for anything, without indices that say what it is, or a point of some link."""
         is_angle = self.head in ("phi", "theta", "psi") and not self.sub
