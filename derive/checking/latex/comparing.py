@@ -113,9 +113,7 @@ class Comparing:
             isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
         )
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
-        # but {}^1p_y = d_3 is an entry
-        is_entry = first.left is not None and bool(first.left.labelled)
-        is_name = is_angle or (isinstance(first.value, Name | Call) and not is_entry)
+        is_name = is_angle or (isinstance(first.value, Name | Call) and not (first.left and first.left.labelled))
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         is_parameter = is_parameter and not names_of_pose(*others)  # d_4 = s_1 p_x - c_1 p_y is one

@@ -90,9 +90,8 @@ class Left:
     @property
     def labelled(self) -> str:
         r"""An entry of a pose with the number of another frame, ``{}^1r_{11}`` as r11^1; empty of anything else."""
-        frame = self.before or self.sup
-        is_entry = re.fullmatch("r[1-3][1-3]|[nsoapP][xyz]", self.flat) and re.fullmatch("[1-9]", frame)
-        return f"{self.flat}^{frame}" if is_entry and not self.dots + bool(self.turned) else ""
+        name = f"{self.flat}^{self.before or self.sup}"
+        return name if re.fullmatch(r"(?:r[1-3]{2}|[nsoapP][xyz])\^[1-9]", name) and not self.dots else ""
 
     @property
     def is_vague(self) -> bool:

@@ -362,8 +362,7 @@ def _seen_from(left: Left, n: int) -> Iterator[Target]:
         name = f"centre[{centre[1]}]" if frame == "0" else f"centre[{centre[1]},{frame}]"
         yield from (Target(name, rows) for rows in ((), (1, 2)))
         yield from (Target(f"centre_task[{centre[1]}]"),) if frame == "0" else ()
-    is_entry = place is not None and bool(place[1] or left.labelled) and (left.sup or left.before).isdigit()
-    if left.head in ("p", "P", *_COLUMNS) and place and is_entry:
+    if left.head in {*"pPnsoa"} and place and (place[1] or left.labelled) and (left.sup or left.before).isdigit():
         yield Target(f"T[{frame},{place[1] or n}]", (AXES[place[2]],), (_COLUMNS.get(left.head, 4),))
 
 
