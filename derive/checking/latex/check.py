@@ -400,7 +400,8 @@ class _Check(SideReading):
         named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
         if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
-        # r_1 = p_3 - p_0 says what r_1 is
+        # a partial derivative says which entry J_21 is, and r_1 = p_3 - p_0 what r_1 is
+        named = [s for s in named if not (s.left and re.fullmatch(r"J\d\d", s.left.flat + s.left.arguments))] or named
         named = [side for side in named if side.left is None] or named
         return [side for side in named if side.left is None or side.left.head not in ANY] or named
 
