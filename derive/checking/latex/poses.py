@@ -170,6 +170,9 @@ class Poses:
             readings = self._readings_of(group, chosen)
             found = [(r, [self._read(claim, r) for claim in own.values()]) for r in readings]
             chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
+            if chosen.reference and group in (Settled.TURN, Settled.WRIST):  # before R_36 is spoken of, as usual
+                usual = [self._read(claim, self.readings[0]) for claim in own.values()]
+                verdicts = [u if _is_right(u) else f for u, f in zip(usual, verdicts, strict=True)]
             right = sum(map(_is_right, verdicts))
             if right and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
