@@ -166,8 +166,7 @@ class LatexReader:
         part = match[match.lastgroup or 0]
         name, frames = re.sub("[^A-Za-z0-9]", "", part), re.findall("[0-9]", match[0].replace(part, ""))
         entry = self.names.entry(f"{name}^{frames[0]}") if len(frames) == 1 else None
-        shown = self.names.standing_for(entry) if entry else match["column"] or match[0]
-        return shown.ljust(len(match[0]))
+        return (self.names.standing_for(entry) if entry else match["column"] or match[0]).ljust(len(match[0]))
 
     def _primed(self, match: re.Match[str]) -> str:
         """One sign for a letter with primes."""
@@ -250,9 +249,10 @@ _RUN = re.compile(
     r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
     r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
 )
-# The label of a branch, as in \\theta_1^{(2)}.
+# The label of a branch, as in \\theta_1^{(2)}, s_3^{+} and \\theta_4^{base}.
 _BRANCH = re.compile(
-    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
+    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qdcs])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*"
+    r"(?:\{\s*(?:\([^(){}]{1,3}\)|[-+]|(?:\\(?:text|mathrm)\s*\{)?\s*(?:base|up|down|left|right|front|back|flip)\s*\}?)\s*\}|[-+])"
 )
 # The arguments of an entry: M_{11}(\\theta_2), b_{12}(q).
 _JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|q)\}?(?:\s*_\s*\{?[0-9]\}?)?"

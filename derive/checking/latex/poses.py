@@ -127,7 +127,8 @@ class Poses:
         }
         self._labelled: dict[str, tuple[int, int, int]] = {}  # row, column and frame of each that the text has
         self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
-        self._points = {w: at for w, at in axes.items() if at[1] <= model.n and w not in own_names(model.robot)}
+        last = model.n + (f"x{model.n + 1}" in axes)  # P_3 of two links, the end effector or the last centre of mass
+        self._points = {w: at for w, at in axes.items() if at[1] <= last and w not in own_names(model.robot)}
 
     @property
     def has_o_columns(self) -> bool:
@@ -305,7 +306,7 @@ class Poses:
         """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
-            return own_quantity(self._model, f"centre[{link}]")
+            return own_quantity(self._model, f"centre[{min(link, n)}]")
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
         return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]

@@ -89,7 +89,7 @@ _WAY = re.compile(  # the way from one point to another
 )
 # A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
 _POINTED = re.compile(
-    r"(?<=[A-Za-z0-9)}\]])\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
+    r"(?<=[A-Za-z0-9)}\]])(?<!\\left|right)\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
