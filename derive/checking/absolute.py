@@ -4,6 +4,7 @@ With theta the angles of the text and q the joint variables, q = A theta: in a r
 axes q_k = theta_k - theta_{k-1}. So J becomes J A, torques A' tau, and B becomes A' B A.
 """
 
+import re
 from itertools import product
 
 import sympy
@@ -11,6 +12,9 @@ import sympy
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.model.model import Model
 from derive.model.quantity_names import parse
+
+# A function of the difference of two angles, which no formula for joint angles has.
+_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
 
 
 class AbsoluteModel(Model):
@@ -55,9 +59,9 @@ def turning(model: Model) -> Matrix:
     return model.turning if isinstance(model, AbsoluteModel) else sympy.eye(model.n)
 
 
-def has_absolute_angles(model: Model) -> bool:
-    """Whether two joints behind each other turn about parallel axes."""
-    return bool(_turning(model) != sympy.eye(model.n))
+def may_count_from_one_direction(model: Model, text: str) -> bool:
+    """Whether two joints behind each other turn about parallel axes, and a text has the difference of two angles."""
+    return bool(_DIFFERENCE.search(text) and _turning(model) != sympy.eye(model.n))
 
 
 def _turning(model: Model) -> Matrix:

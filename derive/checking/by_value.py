@@ -283,8 +283,8 @@ def _may_mean(left: Left, label: str) -> bool:
     entry = re.fullmatch("[1-3]{2}", left.sub) if left.head in ("r", "R") else None
     place = re.search(r"\[([0-9])(?:,([0-9]))?\]$", label)
     if entry is not None:
-        return place is not None and (place[1], place[2]) == tuple(entry[0])
-    if row and (place is None or int(place[1]) != row):
+        return place is not None and (place[1], place[2]) == tuple(entry[0]) and left.labelled[-1:] in label[:-5]
+    if row and (left.labelled or place is None or int(place[1]) != row):
         return False
     point = re.search("[1-9]", left.sub) if row else None
     return point is None or f"{point[0]}]" in label[: place.start() if place else None]

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from derive.checking.absolute import AbsoluteModel, has_absolute_angles
+from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
 from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
@@ -24,8 +24,7 @@ from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.quantities import OF_LINK
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
-from derive.checking.latex.targets import Target
-from derive.checking.latex.targets import is_scalar as is_scalar_target
+from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import (
     names_its_columns,
     other_factorisation,
@@ -67,25 +66,28 @@ def check_latex(
     def read(model: Model, order: bool | None) -> tuple[_Check, tuple[Finding, ...]]:
         check = _Check(Scope(model, text, where, document, cosine_first=order), quantity)
         if alone:
-            equations = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
-            refuse_other_arm(model.robot, equations, where)
+            texts = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
+            refuse_other_arm(model.robot, texts, where)
         return check, other_factorisation(model, tuple(check.findings()))
 
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
     order = False if document and _CAPITAL.search(text) else None
     check, findings = read(model, order)
-    if order is not None and (gain := _right((other := read(model, True))[1]) - _right(findings)) > 0:
+    if (
+        order is not None
+        and (gain := _count((other := read(model, True))[1], right=True) - _count(findings, right=True)) > 0
+    ):
         order, (check, findings) = True, other
         check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
-    if document and _DIFFERENCE.search(text) and _wrong(findings) and has_absolute_angles(model):
+    if document and _count(findings, right=False) and may_count_from_one_direction(model, text):
         other = read(AbsoluteModel(model), order)
-        if (gain := _right(other[1]) - _right(findings)) > 0 and _wrong(other[1]) < _wrong(findings):
+        gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
+        if gain > 0 > less:
             check, findings = other
             check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
-    for lone in uncertain_entries(findings, model.n) if document else ():
-        reason = "C is not unique, and the rest of the row is not printed"
-        check.skipped.append(Skipped(lone.location, reason, lone.text))
-        findings = tuple(finding for finding in findings if finding is not lone)
+    lone = uncertain_entries(findings, model.n) if document else frozenset()
+    check.skipped += (Skipped(f.location, _LONE, f.text) for f in findings if f in lone)
+    findings = tuple(finding for finding in findings if finding not in lone)
     begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
     findings, doubts = certain(findings, begins) if document and not quantity else (findings, ())
     check.skipped += doubts
@@ -96,18 +98,13 @@ def check_latex(
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
 
 
-def _right(findings: Sequence[Finding]) -> int:
-    return sum(finding.verdict.equal for finding in findings)
-
-
-def _wrong(findings: Sequence[Finding]) -> int:
-    return sum(not finding.verdict.equal and finding.unknown is None for finding in findings)
+def _count(findings: Sequence[Finding], *, right: bool) -> int:
+    return sum(finding.verdict.equal is right and finding.unknown is None for finding in findings)
 
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
-# A function of the difference of two angles, which no formula for joint angles has.
-_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
+_LONE = "C is not unique, and the rest of the row is not printed"
 _FORCE = "where the force acts, and in which axes, is not certain"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
@@ -389,7 +386,7 @@ class _Check(SideReading):
             if len({*slopes}) < len(slopes):
                 self._skip_for(piece, "the same derivative stands in it twice")
 
-    def _naming(self, sides: list[Side], is_scalar: bool) -> list[Side]:
+    def _naming(self, sides: list[Side], has_no_matrix: bool) -> list[Side]:
         """The sides that name quantities; conditions in their arguments are kept."""
         for side in sides:
             for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
@@ -401,14 +398,15 @@ class _Check(SideReading):
         named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
         if not any(isinstance(s.value, Table) and len(s.value.entries) == 6 for s in sides):  # B_1 may be anything
             named = [s for s in named if not all("screw" in t.quantity and len(t.rows) != 3 for t in s.targets)]
-        if is_scalar:  # a length of the robot, not a vector with its letter
+        if has_no_matrix:  # a length of the robot, not a vector with its letter
             is_own = first.left is not None and not first.left.arguments and self.scope.is_own(first.left)
-            is_length = is_own and not any(map(is_scalar_target, first.targets))
+            is_length = is_own and not any(map(is_scalar, first.targets))
             named = [s for s in named if s is not first or not is_length]
         named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
-        if is_scalar and isinstance(first.value, Name) and first.value.name in self.joints:
+        if has_no_matrix and isinstance(first.value, Name) and first.value.name in self.joints:
             named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
-        # r_1 = p_3 - p_0 says what r_1 is
+        # a partial derivative says which entry J_21 is, and r_1 = p_3 - p_0 what r_1 is
+        named = [s for s in named if not (s.left and re.fullmatch(r"J\d\d", s.left.flat + s.left.arguments))] or named
         named = [side for side in named if side.left is None] or named
         return [side for side in named if side.left is None or side.left.head not in ANY] or named
 

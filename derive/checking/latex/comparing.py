@@ -113,7 +113,7 @@ class Comparing:
             isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
         )
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
-        is_name = is_angle or isinstance(first.value, Name | Call)
+        is_name = is_angle or (isinstance(first.value, Name | Call) and not (first.left and first.left.labelled))
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         is_parameter = is_parameter and not names_of_pose(*others)  # d_4 = s_1 p_x - c_1 p_y is one
@@ -371,7 +371,7 @@ class Comparing:
     def _posed(self, poses: Poses, known: set[str], name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings with the usual meaning of names of the pose, and the meaning of points that makes all right."""
         readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
-        for values in readings:
+        for values in ({**values, **poses.labels()} for values in readings):
             posed = tuple(tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows)
             if names_of_pose(*(entry.formula for row in posed for entry in row)):
                 continue  # a name without a value

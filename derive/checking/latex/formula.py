@@ -118,7 +118,6 @@ class LatexReader:
                 text = _BARS.sub("\\1\ue003\\2\ue004\\3", text.replace("\\vert", "|    "))
                 text = _ARGUMENTS.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _SEEN_FROM.sub(self._seen_from, text)
-                text = _COLUMN_OF_FRAME.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
                 text = without_derivatives(text, self.names.robot, self._differentiated, self.names.standing_for)
@@ -164,10 +163,10 @@ class LatexReader:
         """One sign for a coordinate of a frame, or an entry of its axes, that is seen from another one; none for 0."""
         if match["entry"]:
             return match["entry"].rjust(len(match[0]))
-        frame = re.sub("[^0-9]", "", (match["before"] or "") + (match["behind"] or ""))
-        name = match["letter"] + match["frame"] + match["axis"]
-        entry = self.names.entry(f"{name}^{frame}") if len(frame) == 1 else None
-        return match[0] if entry is None else self.names.standing_for(entry).ljust(len(match[0]))
+        part = match[match.lastgroup or 0]
+        name, frames = re.sub("[^A-Za-z0-9]", "", part), re.findall("[0-9]", match[0].replace(part, ""))
+        entry = self.names.entry(f"{name}^{frames[0]}") if len(frames) == 1 else None
+        return (self.names.standing_for(entry) if entry else match["column"] or match[0]).ljust(len(match[0]))
 
     def _primed(self, match: re.Match[str]) -> str:
         """One sign for a letter with primes."""
@@ -250,24 +249,27 @@ _RUN = re.compile(
     r"\\(?:math[a-z]+|text[a-z]*|operatorname\*?|boldsymbol|bm|pmb|vec|mbox)\s*\{[^{}]*\}|\\[A-Za-z]+|_\s*\{[^{}]*\}"
     r"|(?P<run>[A-Za-z]{2,})(?P<sub>[0-9]*\s*(?:_\s*(?:\{[^{}]*\}|[A-Za-z0-9]))?)"
 )
-# The label of a branch, as in \\theta_1^{(2)}.
+# The label of a branch, as in \\theta_1^{(2)}, s_3^{+} and \\theta_4^{base}.
 _BRANCH = re.compile(
-    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*\{\s*\([^(){}]{1,3}\)\s*\}"
+    r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qdcs])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*"
+    r"(?:\{\s*(?:\([^(){}]{1,3}\)|[-+]|(?:\\(?:text|mathrm)\s*\{)?\s*(?:base|up|down|left|right|front|back|flip)\s*\}?)\s*\}|[-+])"
 )
 # The arguments of an entry: M_{11}(\\theta_2), b_{12}(q).
 _JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|q)\}?(?:\s*_\s*\{?[0-9]\}?)?"
 _ARGUMENTS = re.compile(
     rf"((?<![A-Za-z\\])[MBDCGgJNH]\s*_\s*(?:\{{[0-9, ]+\}}|[0-9]))\s*\(\s*{_JOINT}(?:\s*,\s*{_JOINT})*\s*\)"
 )
-# An entry of a column of a rotation, with the number of the frame from which it is seen: a_x^3.
-_COLUMN_OF_FRAME = re.compile(
-    r"((?<![A-Za-z\\])[nsoa]\s*_\s*(?:[xyz]|\{\s*[xyz]\s*\}))\s*\^\s*(?:[3-9]|\{\s*[3-9]\s*\})"
-)
 _RAISED = r"\^\s*(?:[0-9]|\{\s*[0-9]\s*\})"
-# P_{6x}^0 and {}^1n_{4z}, and an entry of the pose with the base before it, {}^0r_{11}.
+_ENTRY = r"(?:r\s*_\s*\{\s*[1-3]\s*,?\s*[1-3]\s*\}|[nsoapP]\s*_\s*(?:[xyz]|\{\s*[xyz]\s*\}))"
+# P_{6x}^0 and {}^1n_{4z}, an entry of the pose with the base before it, {}^0r_{11}, or with another frame: {}^1r_{11},
+# r_{11}^{(5)} and a_x^3, but not p_x^3.
 _SEEN_FROM = re.compile(
-    rf"(?:\{{\s*\}}\s*)?(?P<before>{_RAISED}\s*)?(?<![A-Za-z\\])(?P<letter>[pPnsoaFfN])\s*_\s*\{{?\s*(?P<frame>[1-9])\s*,?\s*(?P<axis>[xyz])\s*\}}?"
-    rf"(?:\s*(?P<behind>{_RAISED}))?|\{{\s*\}}\s*\^\s*(?:0|\{{\s*0\s*\}})\s*(?P<entry>[rRnsoap]\s*_)"
+    rf"\{{\s*\}}\s*\^\s*(?:0|\{{\s*0\s*\}})\s*(?P<entry>[rRnsoap]\s*_)"
+    rf"|(?:\{{\s*\}}\s*|^\s*|(?<=[-+=(&*])\s*){_RAISED}\s*(?P<other>{_ENTRY})"
+    rf"|(?<![A-Za-z\\])(?P<behind>{_ENTRY})\s*\^\s*\{{\s*\([1-9]\)\s*\}}"
+    rf"|(?<![A-Za-z\\])(?P<column>[nsoa]\s*_\s*(?:[xyz]|\{{\s*[xyz]\s*\}}))\s*\^\s*(?:[3-9]|\{{\s*[3-9]\s*\}})"
+    rf"|(?:\{{\s*\}}\s*)?(?:{_RAISED}\s*)?(?<![A-Za-z\\])(?P<name>[pPnsoaFfN]\s*_\s*\{{?\s*[1-9]\s*,?\s*[xyz]\s*\}}?)"
+    rf"(?:\s*{_RAISED})?"
 )
 _INDEX = r"\s*_\s*(?:\{[^{}]*\}|\w)"
 _PRIMED_NAME = re.compile(

@@ -88,6 +88,12 @@ class Left:
         return bool(is_component or is_whole) and not self.sup + self.before
 
     @property
+    def labelled(self) -> str:
+        r"""An entry of a pose with the number of another frame, ``{}^1r_{11}`` as r11^1; empty of anything else."""
+        name = f"{self.flat}^{self.before or self.sup}"
+        return name if re.fullmatch(r"(?:r[1-3]{2}|[nsoapP][xyz])\^[1-9]", name) and not self.dots else ""
+
+    @property
     def is_vague(self) -> bool:
         """Whether it is a letter for anything, without indices that say what it is, or a point of some link."""
         is_angle = self.head in ("phi", "theta", "psi") and not self.sub

@@ -52,6 +52,7 @@ class Settled(Enum):
     POINT = "points of links"
     WRIST = "the wrist"
     ANGLE = "the orientation of a planar arm"
+    LABEL = "entries with the number of a frame"
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,8 @@ class PoseReading:
             return f"points are read as {self.points.value}"
         if group is Settled.WRIST:
             return f"the wrist is read as the origin of frame {self.wrist}"
+        if group is Settled.LABEL:
+            return "entries with the number of a frame are read as those of its own pose in the base"
         return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
 
 
@@ -122,8 +125,10 @@ class Poses:
             for word, match in points.items()
             if has_centres or not (match[2] or match[5])
         }
+        self._labelled: dict[str, tuple[int, int, int]] = {}  # row, column and frame of each that the text has
         self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
-        self._points = {w: at for w, at in axes.items() if at[1] <= model.n and w not in own_names(model.robot)}
+        last = model.n + (f"x{model.n + 1}" in axes)  # P_3 of two links, the end effector or the last centre of mass
+        self._points = {w: at for w, at in axes.items() if at[1] <= last and w not in own_names(model.robot)}
 
     @property
     def has_o_columns(self) -> bool:
@@ -132,7 +137,10 @@ class Poses:
 
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
-        pose = self._names
+        pose, (base, _, frame) = self._names, name.partition("^")
+        if base in pose.entries and frame and int(frame) < self._model.n:
+            self._labelled[name] = (*pose.entries[base], int(frame))
+            return Name(MARK + name)
         known = name in pose.entries or name in pose.wrist or self.is_point(name) or MARK + name in self._angles
         return Name(MARK + name) if known else None
 
@@ -163,6 +171,9 @@ class Poses:
             readings = self._readings_of(group, chosen)
             found = [(r, [self._read(claim, r) for claim in own.values()]) for r in readings]
             chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
+            if chosen.reference and group in (Settled.TURN, Settled.WRIST):  # before R_36 is spoken of, as usual
+                usual = [self._read(claim, self.readings[0]) for claim in own.values()]
+                verdicts = [u if _is_right(u) else f for u, f in zip(usual, verdicts, strict=True)]
             right = sum(map(_is_right, verdicts))
             if right and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
@@ -172,11 +183,12 @@ class Poses:
             is_place = group is Settled.PLACE and known
             is_turn = group is Settled.TURN and of_columns and (known or right)
             is_most = right >= CERTAIN and 2 * right >= len(verdicts)
+            may_say = is_named and group is not Settled.LABEL
             is_certain = is_most or (chosen.usual and (is_place or is_turn))
             for (i, claim), finding in zip(own.items(), verdicts, strict=True):
                 # labels of branches, and names with two meanings, may explain what is wrong
                 may_differ = claim.is_branch or (claim.is_open and group is not Settled.POINT)
-                is_said = is_named and isinstance(claim.first, Name) and not names_of_pose(claim.other)
+                is_said = may_say and isinstance(claim.first, Name) and not names_of_pose(claim.other)
                 is_some = claim.is_branch and finding is not None and finding.some
                 is_told = is_some or ((is_certain or is_said) and not may_differ)
                 findings[i] = finding if _is_right(finding) or is_told else None
@@ -188,6 +200,8 @@ class Poses:
         match group:
             case Settled.ANGLE:
                 return [chosen]
+            case Settled.LABEL:
+                return [replace(chosen, values={**chosen.values, **self.labels(k)}) for k in (False, True)]
             case Settled.POINT:
                 return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in self._kinds]
             case Settled.WRIST:
@@ -207,6 +221,8 @@ class Poses:
     def _group(self, claim: Claim) -> Settled:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
         known = claim.pose_names
+        if not known.isdisjoint(self._labelled):
+            return Settled.LABEL
         if not known.isdisjoint(self._names.angles):  # or an angle that the text has defined itself
             return Settled.ANGLE
         if any(map(self.is_point, known)):
@@ -238,6 +254,11 @@ class Poses:
                 PoseReading(position, reference, _placed(entries) | others, (position, reference) == (n, 0))
             )
         return tuple(readings)
+
+    def labels(self, is_of_frame: bool = False) -> dict[str, Expression]:
+        """What entries with the number of a frame stand for: those of its pose, or of the end effector seen from it."""
+        pose, found = f"T[{{}}{'' if is_of_frame else f',{self._model.n}'}]", self._labelled.items()
+        return _placed({name: self._model.quantity(pose.format(k))[i - 1, j - 1] for name, (i, j, k) in found})
 
     def _wrists(self) -> list[int]:
         """The frames whose origins may be the wrist: that of the three last joints, or of the last one."""
@@ -285,7 +306,7 @@ class Poses:
         """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
-            return own_quantity(self._model, f"centre[{link}]")
+            return own_quantity(self._model, f"centre[{min(link, n)}]")
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
         return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]

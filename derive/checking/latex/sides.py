@@ -196,7 +196,7 @@ class SideReading(Comparing):
                 return Side(piece, None, targets)
         if may_name and left is not None:
             # a coordinate of a point, or an entry of a rotation: which frame is meant is settled by all of them
-            is_open = (left.is_point or re.fullmatch("[rR][1-3]{2}", left.flat)) and not left.dots
+            is_open = (left.is_point or left.labelled or re.fullmatch("[rR][1-3]{2}", left.flat)) and not left.dots
             point = self._stands_for(left) if has_points and is_open else None
             if point is not None:
                 return Side(piece, left, (), point)
@@ -211,7 +211,7 @@ class SideReading(Comparing):
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
         poses = self.scope.poses
-        return None if poses is None or self.scope.is_own(left) else poses.placeholder(left.flat)
+        return None if poses is None or self.scope.is_own(left) else poses.placeholder(left.labelled or left.flat)
 
     def claiming(self, index: int, equation: Sides) -> list[LatexPiece]:
         """The sides that say something: neither names that the text defines nor how a matrix is made."""

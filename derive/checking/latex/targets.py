@@ -322,12 +322,13 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             yield from (Target(name, (1, 2, 3), (1, 2, 3)), Target(name, (1, 2), (1, 2)))
     if head in ("R", "r", "T", "t", "a", "A", "H") and plain and len(pair) == 2:
         yield Target("T", pair[:1], pair[1:])
+    yield from _seen_from(left, n)
     # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
     of_vector = left.sub[:1] in AXES and left.sub[1:] in ("", *_END)
     if of_vector or (head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *_END)):
         row = (AXES[left.sub[0] if of_vector else head.lower()],)
         columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
-        if not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d"):
+        if (not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d")) and not left.labelled:
             yield Target("p", row)
         yield from (Target("T", row, (column,)) for column in columns if plain)
         if not of_vector and head in ("x", "X"):
@@ -337,7 +338,6 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
     if head in AXES and plain and left.sub.lower() in ("elbow", "wrist"):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in range(1, n))
-    yield from _seen_from(left)
     if head in _COLUMNS and plain and not left.sub:
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
@@ -354,16 +354,16 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
             yield Target(name, (1, 2, 3), (3,))
 
 
-def _seen_from(left: Left) -> Iterator[Target]:
-    """Centres of mass, and a coordinate of a frame or an entry of its axes: {}^1P_{C_1}, P_{6x}^0, n_{4z}^1."""
+def _seen_from(left: Left, n: int) -> Iterator[Target]:
+    """Centres of mass, and entries of a pose: {}^1P_{C_1}, P_{6x}^0, n_{4z}^1, {}^1p_x of the end effector."""
     frame = left.sup or left.before or "0"
-    place, centre = re.fullmatch(r"([1-9])([xyz])", left.sub), re.fullmatch(r"[cCGm]([1-9])", left.sub)
+    place, centre = re.fullmatch(r"([1-9]?)([xyz])", left.sub), re.fullmatch(r"[cCGm]([1-9])", left.sub)
     if left.head in ("p", "P", "r", "x", "X") and frame.isdigit() and centre:
         name = f"centre[{centre[1]}]" if frame == "0" else f"centre[{centre[1]},{frame}]"
         yield from (Target(name, rows) for rows in ((), (1, 2)))
         yield from (Target(f"centre_task[{centre[1]}]"),) if frame == "0" else ()
-    if left.head in ("p", "P", *_COLUMNS) and place and (left.sup or left.before).isdigit():
-        yield Target(f"T[{frame},{place[1]}]", (AXES[place[2]],), (_COLUMNS.get(left.head, 4),))
+    if left.head in {*"pPnsoa"} and place and (place[1] or left.labelled) and (left.sup or left.before).isdigit():
+        yield Target(f"T[{frame},{place[1] or n}]", (AXES[place[2]],), (_COLUMNS.get(left.head, 4),))
 
 
 def _frames(left: Left, n: int, first: int) -> Iterator[str]:

@@ -40,12 +40,15 @@ _INK = re.compile(
     # nothing in braces, but where it bears the scripts of the letter behind it: {}^0T_1
     r"|(?<=[A-Za-z0-9)}\]])\{\s*\}(?=\s*\^\s*(?:\{[^{}]*\}|[0-9])(?![_^]|\\?[A-Za-z{]))|\{\s*\}(?!\s*[_^])"
 )
-_STAR = re.compile(rf"\^\s*(?:\{{\s*(?:\*|\\(?:ast|star){_END})\s*\}}|\*|\\(?:ast|star){_END})")  # of what moves
-# theta_2^* = theta_2 - 90 degrees, where the star makes another name
+_STAR = rf"\^ *(?:\{{ *(?:\*|\\(?:ast|star){_END}) *\}}|\*|\\(?:ast|star){_END})"  # of what moves
+_LETTER = r"(?:\\(?:var)?theta|(?<![A-Za-z\\])[csqdxyzpP])"
+_SUB = r"(?:\s*_\s*(?:\{\s*\w+\s*\}|\w))"
+# theta_2^* = theta_2 - 90 degrees and p_x - l_3 c_alpha = p_x^*, where the star makes another name
 _STARRED = re.compile(
-    r"(?P<letter>\\(?:var)?theta|(?<![A-Za-z\\])[qd])\s*(?:_\s*\{?[0-9]\}?\s*\^\s*\{?\*\}?|\^\s*\{?\*\}?\s*_\s*\{?[0-9]\}?)"
-    r"\s*&?\s*=[^=$\n]*?(?P=letter)\s*_\s*\{?[0-9]\}?(?!\s*\^)"
+    rf"(?P<letter>{_LETTER})(?P<sub>{_SUB}?)\s*{_STAR}(?P<late>{_SUB}?)\s*&?\s*=[^=$\n]*?(?P=letter)(?P=sub)(?P=late)(?!\s*[_^])"
+    rf"|(?P<name>{_LETTER}{_SUB}?)(?!\s*[_^])[^=$\n]*=\s*&?\s*(?P=name)\s*{_STAR}"
 )
+_STARS = re.compile(rf"(?P<kept>(?:(?P<letter>{_LETTER}){_SUB}?\s*)?){_STAR}")
 _BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
 _BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox)\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
 _D = r"(?:\\(?:mathrm|mathit|text|operatorname)\s*\{\s*d\s*\}|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
@@ -87,7 +90,7 @@ _WAY = re.compile(  # the way from one point to another
 )
 # A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
 _POINTED = re.compile(
-    r"(?<=[A-Za-z0-9)}\]])\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
+    r"(?<=[A-Za-z0-9)}\]])(?<!\\left|right)\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
@@ -145,7 +148,9 @@ def cleaned(text: str, time: bool = True) -> str:
         )
     while (braced := _BOXED.sub(_within, _BRACE.sub(_term, text))) != text:
         text = braced
-    text = text if _STARRED.search(text) else _STAR.sub(lambda m: blank(m[0]), text)
+    others = {re.split(r"[\s_^]", m[0])[0] for m in _STARRED.finditer(text)}  # letters of which it makes other names
+    others |= set("cs" if others & {"q", r"\theta", r"\vartheta"} else "")
+    text = _STARS.sub(lambda m: (m["kept"] + "''" * (m["letter"] in others)).ljust(len(m[0])), text)
     text = re.sub(r"(\\\\)|\\(?=_[0-9{])", lambda m: m[1] or " ", text)  # \_ for an index, as Markdown needs it
     text = re.sub(r"(\\\\)|\\\n", lambda m: m[1] or r"\\", text)  # a row end that lost a backslash on its way
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)

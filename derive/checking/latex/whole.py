@@ -58,7 +58,7 @@ def names_its_columns(piece: LatexPiece) -> bool:
     if {len(row) for row in piece.matrices[0].rows} <= {2, 4} and len(piece.matrices[0].rows) == 2 and len(lefts) > 1:
         plain = [left and replace(left, sup="", before="", arguments="") for left in lefts]  # seen from some frame
         return all(left and left.is_plain and _BLOCK.fullmatch(left.flat) for left in plain)
-    plain = [left and replace(left, sup=left.sup.strip("0123456789")) for left in lefts]  # n_x^3 in frame 3
+    plain = [left and (replace(left, sup="", before="") if left.labelled else left) for left in lefts]
     return len(lefts) > 2 and all(left and left.is_plain and _COLUMN.fullmatch(left.flat) for left in plain)
 
 
