@@ -38,7 +38,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     seen: Counter[str] = Counter()
     for item in items:
         mark, test = item.get_closest_marker("first"), item.nodeid.partition("[")[0]
-        if mark is not None and item.get_closest_marker("sweep") is None:
+        if mark and not (item.get_closest_marker("sweep") or item.get_closest_marker("release")):
             seen[test] += 1
             if seen[test] > mark.args[0]:
                 item.add_marker(pytest.mark.sweep)

@@ -134,7 +134,8 @@ def test_a_slide_whose_equations_are_singular_at_infinity_is_solved():
     assert (found.empty, found.found) == (0, 100)
 
 
-@pytest.mark.parametrize("name", ["parallel-123", pytest.param("tiago", marks=pytest.mark.sweep)])
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", ["parallel-123", "tiago"])
 def test_no_solution_is_lost_beside_singular_poses(name, built):
     case, trial = LOST[name], Trial(LOST[name])
     poses = trial.poses(beside_eighth_turns(trial, 300, 5), "beside")

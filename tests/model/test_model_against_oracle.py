@@ -102,7 +102,7 @@ def test_every_built_in_robot_agrees_with_the_oracle(name: str) -> None:
     check(Numbers(Robot.load(name), seed=7))
 
 
-@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), n=st.integers(1, 4))
 def test_closed_forms_of_random_robots_agree_with_the_oracle(seed: int, n: int) -> None:
     check(Numbers(Robot.from_text(robot_text(random.Random(seed), n)), seed))

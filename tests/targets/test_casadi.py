@@ -82,7 +82,7 @@ def digest(seeds: tuple[int, ...]) -> str:
     return found.hexdigest()
 
 
-@pytest.mark.parametrize("seeds", [(0, 1), pytest.param((2, 3), marks=pytest.mark.sweep)])
+@pytest.mark.parametrize("seeds", [(0,), pytest.param((1, 2), marks=pytest.mark.sweep)])
 def test_hash_seeds_change_nothing(seeds: tuple[int, ...]) -> None:
     """What this process makes, whose seed is another in every run, is what one with a given seed makes."""
     code = f"from tests.targets.test_casadi import digest; print(digest({seeds}))"

@@ -279,7 +279,7 @@ Render = Callable[[Source], dict[str, str]]
 @pytest.mark.parametrize(
     ("render", "joints"),
     [
-        pytest.param(render_numpy, 3, id="numpy"),
+        pytest.param(render_numpy, 2, id="numpy"),
         pytest.param(render_numpy, 4, id="numpy-longer", marks=pytest.mark.sweep),
         pytest.param(render_casadi, 4, id="casadi", marks=pytest.mark.sweep),
     ],

@@ -118,7 +118,7 @@ def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
 # -- robots never seen
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(2, 6))
 @example(seed=897535, n=2)  # a twist of -0.07 degrees: cos^2 - 1 would lose ten of its digits
 def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) -> None:
