@@ -331,8 +331,7 @@ class _Check(SideReading):
     # -- one equation
 
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
-        pieces = self.claiming(index, equation)
-        if not pieces:
+        if not (pieces := self.claiming(index, equation)):
             return
         self._tell_repeated(equation)
         is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)
@@ -357,7 +356,8 @@ class _Check(SideReading):
         yield from (finding for _, finding in judged)
         if judged and not named and len(said) < 2:
             return
-        if not said and first.error is not None and not judged and any(side.factors for side in named):
+        is_theory = not (re.search("sin|cos", first.piece.text) or any(s.factors for s in named))
+        if first.error is not None and not (said or judged or is_theory):
             raise first.error
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")

@@ -147,7 +147,8 @@ class Comparing:
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
             is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
-            is_motion = is_motion and self.document and not re.search(r"\\partial|dt", left + right)
+            is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
+            is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
             is_constraint = not found.verdict.equal and (is_motion or self._constrains(first.value, side.value))
             if is_constraint:
                 self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))

@@ -111,7 +111,8 @@ class SideReading(Comparing):
         formulas: list[Expression] = []
         for side in equation:
             with suppress(CheckError):
-                formulas.append(self.reader.formula(side))
+                if not (left := taken_apart(side.text)) or left.dots:  # a name such as tau is right by itself
+                    formulas.append(self.reader.formula(side))
         if self._accelerations.isdisjoint(name for value in formulas for name in names(value)):
             return ()
         values = [*formulas, *(add(a, negate(b)) for a, b in pairwise(formulas))]
@@ -215,6 +216,8 @@ class SideReading(Comparing):
 
     def claiming(self, index: int, equation: Sides) -> list[LatexPiece]:
         """The sides that say something: neither names that the text defines nor how a matrix is made."""
+        if self.document and (left := taken_apart(equation[0].text)) and left.arguments == "(0)":
+            raise self._refused(equation[0], f"{quoted(self._typed(equation[0]))} is a value at the start")
         pieces = [piece for piece in equation if (index, piece.offset) not in self.scope.names]
         if len(pieces) == 1 < len(equation):  # h = K, which says what K is: compared with what else says so
             return []
