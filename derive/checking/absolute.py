@@ -13,7 +13,7 @@ from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.model.model import Model
 from derive.model.quantity_names import parse
 
-# A function of the difference of two angles, which no formula for joint angles has.
+# A function of the difference of two angles, without which no inertia has angles that are counted from one direction.
 _DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
 
 
@@ -32,13 +32,16 @@ class AbsoluteModel(Model):
     def quantity(self, name: str) -> Expr:
         """A quantity by its name, with its rows and columns for the angles of the text."""
         quantity, indices, entry = parse(self, name)
-        value, turn = quantity.value(self._relative, *indices), self.turning
-        if quantity.name == "christoffel":
+        turn = self.turning
+        if quantity.name != "christoffel":
+            value = quantity.value(self._relative, *indices)
+        else:  # A is constant: each index turns as a column of J does
             i, j, k = indices
             value = sum(
                 turn[a, i - 1] * turn[b, j - 1] * turn[c, k - 1] * self._relative.christoffel(a + 1, b + 1, c + 1)
                 for a, b, c in product(range(self.n), repeat=3)
             )
+        # qd = A thetad, and by equal power the torques are A' tau
         value = (turn.T * value).expand() if quantity.shape.startswith("nx") else value
         value = (value * turn).expand() if quantity.shape.endswith("xn") else value
         value = value.xreplace(self._meanings)

@@ -211,10 +211,8 @@ class ByValue:
             return "", None
         if [*slopes.values()] == [1]:
             rest = torques.subs({acceleration_name(q): 0 for q in joints})
-            solved, name = (
-                inertia.adjugate() * rest / inertia.det(method="berkowitz"),
-                acceleration_name(joints[min(slopes)]),
-            )
+            solved = inertia.adjugate() * rest / inertia.det(method="berkowitz")  # qdd = -B^-1 (C qd + g + f)
+            name = acceleration_name(joints[min(slopes)])
             return name, expression_from_sympy(sympy.Symbol(name) + solved[min(slopes)])
         # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
         weight = {n for e in self._robot.gravity or () for n in names(e)}
