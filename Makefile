@@ -5,6 +5,8 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.derive-ready
 SMOKE := .smoke
 BENCH := .bench
+# Where bytecode may not be written, each of the hundreds of processes that tests start compiles derive again.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: all setup models test test-sweep test-release test-pages test-robots test-toolbox test-fast check errata generated-check verify-generated messages bench golden wheel wheel-smoke docs system-packages clean
 
