@@ -37,33 +37,47 @@ class NoPointError(DeriveError):
 class Residue:
     """An array of integers modulo ``prime`` with the operations of a scalar."""
 
-    __slots__ = ("prime", "values")
+    __slots__ = ("_held", "prime")
 
     def __init__(self, prime: int, values: Any) -> None:
         self.prime = prime
-        self.values: Array = np.asarray(values, dtype=np.int64) % prime
+        # A number alone stays one: most entries of frames are constants, and arithmetic with arrays costs more.
+        known = values if isinstance(values, (int, np.ndarray)) else np.asarray(values, dtype=np.int64)
+        self._held: Any = known % prime
+
+    @property
+    def values(self) -> Array:
+        """The integers as an array, (1, 1) of a number alone."""
+        held: Array = np.atleast_2d(np.asarray(self._held, dtype=np.int64))
+        return held
 
     def _other(self, other: Any) -> Any:
-        return other.values if isinstance(other, Residue) else fraction_residue(Fraction(other), self.prime)
+        if isinstance(other, Residue):
+            return other._held
+        return other if isinstance(other, int) else fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self.values + self._other(other))
+        return Residue(self.prime, self._held + self._other(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self.values - self._other(other))
+        return Residue(self.prime, self._held - self._other(other))
 
     def __rsub__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self._other(other) - self.values)
+        return Residue(self.prime, self._other(other) - self._held)
 
     def __mul__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self.values * self._other(other))
+        factor = self._other(other)
+        for one, another in ((self._held, factor), (factor, self._held)):
+            if isinstance(one, int) and one in (0, 1):
+                return Residue(self.prime, another if one else 0)
+        return Residue(self.prime, self._held * factor)
 
     __rmul__ = __mul__
 
     def __neg__(self) -> Residue:
-        return Residue(self.prime, -self.values)
+        return Residue(self.prime, -self._held)
 
 
 class ResidueDomain(MappedDomain[Residue]):
@@ -92,7 +106,8 @@ class ResidueDomain(MappedDomain[Residue]):
         """A polynomial at the points: (samples, 1), or (1, 1) where no joint variable is in it."""
         key = p.key()
         if key not in self._cache:
-            self._cache[key] = Residue(self.prime, self._residue(p, self._point))
+            found = self._residue(p, self._point)
+            self._cache[key] = Residue(self.prime, found.item() if found.size == 1 else found)
         return self._cache[key]
 
     def _draw_point(self) -> list[Array] | None:

@@ -7,7 +7,7 @@ import keyword
 import re
 import unicodedata
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
@@ -85,6 +85,7 @@ def file_bytes(path: Path, most: int = FILE_LIMITS.size) -> bytes:
         raise RobotFileError(f"cannot be read: {reason}", remedy="check its permissions", location=place) from None
 
 
+@lru_cache(64)
 def description_from_bytes(data: bytes, source: str) -> Description:
     """Load a robot from the bytes of a file."""
     document = read_document(data, source if source.isprintable() else quoted(source, 200))

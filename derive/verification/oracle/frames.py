@@ -113,9 +113,9 @@ def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
     d = arm.d[i] + moving * (not arm.revolute[i])
-    about_z, along_z = _rotation(2, theta), _translation(2, d)
-    along_x, about_x = _translation(0, arm.a[i]), _rotation(0, arm.alpha[i])
-    return about_z @ along_z @ along_x @ about_x if arm.standard else about_x @ along_x @ about_z @ along_z
+    # Rot and Trans along one axis commute: one screw about z, one about x.
+    z, x = _screw(2, theta, d), _screw(0, arm.alpha[i], arm.a[i])
+    return z @ x if arm.standard else x @ z
 
 
 def chain_frames(arm: NumericArm, q: Array) -> Array:
@@ -211,7 +211,7 @@ def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:
     """Rows of a part of J: of named tasks and whole vectors in the world, else in the axes before joint 1."""
     matrix, rows = jacobian(arm, q), task_rows(arm, part)
     if (part != "all" or arm.task == POSE) and rows not in ([0, 1, 2], [3, 4, 5], [0, 1, 2, 3, 4, 5]):
-        back = arm.base[:3, :3].T if arm.standard else (arm.base @ _rotation(0, arm.alpha[0]))[:3, :3].T
+        back = arm.base[:3, :3].T if arm.standard else (arm.base @ _screw(0, arm.alpha[0], arm.a[0]))[:3, :3].T
         matrix = np.concatenate([back @ matrix[..., :3, :], back @ matrix[..., 3:, :]], axis=-2)
     return matrix[..., rows, :]
 
@@ -236,24 +236,14 @@ def _only_moving(arm: NumericArm, columns: Array, carriers: Array) -> Array:
     return np.swapaxes(columns * (arm.sign * moves)[..., None], -1, -2)
 
 
-def _rotation(axis: int, angle: Array) -> Array:
-    """Rot(axis, angle), axes counted from x = 0."""
-    matrix = _identity(angle)
+def _screw(axis: int, angle: Array, distance: Array) -> Array:
+    """Rot(axis, angle) Trans(axis, distance), axes counted from x = 0."""
+    matrix: Array = np.zeros((*np.shape(angle), 4, 4), dtype=np.result_type(angle, distance, float))
     cosine, sine = np.cos(angle), np.sin(angle)
     # The plane across the axis, in cyclic order: cos and -sin above, sin and cos below.
     j, k = (axis + 1) % 3, (axis + 2) % 3
     matrix[..., j, j], matrix[..., j, k] = cosine, -sine
     matrix[..., k, j], matrix[..., k, k] = sine, cosine
-    return matrix
-
-
-def _translation(axis: int, distance: Array) -> Array:
-    matrix = _identity(distance)
+    matrix[..., axis, axis] = matrix[..., 3, 3] = 1.0
     matrix[..., axis, 3] = distance
-    return matrix
-
-
-def _identity(like: Array) -> Array:
-    matrix: Array = np.zeros((*np.shape(like), 4, 4), dtype=np.result_type(like, float))
-    matrix[..., range(4), range(4)] = 1.0
     return matrix
