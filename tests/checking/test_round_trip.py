@@ -238,6 +238,7 @@ def errors() -> tuple[Item, ...]:
     return tuple(item for item in errata_items(printouts()) if item.findings[0].remark.kind != "convention")
 
 
+@pytest.mark.sweep
 def test_every_erratum_is_found_with_the_change_of_its_correction_and_nothing_else() -> None:
     found = [finding for item in errors() for finding in item.findings]
     assert (len(errors()), len(found)) == (ERRATA, WRONG)

@@ -42,7 +42,7 @@ def descendants(group: int) -> list[str]:
     return found
 
 
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for processes that were left")
 @pytest.mark.parametrize(("robots", "whom"), [(MANY, GROUP), (ONE, PROCESS), (MANY, PROCESS), (ONE, GROUP)])
 @pytest.mark.parametrize("seed", seeds(30, usual=1, swept=6))

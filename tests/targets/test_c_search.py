@@ -75,6 +75,7 @@ def test_c_finds_the_solutions_that_numpy_finds() -> None:
     assert not compiled.inverse(away[:4], q[:4, GIVEN], PARAMETERS)[1].any()
 
 
+@pytest.mark.sweep
 @needs_compiler
 def test_no_solution_is_lost_where_the_eigenvalue_problem_of_a_pose_is_inexact() -> None:
     jaco = next(case.text for case in PUBLISHED if case.name == "jaco")

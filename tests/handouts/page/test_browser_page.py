@@ -179,6 +179,7 @@ def test_formulas_are_readable_without_scripts(browser: Browser, file: Path) -> 
     context.close()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["scara-perugia", "stanford-deluca", "thumb", "dh-modified-deluca"])
 def test_katex_understands_every_formula_of_a_handout(browser: Browser, tmp_path: Path, name: str) -> None:
     robot = Robot.load(name)

@@ -202,6 +202,7 @@ def test_keys_numbers_and_the_reset_button_work(figure: Figure) -> None:
     assert np.array_equal(figure.transforms(), frames)
 
 
+@pytest.mark.sweep
 def test_the_view_turns_by_mouse_and_keys_and_returns(figure: Figure) -> None:
     page = figure.page
     page.reload()
@@ -235,6 +236,7 @@ def test_frames_and_labels_can_be_hidden(figure: Figure) -> None:
         figure.page.locator(box).check()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("name", "width"), [("kuka-kr5", 1000), ("scara-perugia", 400)])
 def test_no_posture_leaves_the_picture_and_no_names_cover_each_other(
     name: str, width: int, browser: Any, tmp_path: Path

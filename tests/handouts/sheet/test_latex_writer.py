@@ -93,8 +93,7 @@ def chain(n: int) -> Robot:
     return Robot.from_text(f"name: arm\nconvention: modified\njoints:\n{rows}links:\n{links}")
 
 
-@pytest.mark.first(1)
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("n", [5, 9, 20])
 def test_long_arms_have_a_clean_sheet(n: int, tmp_path: Path) -> None:
     text = sheet(chain(n))
