@@ -22,6 +22,7 @@ from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
+from derive.checking.latex.quantities import own_quantity, slope
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
@@ -31,6 +32,7 @@ from derive.robot.names import acceleration_name, own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
+_MOST_ACCELERATED = 3  # joints of arms whose points have accelerations that people write out
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
@@ -158,6 +160,13 @@ class ByValue:
                 yield from _jacobian(f"J of {name}{where}", both)
                 for label, part in _rows(f"velocity of {name}{where}", both @ rates) if is_dynamic else ():
                     yield from _vector(label, part)
+        if is_dynamic and n <= _MOST_ACCELERATED:
+            for k in range(1, n + 1):
+                places = {f"p[{k}]": self._model.frame(k)[:3, 3]}
+                places |= {f"centre[{k}]": own_quantity(self._model, f"centre[{k}]")} if robot.links else {}
+                for name, place in places.items():
+                    moved = slope(robot, slope(robot, place, "t"), "t")
+                    yield from _vector(f"acceleration of {name}", self._numbers(moved))
         if is_dynamic and robot.has_dynamics:
             yield from self._dynamics()
         elif self._poses is not None:

@@ -61,12 +61,14 @@ class Table:
         return Table(tuple(tuple(_computed(add(a.formula, b.formula), a, b) for a, b in row) for row in pairs))
 
     def times(self, other: Table) -> Table:
-        """The product; of two columns with three entries the cross product."""
+        """The product; of two columns with three entries the cross product, with two the inner one."""
         if self.shape == other.shape == (3, 1):
             (a1, a2, a3), (b1, b2, b3) = ([entry.formula for entry in table.entries] for table in (self, other))
             pairs = (((a2, b3), (a3, b2)), ((a3, b1), (a1, b3)), ((a1, b2), (a2, b1)))
             differences = (add(multiply(*first), negate(multiply(*second))) for first, second in pairs)
             return Table(tuple((_computed(e, *self.entries, *other.entries),) for e in differences))
+        if self.shape == other.shape == (2, 1):
+            return Table((tuple(entry for (entry,) in self.rows),)).times(other)
         if self.shape[1] != other.shape[0]:
             found = f"product of matrices {_size(self)} and {_size(other)}"
             raise CheckError(found, allowed="allowed: shapes that fit")

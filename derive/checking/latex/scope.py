@@ -16,16 +16,19 @@ from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
 from derive.checking.latex.names import Symbol, plus_minus
-from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
+from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
 from derive.checking.latex.whole import (
+    are_sine_and_cosine,
     base_letters,
     chained,
     factors,
     named_columns,
+    named_entries,
+    of_every_link,
     opposes_gravity,
     other_capitals,
     torque_index,
@@ -43,12 +46,12 @@ MAX_PASSES = 12  # how often definitions are gone through that need one that sta
 _LENT = frozenset("uvwhkexyzfFQTKVUP")
 ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 
-
 _PRIME = re.compile(r"'+|\^\s*\{?\s*\\prime\s*\}?")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
 _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*_")
+_OF_PLACE = re.compile(r"(?<![A-Za-z])(?:p\s*_\s*\{?\s*)?[xy](?![A-Za-z])")
 # A function of an angle, on a left side.
 _SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
 _OF_ANGLE = re.compile(
@@ -106,7 +109,7 @@ class Scope:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
         self._settle_jacobian()
-        self.namings = list(self._named_entries()) if document else []
+        self.namings = list(named_entries(self.equations)) if document else []
 
     @cached_property
     def shifts(self) -> dict[str, Expression]:
@@ -119,11 +122,8 @@ class Scope:
                     if own != side.text and not first.matrices and first.text.strip() in own:
                         joint, value = self.plain.formula(first), self.plain.formula(replace(side, text=own))
                         terms = value.terms if isinstance(value, Sum) else ()
-                        if (
-                            isinstance(joint, Name)
-                            and joint in terms
-                            and sum(map(is_constant, terms)) == len(terms) - 1
-                        ):
+                        is_shift = sum(map(is_constant, terms)) == len(terms) - 1
+                        if isinstance(joint, Name) and joint in terms and is_shift:
                             found[joint.name] = value
         return found
 
@@ -237,19 +237,6 @@ class Scope:
             if not fits and table.shape[0] == table.shape[1] <= LARGEST_DETERMINANT:
                 self.meanings.jacobian = table
 
-    def _named_entries(self) -> Iterator[tuple[int, str, Left]]:
-        r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
-        for index, equation in enumerate(self.equations):
-            lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
-            rows = next((s.matrices[0].rows for s in equation if s.text.strip(AROUND) == MATRIX_MARK), ())
-            cells = [
-                (f"{i}{j}", taken_apart(cell.text)) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1)
-            ]
-            heads = Counter(left.head for place, left in cells if left and left.is_plain and left.sub == place)
-            for head, count in heads.most_common(1):
-                if lefts and count > 2 and lefts[0].head not in ("T", "A", "H", "R"):
-                    yield index, head, lefts[0]
-
     def _settled_torque(self) -> int:
         """Which index of Christoffel symbols is that of the torque: what most of them need, else the first."""
         printed = []
@@ -299,6 +286,8 @@ class Scope:
         self.defining: set[int] = set()  # numbers of the equations that only define something
         # sides that are such a name, by the number of the equation and the offset of the side
         self.names: set[tuple[int, int]] = set()
+        self._of_links: dict[str, Expression] = {}
+        self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
         several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
@@ -308,6 +297,10 @@ class Scope:
             if len(left) == len(waiting):
                 break
             waiting = left
+        for name, side in of_every_link(self.equations, self.robot.n) if self.document else ():
+            if not self.plain.names.knows(name):
+                with suppress(CheckError):
+                    self._of_links[name] = self.reader(0).formula(side)
         self._reads = self.reader(0)
 
     def _defines(self, index: int, equation: Sides, names: tuple[str, ...]) -> bool:
@@ -318,20 +311,24 @@ class Scope:
         for side, its_name in zip(equation, names, strict=True):
             with suppress(CheckError):
                 if not its_name:
-                    meaning = self._angle(equation[names.index(name)], reader.formula(side))
+                    meaning = self._angle(name, equation[names.index(name)], reader.formula(side))
                     self.definitions.setdefault(name, []).append((index, meaning))
                     self.defining |= {index} if names[0] and len(equation) == 2 else set()
                     self.names |= {(index, s.offset) for s, n in zip(equation, names, strict=True) if n == name}
                     return True
         return False
 
-    def _angle(self, side: LatexPiece, meaning: Expression) -> Expression:
+    def _angle(self, name: str, side: LatexPiece, meaning: Expression) -> Expression:
         r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
         if self.document and _SQUARED.fullmatch(side.text.strip()):
             return Call("sqrt", (meaning,))
         match = _OF_ANGLE.fullmatch(side.text.strip())
         if match is None or self._signs is None:
             return meaning
+        pair = self._circles.setdefault(name, {})
+        pair[match["function"]] = meaning
+        if {"sin", "cos"} <= pair.keys() and are_sine_and_cosine(pair["sin"], pair["cos"]):
+            return Call("atan2", (pair["sin"], pair["cos"]))
         sign, half = next(self._signs), multiply(number(Fraction(1, 2)), Pi())
         principal = Call("a" + match["function"], (meaning,))
         match match["function"]:
@@ -349,7 +346,7 @@ class Scope:
 
     def reader(self, index: int) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""
-        meanings = {}
+        meanings = dict(self._of_links)
         for name, found in self.definitions.items():
             # numbers are those of an example, but where they alone say what a name is
             defined = [one for one in found if not is_constant(one[1])] or found
@@ -367,7 +364,9 @@ class Scope:
         left = None if side.matrices else taken_apart(side.text)
         if self.document and (match := _OF_ANGLE.fullmatch(side.text.strip())) is not None:
             angle = taken_apart(match["angle"])
-            return angle.flat if angle and not self.plain.names.knows(angle.flat) and not self._is_pose(angle) else ""
+            texts = (other.text for other in self.equations[index] if other is not side)
+            is_free = angle and (not self._is_pose(angle) or any(map(_OF_PLACE.search, texts)))
+            return angle.flat if angle and is_free and not self.plain.names.knows(angle.flat) else ""
         if self.document and (match := _SQUARED.fullmatch(side.text.strip())) is not None:
             left = taken_apart(match["name"])
             is_known = left is None or self.is_own(left) or left.is_point or self._is_pose(left) or is_rate(left.flat)

@@ -84,6 +84,9 @@ _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
     r"\((?P<kept>(?:[^()]|\([^()]*\))*?),\s*-\s*1\s*,\s*1\s*\)"
 )
+_WRAPPED = re.compile(
+    r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}"
+)  # an angle, less full turns
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
 _WAY = re.compile(  # the way from one point to another
     r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"
@@ -134,7 +137,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
-    text = _CLAMPED.sub(_within, text)
+    text = _WRAPPED.sub(lambda m: blank(m[0]), _CLAMPED.sub(_within, text))
     text = _ENTRY.sub(
         lambda m: f"R_{{{m['pair'] or m['seen'] + m['frame']},{m['row']}{m['column']}}}".ljust(len(m[0])), text
     )

@@ -1,13 +1,17 @@
 """Texts and printed matrices as a whole: conventions, names of entries, one cause of slips, chains of frames."""
 
+import random
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
 import numpy.typing as npt
 
+from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import Finding
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, Turned, taken_apart
@@ -21,10 +25,11 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
-from derive.robot.expression import ZERO, Name, add, multiply, number
+from derive.robot.expression import ZERO, Expression, Name, add, multiply, names, number
 from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
+_ANGLES_TRIED, _ROUNDING = 24, 1e-9  # points at which two formulas are taken for sine and cosine, and how near to 1
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
@@ -86,6 +91,40 @@ def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
         if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
             return {head: column for column, head in enumerate(plain[:4], 1)}
     return {}
+
+
+def named_entries(equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]:
+    r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
+    for index, equation in enumerate(equations):
+        lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+        rows = next((s.matrices[0].rows for s in equation if s.text.strip(AROUND) == MATRIX_MARK), ())
+        cells = [(f"{i}{j}", taken_apart(cell.text)) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1)]
+        heads = Counter(left.head for place, left in cells if left and left.is_plain and left.sub == place)
+        for head, count in heads.most_common(1):
+            if lefts and count > 2 and lefts[0].head not in ("T", "A", "H", "R"):
+                yield index, head, lefts[0]
+
+
+def are_sine_and_cosine(sine: Expression, cosine: Expression) -> bool:
+    """Whether two formulas are those of one angle all around the circle, as sqrt(1 - c^2), never negative, is not."""
+    rng, found = random.Random(0), list[tuple[float, float]]()
+    for _ in range(_ANGLES_TRIED):
+        at = {name: rng.uniform(-2, 2) for name in sorted({*names(sine), *names(cosine)})}
+        with suppress(*NO_VALUE):
+            found.append((float_value(sine, at), float_value(cosine, at)))
+    is_circle = all(abs(s * s + c * c - 1) < _ROUNDING for s, c in found)
+    return bool(found) and is_circle and min(s for s, _ in found) < 0 and min(c for _, c in found) < 0
+
+
+def of_every_link(equations: Iterable[Sides], n: int) -> Iterator[tuple[str, LatexPiece]]:
+    r"""Names that one equation with a letter for the link defines for each link: ``\omega_i = \dot\theta_i``."""
+    for first, *others in equations:
+        left = taken_apart(first.text) if len(others) == 1 and not (first.matrices or others[0].matrices) else None
+        if left is None or not (left.is_plain and left.sub in ("i", "j", "k")) or "sum" in others[0].text:
+            continue
+        index = re.compile(rf"(?<=_){left.sub}(?![A-Za-z])|(?<=_\{{){left.sub}(?=\}})|(?<=_\{{[a-z]){left.sub}(?=\}})")
+        for link in map(str, range(1, min(n, 9) + 1)):
+            yield left.head + link, replace(others[0], text=index.sub(link, others[0].text))
 
 
 def opposes_gravity(texts: Iterable[str]) -> bool:
