@@ -17,7 +17,7 @@ from functools import lru_cache
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
 from derive.robot import expression as tree
 from derive.robot.expression import Call, Expression, Name, Sum, names, to_text
-from derive.robot.names import acceleration_name, joint_label, own_names, velocity_name
+from derive.robot.names import acceleration_name, joint_label, joint_labels, own_names, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
@@ -152,8 +152,9 @@ def _robot_vocabulary(robot: Robot) -> _Vocabulary:
     variables = [joint.variable for joint in robot.joints]
     rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
     by_label: dict[bool, dict[str, tuple[str, ...]]] = {True: {}, False: {}}
+    labels = joint_labels(robot)
     for joint in robot.joints:
-        if label := joint_label(joint.variable):
+        if label := labels[joint.variable]:
             found = by_label[joint.is_revolute]
             found[label] = (*found.get(label, ()), joint.variable)
     return _Vocabulary(own_names(robot).union(rates), by_label[True], by_label[False])

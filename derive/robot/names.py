@@ -27,6 +27,12 @@ def joint_label(variable: str) -> str:
     return variable[len(variable.rstrip("0123456789")) :]
 
 
+def joint_labels(robot: Description) -> dict[str, str]:
+    """Joint variable -> its label; its number where no variable has a digit, as in q_hip and q_knee."""
+    labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints}
+    return labels if any(labels.values()) else {variable: str(i) for i, variable in enumerate(labels, 1)}
+
+
 def expressions(robot: Description) -> Iterator[Expression]:
     """Every expression that enters a quantity, from the base to the tool, then gravity and links; limits enter none."""
     located = list(located_expressions(robot))

@@ -101,6 +101,7 @@ class Left:
             self.is_point
             or is_angle
             or self.sub.lower() in ("elbow", "wrist")
+            or self.sup == "2D"
             or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
             # velocities, energies of links, speeds, forces on a body
             or self.head in ("v", "xi", "nu")

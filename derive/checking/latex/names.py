@@ -10,7 +10,7 @@ from derive.checking.formulas.branches import SIGN
 from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, negate
-from derive.robot.names import acceleration_name, joint_label, own_names, velocity_name
+from derive.robot.names import acceleration_name, joint_labels, own_names, velocity_name
 from derive.robot.robot import Robot
 
 _GREEK = (
@@ -183,8 +183,9 @@ class LatexNames:
 
     def _variable(self, stem: str, label: str) -> str:
         """The variable of the joint with a label, printed as theta, d or q; empty where there is none."""
+        labels = joint_labels(self.robot)
         for joint in self.robot.joints:
-            if joint_label(joint.variable) != label:
+            if labels[joint.variable] != label:
                 continue
             if stem == "q" or (stem in ("theta", "th")) is joint.is_revolute:
                 return joint.variable

@@ -41,6 +41,7 @@ class Points(Enum):
     END = "the ends of links"
     CENTRE = "centres of mass"
     JOINT = "the joints where links begin"
+    NEXT = "centres of mass of the links on a cart"
     AXIS = "coordinates of the end effector, x_1, x_2 and x_3"
 
 
@@ -283,7 +284,9 @@ class Poses:
     def _kinds(self) -> list[Points]:
         """What points may be; with x_1 and x_2 alone, also the coordinates of one of them."""
         are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
-        return [kind for kind in Points if are_axes or kind is not Points.AXIS]
+        has_cart = self._model.n > 1 and not self._model.robot.joints[0].is_revolute
+        may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and bool(self._model.robot.links)}
+        return [kind for kind in Points if may_be.get(kind, True)]
 
     def _values(self, kind: Points) -> dict[str, Expression]:
         """What the names of points stand for, and those of their velocities."""
@@ -307,6 +310,8 @@ class Poses:
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
             return own_quantity(self._model, f"centre[{min(link, n)}]")
+        if kind is Points.NEXT:
+            return own_quantity(self._model, f"centre[{min(link + 1, n)}]")
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
         return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
