@@ -13,8 +13,8 @@ from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.model.model import Model
 from derive.model.quantity_names import parse
 
-# A function of the difference of two angles, without which no inertia has angles that are counted from one direction.
-_DIFFERENCE = re.compile(r"(?:sin|cos)\s*(?:\\left)?[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
+# A function of the difference of two angles, or a name for it, without which no inertia has angles from one direction.
+_DIFFERENCE = re.compile(r"(?:(?:sin|cos)\s*(?:\\left)?|[A-Za-z}]\s*=)[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
 
 
 class AbsoluteModel(Model):

@@ -161,10 +161,13 @@ class _Check(SideReading):
             elif finding is not None:
                 reason = f"{quoted(one.left)} = {quoted(one.right)} is a condition"
                 self.skipped.append(Skipped(one.where, reason, one.right))
-            elif not (names_of_pose(one.other) or one.is_open or one.is_branch) and (
-                meant_by_value := self._by_value(one.other, one.left, one.right, one.where)
+            # beside a formula the value of the other side says nothing
+            elif (
+                not (names_of_pose(one.other) or one.is_open or one.is_branch)
+                and isinstance(one.first, Name)
+                and (by_value := self._by_value(one.other, one.left, one.right, one.where))
             ):
-                yield meant_by_value
+                yield by_value
             elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
@@ -192,8 +195,7 @@ class _Check(SideReading):
         if not (finding.verdict.equal or shifts.keys().isdisjoint(name for e in both for name in names(e))):
             what = f"with {', '.join(shifts)} counted from another zero, as the text says"
             if question and compare(self.robot, question.printed, substitute(question.right, shifts)).equal:
-                right = Verdict(equal=True, exact=True)
-                yield replace(finding, verdict=right, note=f", {what}", cause="", question=None)
+                yield replace(finding, verdict=Verdict(True, True), note=f", {what}", cause="", question=None)
             elif finding.role is Role.IDENTITY:  # of which both sides may be counted so
                 self.skipped.append(Skipped(finding.location, f"it may be right {what}", finding.text))
             else:
@@ -327,8 +329,6 @@ class _Check(SideReading):
 
     def _skip_for(self, side: LatexPiece, reason: str, where: Location | None = None) -> None:
         self.skipped.append(Skipped(where or self.plain.location(side.start), reason, self._typed(side)))
-
-    # -- one equation
 
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         if not (pieces := self.claiming(index, equation)):

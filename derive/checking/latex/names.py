@@ -152,7 +152,7 @@ class LatexNames:
             match = _ANGLE_SUM.fullmatch(text)
             angles = sum_of_angles(self.robot, match[2]) if match else ()
             terms = [term.name for term in angles if isinstance(term, Name)]
-        if not terms and dots == 1 and (entry := self.entry(f"{text}'")):
+        if not terms and dots < 3 and (entry := self.entry(text + "'" * dots)):
             return entry
         if not terms:
             allowed = f"allowed: {', '.join(variables)}"

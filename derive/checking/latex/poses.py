@@ -117,6 +117,7 @@ class Poses:
         named = {word: re.fullmatch("([a-z])_?([xyz])", word) for word in words}
         own = {w: ("xyz".index(m[2]) + 1, columns[m[1]]) for w, m in named.items() if m and m[1] in columns}
         self._model, self._names = model, replace(found, entries={**found.entries, **own})
+        self._has_accelerations = bool(re.search(r"\\ddot\s*\{?\s*[xyzXYZ]", text))
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         has_centres = bool(model.robot.links)
         self._centres = {word for word, match in points.items() if (match[2] or match[5]) and has_centres}
@@ -272,8 +273,8 @@ class Poses:
         return _placed({name: place[k, 3] for name, k in self._names.wrist.items()})
 
     def is_point(self, name: str) -> bool:
-        """Whether a name is that of a coordinate of a point of a link, its velocity or its speed."""
-        return name.removesuffix("'") in self._points
+        """Whether a name is that of a coordinate of a point of a link, its derivative or its speed."""
+        return name.rstrip("'") in self._points
 
     @cached_property
     def point_readings(self) -> list[Mapping[str, Expression]]:
@@ -303,6 +304,8 @@ class Poses:
             else:
                 values[name] = moving[name][axis - 4] if axis > 3 else found[name][axis]
                 values[f"{name}'"] = slope(self._model.robot, values[name], "t")
+                if self._has_accelerations:
+                    values[f"{name}''"] = slope(self._model.robot, values[f"{name}'"], "t")
         return _placed(values)
 
     def _point(self, link: int, kind: Points) -> Matrix:

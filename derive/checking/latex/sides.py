@@ -137,7 +137,11 @@ class SideReading(Comparing):
         with suppress(CheckError):
             self.reader.value(first)
             return
-        for side in others if not first.matrices else ():
+        # beside a sum that cannot be read, the value of the other side says nothing
+        is_name = not (
+            first.matrices or re.search("[-+]", re.sub(r"\{[^{}]*\}|\([^()]*\)", "", first.text).strip(" -"))
+        )
+        for side in others if is_name else ():
             with suppress(CheckError):
                 where = self.plain.location(side.start)
                 value = next(self._matrices.values(side), None) or self.reader.value(side)
