@@ -54,6 +54,13 @@ def test_labels_are_the_digits_of_the_variables_as_a_whole_or_side_by_side() -> 
     assert to_text(read_formula("c5051", thumb)) == "cos(q50 + q51)"
 
 
+def test_joints_without_digits_are_counted_from_the_first() -> None:
+    leg = revolute("q_hip", "q_knee", "q_foot")
+    assert to_text(read_formula("c1 + s23", leg)) == "cos(q_hip) + sin(q_knee + q_foot)"
+    with pytest.raises(CheckError, match="c1: its digits are no labels"):
+        read_formula("c1", revolute("q_hip", "q2"))
+
+
 def test_two_ways_to_read_a_token_are_both_named() -> None:
     arm = revolute("q1", "q2", "q3", "q12", "q23")
     with pytest.raises(CheckError, match=r"c123 can be read in two ways, cos\(.*\) or cos\(.*\)"):
