@@ -412,7 +412,7 @@ class Scope:
         return left.flat if is_used else ""
 
     def _is_cell(self, left: Left, index: int) -> bool:
-        """Whether a joint's variable by another letter is a cell of its row, such as d_3 = q_3 - l_3."""
+        """Whether a joint's variable by another letter is a cell of its row, d_3 = q_3 - l_3, or a sum of joints."""
         if not left.is_plain or left.head not in ("d", "theta") or left.flat in own_names(self.robot):
             return False
         variable = self.plain.names.meaning(Symbol(left.flat, 0)) if self.is_own(left) else None
@@ -425,7 +425,9 @@ class Scope:
                 terms = cell.terms if isinstance(cell, Sum) else (cell,)
                 others = [term for term in terms if term not in own]
                 is_still = joints.isdisjoint(name for term in others for name in names(term))
-                if cell != variable and len(others) < len(terms) and is_still:
+                # theta_2 = alpha_1 + alpha_2, the angle of a link from one direction
+                is_sum = all(isinstance(term, Name) and term.name in joints for term in others)
+                if cell != variable and len(others) < len(terms) and (is_still or is_sum):
                     return True
         return False
 
