@@ -24,7 +24,7 @@ $(READY): pyproject.toml constraints.txt
 models: $(READY)
 	$(BIN)/derive build --jobs 2 --force
 
-# Some six minutes on two cores.
+# Some five minutes on two cores.
 test: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m 'not sweep and not release and not pages and not robots and not toolbox'
 

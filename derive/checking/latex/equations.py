@@ -141,6 +141,7 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         text = " ".join(text.rsplit("}", 1))
     if text.count("\\{") != text.count("\\}"):
         text = text.replace("\\{", "  ")
+    text = _unbraced(text)
     # rows and what stands side by side in them, then lines of one equation together again
     spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])
     shown, text = text, text.replace("\f", " ").replace("\v", " ")
@@ -164,6 +165,15 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         ]
         if found := tuple(replace(side, text=text) for side, text in zip(sides, plain, strict=True) if text.strip()):
             yield from _unmerged(found)
+
+
+def _unbraced(text: str) -> str:
+    """A display without the braces around an equation in it: ``{^0_1T = [...]} {^1_2T = [...]}``."""
+    for match in re.finditer(r"(?<![A-Za-z\\_^{}])\{(?=\s*[\^_])", text):
+        end = closing_brace(text, match.start())
+        if end < len(text) and RELATION.search(text, match.start(), end):
+            text = f"{text[: match.start()]} {text[match.end() : end]} {text[end + 1 :]}"
+    return text
 
 
 def _unbracketed(text: str) -> str:
@@ -218,7 +228,7 @@ def _unmerged(sides: Sides) -> Iterator[Sides]:
     for i, side in enumerate(sides[1:-1], 1):
         mark = side.text.find(MATRIX_MARK)
         name = taken_apart(side.text[mark + 1 :]) if mark >= 0 and not side.text[:mark].strip() else None
-        if name is not None and name.sub + name.sup and sides[i + 1].text.strip().startswith(MATRIX_MARK):
+        if name is not None and name.sub + name.sup + name.before and sides[i + 1].text.strip().startswith(MATRIX_MARK):
             yield (*sides[:i], side.part(0, mark + 1))
             yield from _unmerged((side.part(mark + 1, len(side.text)), *sides[i + 1 :]))
             return
