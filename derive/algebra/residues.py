@@ -35,7 +35,7 @@ class NoPointError(DeriveError):
 
 
 class Residue:
-    """An array of integers modulo ``prime`` with the operations of a scalar."""
+    """An integer or an array of them modulo ``prime`` with the operations of a scalar."""
 
     __slots__ = ("_held", "prime")
 
@@ -43,18 +43,17 @@ class Residue:
         self.prime = prime
         # A number alone stays one: most entries of frames are constants, and arithmetic with arrays costs more.
         known = values if isinstance(values, (int, np.ndarray)) else np.asarray(values, dtype=np.int64)
-        self._held: Any = known % prime
+        self._held: int | Array = known % prime
 
     @property
     def values(self) -> Array:
         """The integers as an array, (1, 1) of a number alone."""
-        held: Array = np.atleast_2d(np.asarray(self._held, dtype=np.int64))
-        return held
+        return np.array([[self._held]], dtype=np.int64) if isinstance(self._held, int) else self._held
 
     def _other(self, other: Any) -> Any:
         if isinstance(other, Residue):
             return other._held
-        return other if isinstance(other, int) else fraction_residue(Fraction(other), self.prime)
+        return other % self.prime if isinstance(other, int) else fraction_residue(Fraction(other), self.prime)
 
     def __add__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self._held + self._other(other))

@@ -84,9 +84,8 @@ _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
     r"\((?P<kept>(?:[^()]|\([^()]*\))*?),\s*-\s*1\s*,\s*1\s*\)"
 )
-_WRAPPED = re.compile(
-    r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}"
-)  # an angle, less full turns
+# What takes full turns off an angle.
+_WRAPPED = re.compile(r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}")
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
 _WAY = re.compile(  # the way from one point to another
     r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"

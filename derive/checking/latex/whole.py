@@ -106,7 +106,7 @@ def named_entries(equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]
 
 
 def are_sine_and_cosine(sine: Expression, cosine: Expression) -> bool:
-    """Whether two formulas are those of one angle all around the circle, as sqrt(1 - c^2), never negative, is not."""
+    """Whether two formulas are sine and cosine of an angle all around the circle; sqrt(1 - c^2) is never negative."""
     rng, found = random.Random(0), list[tuple[float, float]]()
     for _ in range(_ANGLES_TRIED):
         at = {name: rng.uniform(-2, 2) for name in sorted({*names(sine), *names(cosine)})}
@@ -123,7 +123,7 @@ def of_every_link(equations: Iterable[Sides], n: int) -> Iterator[tuple[str, Lat
         if left is None or not (left.is_plain and left.sub in ("i", "j", "k")) or "sum" in others[0].text:
             continue
         index = re.compile(rf"(?<=_){left.sub}(?![A-Za-z])|(?<=_\{{){left.sub}(?=\}})|(?<=_\{{[a-z]){left.sub}(?=\}})")
-        for link in map(str, range(1, min(n, 9) + 1)):
+        for link in map(str, range(1, min(n, 9) + 1)) if index.search(others[0].text) else ():  # E_k is no E_1
             yield left.head + link, replace(others[0], text=index.sub(link, others[0].text))
 
 
