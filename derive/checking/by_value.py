@@ -35,6 +35,9 @@ _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _MOST_ACCELERATED = 3  # joints of arms whose points have accelerations that people write out
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
+_ZERO = 1e-13
+_STARTS = (0.3, 1.0, 2.5)  # where one looks for the value of a name
+_OF_FIGURE = re.compile(r"\|.*\|(?: in xy)?$|angle|pi - angle|direction|inclination|[^ ]+\+[^ ]+$")  # lengths, angles
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
 
 Array = npt.NDArray[np.float64]
@@ -84,13 +87,16 @@ class ByValue:
         if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
-        if not (names_of_pose(*formulas) or used & (self._joints | self._rates)) or all(map(_says_little, formulas)):
+        if not (names_of_pose(*formulas) or used & (self._joints | self._rates)):
+            return ""
+        if all(map(_says_little, formulas)) and not self._turns_a_link(used, *formulas):
             return ""
         is_dynamic = bool(used & (self._rates | {n for link in self._robot.links for n in names(link.mass)}))
         for reading in readings:
             with suppress(*NO_VALUE):
                 read = [substitute(e, reading) for e in formulas] if reading else formulas
-                labels = () if names_of_pose(*read) else self._like(read, table.shape, is_dynamic)
+                values = [[float_value(e, at) for e in read] for at in (() if names_of_pose(*read) else self._at)]
+                labels = self._like(np.array(values).reshape(-1, *table.shape), is_dynamic)
                 # one term with the other sign is a slip as well
                 may_turn = len(formulas) > 1 or isinstance(formulas[0], Sum)
                 is_free = left is None or len(formulas) > 1
@@ -99,14 +105,35 @@ class ByValue:
                         return label
         return ""
 
-    def _like(self, formulas: list[Expression], shape: tuple[int, int], is_dynamic: bool) -> Iterator[str]:
-        wanted = np.array([[float_value(e, at) for e in formulas] for at in self._at]).reshape(_POINTS, *shape)
-        for turned in (wanted, wanted.swapaxes(1, 2)) if 1 in shape else (wanted,):
-            if turned.shape[1:] in (groups := self._by_shape(is_dynamic)) and np.abs(turned).max() > _CLOSE:
+    def _like(self, wanted: Array, is_dynamic: bool) -> Iterator[str]:
+        """Names of what has these values at the points."""
+        for turned in (wanted, wanted.swapaxes(1, 2)) if 1 in wanted.shape[1:] else (wanted,):
+            if (
+                len(turned)
+                and turned.shape[1:] in (groups := self._by_shape(is_dynamic))
+                and np.abs(turned).max() > _CLOSE
+            ):
                 labels, known = groups[turned.shape[1:]]
                 gaps = np.abs(known - turned) / (1 + np.abs(turned))
                 equal = gaps.reshape(len(labels), -1).max(axis=1) < _CLOSE
                 yield from (labels[place] for place in np.flatnonzero(equal))
+
+    def solved(self, name: str, zero: Expression) -> str:
+        """The length or the angle of the robot that a name is, if a formula with it is zero; empty where it is none."""
+        cells = (cell for joint in self._robot.joints for cell in (joint.a, joint.d, joint.alpha, joint.theta))
+        symbols = {n for cell in cells for n in names(cell)}
+        for reading in self._readings if names_of_pose(zero) else [{}]:
+            read = substitute(zero, reading)
+            known = {*names(read)} - {name}
+            # theta_2 = pi - alpha says what alpha is
+            if known <= symbols | self._joints and (known & symbols or len(known) > 1):
+                for start in _STARTS:
+                    with suppress(*NO_VALUE):
+                        values = [_root(read, name, {n: at[n] for n in names(read)} | {name: start}) for at in self._at]
+                        found = self._like(np.array(values).reshape(_POINTS, 1, 1), False)
+                        if label := next(filter(_OF_FIGURE.match, found), ""):
+                            return label
+        return ""
 
     def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
         """All that is known, by shape: names, and values at the points."""
@@ -185,6 +212,27 @@ class ByValue:
             label, angle = "+".join(variables[i:j]), values[:, i:j].sum(axis=1, keepdims=True)
             yield label, angle
             yield from ((f"{f.__name__}({label})", f(angle)) for f in (np.cos, np.sin, np.tan))
+
+    def _turns_a_link(self, used: set[str], e: Expression, *others: Expression) -> bool:
+        """Whether a formula is the sum of the angles of joints about parallel axes, up to the last one of these."""
+        joints = self._robot.joints
+        places = [k for k, joint in enumerate(joints) if joint.variable in used and joint.is_revolute]
+        if others or not isinstance(e, Sum) or not len(places) == len(used) == len(e.terms) > 1:
+            return False
+        axes = self._numbers(self._model.quantity("J"))[0, 3:].T
+        same = [bool(np.abs(a - b).max() < _CLOSE) for a, b in pairwise(axes)] + [False]
+        return places == [*range(places[0], places[-1] + 1)] and all(same[places[0] : places[-1]]) > same[places[-1]]
+
+    def keeps_pose(self, values: Mapping[str, Expression]) -> bool:
+        """Whether the end effector stays where it is with other values of some joints."""
+        formulas = [expression_from_sympy(e) for e in self._model.quantity("T")]
+        used = {name for e in (*formulas, *values.values()) for name in names(e)}
+        for at in self._at:
+            here = {name: at[name] for name in used}
+            there = here | {name: float_value(e, here) for name, e in values.items()}
+            if any(abs(float_value(e, here) - float_value(e, there)) > _CLOSE for e in formulas):
+                return False
+        return True
 
     def _exponentials(self) -> Iterator[Named]:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""
@@ -281,6 +329,17 @@ class ByValue:
         for name in ("g", "friction", "tau"):
             if REGISTRY[name].is_of(self._robot):
                 yield from _entries(name, self._numbers(self._model.quantity(name)))
+
+
+def _root(e: Expression, name: str, at: dict[str, float]) -> float:
+    """The value of a name at which a formula is zero, by secants; ValueError where they do not settle."""
+    x, y = at[name], at[name] * 1.01
+    for _ in range(_HALVINGS):
+        at_x, at_y = (float_value(e, at | {name: value}) for value in (x, y))
+        if abs(at_y) < _ZERO:
+            return y
+        x, y = y, y - at_y * (y - x) / (at_y - at_x)
+    raise ValueError
 
 
 def _may_mean(left: Left, label: str) -> bool:

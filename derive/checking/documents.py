@@ -205,6 +205,10 @@ _UNREAD = re.compile(
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
 # An equation in two formulas, $a$ = $b$.
 _PARTED = re.compile(r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*)\$(?=[^$\n]+\$(?!\$))")
+# A row of a table, | $x$ | $l_1 \cos\theta_1$ |.
+_IN_CELLS = re.compile(
+    r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*\\(?:sin|cos|frac|sqrt)[^$|=\n]*\$[ \t]*\|)", re.M
+)
 _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
 _OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 
@@ -229,7 +233,7 @@ def _markdown(text: str) -> str:
         return blank(match[0])
 
     text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))
-    text = _PARTED.sub(r"\1 \2 ", text)
+    text = _IN_CELLS.sub(lambda m: f"{m[1]} =".ljust(len(m[0])), _PARTED.sub(r"\1 \2 ", text))
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
     if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac
         text = re.sub(r"(?:\\\\)+", lambda m: (len(m[0]) // 2 * "\\").rjust(len(m[0])), text)

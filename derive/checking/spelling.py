@@ -123,6 +123,12 @@ def _fraction(match: re.Match[str]) -> str:
 _OVER = re.compile(
     r"\{\s*(\\partial(?![A-Za-z])(?:[^{}]|\{[^{}]*\})*?)\\over(?![A-Za-z])((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}"
 )
+_SLOPE = re.compile(rf"(\\partial\s*{_ONE}(?:_{_ONE})?)\s*/\s*(\\partial\s*{_ONE}(?:_{_ONE})?)")
+# The square of a vector's length.
+_NORM = re.compile(
+    r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^)[^$])*?)(?:\^\{?0\}?)?\s*"
+    r"(?:\\right\s*)?\\(?:\||[lr]?Vert)\s*\^\s*(?:2|\{\s*2\s*\})"
+)
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
@@ -130,6 +136,8 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
+    (_SLOPE, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
+    (_NORM, lambda m: f"{m[1]}^T {m[1]}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),
     (_OLD_MATRIX, lambda m: f"\\begin{{{m[1]}}}{_ROW_END.sub(_TWO, m[2])}\\end{{{m[1]}}}"),

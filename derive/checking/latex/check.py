@@ -245,7 +245,7 @@ class _Check(SideReading):
             except CheckError as error:
                 if not self.document:
                     raise
-                if by_value := self.singular(equation) or self.of_motion(equation) or (*self.sides_by_value(equation),):
+                if by_value := self.otherwise(index, equation, error):
                     del self.skipped[told:]
                     yield from by_value
                 elif len(self.skipped) == told:

@@ -66,6 +66,7 @@ class Side:
     factors: tuple[Left, ...] = ()  # of a product of transforms
     frames: tuple[int, int] | None = None  # where such a product leads, if one factor follows the other
     is_branch: bool = False  # whether it is a joint variable with a label that may be that of a branch
+    keeps_pose: bool = False  # whether all joints with that label together leave the end effector where it is
 
 
 class Comparing:
@@ -108,6 +109,8 @@ class Comparing:
 
     def _identities(self, said: list[Side], *, is_nameless: bool = False) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should; nameless if no other side says what they are."""
+        moving = [s for s in said if isinstance(s.value, Table) or not is_constant(s.value or ZERO) or s.value == ZERO]
+        said = moving if len(moving) > 1 and self.document else said  # the number at the end is that of an example
         first = said[0]
         is_parameter = (
             isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
@@ -140,7 +143,10 @@ class Comparing:
                 yield Claim(first.value, side.value, left, right, where, is_branch=first.is_branch)
                 continue
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
-            if first.is_branch and not (found.verdict.equal or found.some):
+            if first.is_branch and (side.value == first.value or not (found.verdict.equal or found.some)):
+                if first.keeps_pose:
+                    yield replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
+                    continue
                 raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
             found = self._rounded(found, first.value, side.value, left, right)
             if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):

@@ -299,15 +299,15 @@ def without_derivatives(
         by = variable.name if isinstance(variable, Name) else ""
         if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
             raise CheckError("derivative by what is not a joint variable or its velocity")
-        signs += (found := sign(_derivative(robot, read(above), by)))
+        signs += (found := sign(derivative(robot, read(above), by)))
         text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
     while match := re.search(_TOTAL % (signs, signs), text):
-        signs += (found := sign(_derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
+        signs += (found := sign(derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
         text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
     return text
 
 
-def _derivative(robot: Robot, formula: Expression, by: str) -> Expression:
+def derivative(robot: Robot, formula: Expression, by: str) -> Expression:
     """The derivative of a formula that has names of the robot alone."""
     joints = [joint.variable for joint in robot.joints]
     moving = {name for q in joints for name in (q, velocity_name(q), acceleration_name(q))}

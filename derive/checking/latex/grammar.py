@@ -205,6 +205,8 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
                 settled = _each(settled, partial(multiply, self._sign(sign)))
             terms.append(_each(settled, negate) if sign == "-" else settled)
         tables = [term for term in terms if isinstance(term, Table)]
+        if len(tables) < len(terms) and all(table.shape == (1, 1) for table in tables):  # v^T v beside a formula
+            terms, tables = [t.entries[0].formula if isinstance(t, Table) else t for t in terms], []
         formulas = [term for term in terms if not isinstance(term, Table)]
         if tables and any(formula != ZERO for formula in formulas):
             raise CheckError("sum of a matrix and a formula", remedy="add matrices only")

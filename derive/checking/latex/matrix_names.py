@@ -7,11 +7,13 @@ has several values. It is right if one of them equals what the formula stands be
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import replace
+from functools import reduce
 from itertools import islice, product
 
 from derive.checking.latex.equations import Sides, listed
-from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import AXES, taken_apart
+from derive.checking.latex.formula import LatexReader, derivative
+from derive.checking.latex.left import AXES, Turned, taken_apart
 from derive.checking.latex.matrices import Entry, Table, joined_blocks
 from derive.checking.latex.meanings import ALIKE, Meanings, at_a_point
 from derive.checking.latex.names import Symbol
@@ -20,7 +22,7 @@ from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.targets import Target
 from derive.errors import CheckError
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.robot.expression import ZERO, Call, Expression, negate, number
+from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, negate, number
 
 MAX_WAYS = 32  # values of one formula that are tried, of each size
 MAX_NAMES = 8  # names of matrices in one formula
@@ -57,6 +59,7 @@ class MatrixNames:
         self._defined: dict[str, list[Table]] = {}  # what the text itself says of a letter
         for first, *others in equations:
             left = taken_apart(first.text) if others and not first.matrices else None
+            left = replace(left, sup=left.sup.replace("0", "")) if left is not None else None  # in the axes of the base
             for side in others if left is not None and left.is_plain else ():
                 with suppress(CheckError):
                     found = list(self.values(side)) if _ELEMENTARY.search(side.text) else [reader.value(side)]
@@ -89,8 +92,7 @@ class MatrixNames:
             for chosen in islice(product(*fitting), MAX_WAYS):
                 with suppress(CheckError):
                     value = self._reader.value(rest, dict(zip(found, chosen, strict=True)))
-                    if isinstance(value, Table):
-                        yield value
+                    yield value if isinstance(value, Table) else Table(((Entry(value),),))  # v^T v
 
     def _of_blocks(self, piece: LatexPiece) -> Iterator[Table]:
         """A matrix of formulas with names, each with the first of its values: [z_0 x (o_2 - o_0) ...; z_0 ...]."""
@@ -136,17 +138,29 @@ class MatrixNames:
     def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
         """What the text itself says that a name is."""
         left = taken_apart(match[0])
-        return self._defined.get(left.flat, []) if left is not None and left.is_plain else []
+        if left is None or not replace(left, dots=0, turned=Turned.NOT).is_plain:
+            return []
+        tables, by_time = self._defined.get(left.flat, []), lambda e: derivative(self._meanings.robot, e, "t")
+        if left.dots:  # q = (30 deg, 45 deg) is where the arm stands
+            tables = [table for table in tables if not all(is_constant(e.formula) for e in table.entries)]
+        with suppress(CheckError):
+            tables = [reduce(lambda t, _: t.changed(by_time), range(left.dots), table) for table in tables]
+            return [
+                t.transposed if left.turned else t for t in tables if left.turned in (Turned.NOT, Turned.TRANSPOSED)
+            ]
+        return []
 
     def _named(self, match: re.Match[str], _: int) -> list[Table]:
         left = taken_apart(match[0].replace("[", "(").replace("]", ")"))
         if left is not None and left.head.lower() in AXES and left.sub and left.sub == left.before + left.sup:
             return [_table([[number(int(i == AXES[left.head.lower()]))] for i in (1, 2, 3)])]  # in its own frame
-        known = self._reader.names
+        if left is None:
+            return []
         # a name that stands for one formula is no matrix; a coordinate of some point may be an axis as well
-        if left is None or (
-            left.is_plain and known.knows(left.flat) and not names_of_pose(known.meaning(Symbol(left.flat, 0)))
-        ):
+        known = self._reader.names
+        meaning = known.meaning(Symbol(left.flat, 0)) if known.knows(left.flat) else None
+        is_rate = left.dots and isinstance(meaning, Name) and replace(left, dots=0, sup="").is_plain
+        if is_rate or (left.is_plain and meaning is not None and not names_of_pose(meaning)):
             return []
         return list(dict.fromkeys(table for target in self._meanings.targets(left) for table in self._of(target)))
 

@@ -344,9 +344,9 @@ class Scope:
         known = [bool(left and not self.is_own(left) and self.meanings.targets(left)) for left in lefts]
         return any(known) + all(known)
 
-    def reader(self, index: int) -> LatexReader:
+    def reader(self, index: int, more: dict[str, Expression] | None = None) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""
-        meanings = dict(self._of_links)
+        meanings = {**self._of_links, **(more or {})}
         for name, found in self.definitions.items():
             # numbers are those of an example, but where they alone say what a name is
             defined = [one for one in found if not is_constant(one[1])] or found
@@ -390,9 +390,9 @@ class Scope:
             and not _OF_ROTATION.search(rest)
         ):
             return left.flat  # an angle of a triangle, phi = arctan(...), unless entries of a rotation give it
-        is_product = False
+        is_product = re.fullmatch(r"\s*[A-Za-z](?: +[A-Za-z])+\s*", side.text) is not None
         with suppress(CheckError):  # what looks like one name is a product of known ones, such as dC_{23}
-            is_product = len(left.head) > 1 and bool(self.plain.formula(side))
+            is_product |= len(left.head) > 1 and bool(self.plain.formula(side))
         if self.document and (is_rate(left.flat) or is_product):
             return ""
         if not left.is_point and self._is_pose(left):

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from functools import reduce
+from functools import cached_property, reduce
 from itertools import pairwise
 from operator import mul
 
@@ -22,7 +22,7 @@ from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
 from derive.checking.latex.whole import between, chained, factors, frames_of, is_no_claim
-from derive.errors import CheckError, quoted
+from derive.errors import CheckError, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
 from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
@@ -45,6 +45,7 @@ class SideReading(Comparing):
     def __init__(self, scope: Scope, quantity: str) -> None:
         super().__init__(scope, quantity)
         self.reader = scope.reader(0)
+        self._figures: dict[str, str] = {}  # lengths and angles that names must be for their formulas to be right
         self._matrices = MatrixNames(scope.meanings, self.reader, scope.equations if scope.document else ())
 
     def _multiplied(self, named: list[Side], side: Side) -> Finding | None:
@@ -94,7 +95,12 @@ class SideReading(Comparing):
                 return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
         return None
 
-    def singular(self, equation: Sides) -> tuple[Finding, ...]:
+    def otherwise(self, index: int, equation: Sides, error: CheckError) -> tuple[Finding, ...]:
+        """What can be said of an equation that is not read as it stands."""
+        by_value = self._singular(equation) or self._of_motion(equation) or (*self._sides_by_value(equation),)
+        return by_value or self._of_unknown(index, equation, error)
+
+    def _singular(self, equation: Sides) -> tuple[Finding, ...]:
         """That the arm is singular where an equation holds, as the sentence around it says."""
         first, *others = equation
         around = self.text[max(first.start - 200, 0) : equation[-1].end + 200]
@@ -106,7 +112,7 @@ class SideReading(Comparing):
                     return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
         return ()
 
-    def of_motion(self, equation: Sides) -> tuple[Finding, ...]:
+    def _of_motion(self, equation: Sides) -> tuple[Finding, ...]:
         """That an equation of motion is right, or has one slip, whatever the author calls the torque."""
         formulas: list[Expression] = []
         for side in equation:
@@ -131,7 +137,7 @@ class SideReading(Comparing):
         repair = judge(found).repair
         return (found,) if found.verdict.equal or (repair and known.issuperset(repair.kinds)) else ()
 
-    def sides_by_value(self, equation: Sides) -> Iterator[Finding]:
+    def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values, where its first side is a name of the author's own."""
         first, *others = equation
         with suppress(CheckError):
@@ -147,6 +153,22 @@ class SideReading(Comparing):
                 value = next(self._matrices.values(side), None) or self.reader.value(side)
                 if found := self._by_value(value, first.text, self._typed(side), where):
                     yield found
+
+    def _of_unknown(self, index: int, equation: Sides, error: CheckError) -> tuple[Finding, ...]:
+        """That a formula is right if the one name that no formula explains is a length or an angle of the robot."""
+        name = re.search("'(.+)'", error.found)
+        if not isinstance(error, UnknownNameError) or name is None or len(equation) != 2:
+            return ()
+        letter = Name(f"?{name[1]}")
+        reader = self.scope.reader(index, {name[1]: letter})
+        with suppress(CheckError):
+            zero = add(reader.formula(equation[0]), negate(reader.formula(equation[1])))
+            meant = self._values.solved(letter.name, zero)
+            if meant and self._figures.setdefault(letter.name, meant) == meant:  # in all formulas the same
+                texts, note = (self._typed(side) for side in equation), f", where {name[1]} is {meant}"
+                where, right = self.plain.location(equation[0].start), Verdict(True, False)
+                return (Finding(next(texts), 0, 0, Role.IDENTITY, next(texts), right, "", where, note=note),)
+        return ()
 
     def identity(self, side: Side, first: Side) -> Side:
         """A side, where it is the letter of an identity matrix with the matrix in the shape of the first side."""
@@ -192,7 +214,8 @@ class SideReading(Comparing):
             targets = tuple(Target(between(*frames, self.robot), part, part) for part in parts) if frames else ()
             return Side(piece, None, targets, error=error, frames=frames, factors=chain)
         if may_name and joint is not None:
-            return Side(piece, left, (), joint, is_branch=True)
+            is_other = left is not None and self._label(left) in self._same_pose
+            return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):
                 return Side(piece, value=self.reader.value(piece))
@@ -257,6 +280,29 @@ class SideReading(Comparing):
             return None
         # a slide with a number above it is a power
         return None if left.sup.isdigit() and not self.joints[meaning.name].is_revolute else meaning
+
+    @cached_property
+    def _same_pose(self) -> frozenset[str]:
+        r"""Labels of solutions that move some joints and not the end effector: \theta_4' = \theta_4 + \pi, ..."""
+        solutions: dict[str, dict[str, Expression]] = {}
+        for equation in self.scope.equations:
+            left = taken_apart(equation[0].text)
+            joint = self._branch_of(left) if left is not None and len(equation) > 1 else None
+            with suppress(CheckError):
+                if left is not None and isinstance(joint, Name):
+                    solutions.setdefault(self._label(left), {})[joint.name] = self.reader.formula(equation[-1])
+        moving = {label: {q: e for q, e in values.items() if e != Name(q)} for label, values in solutions.items()}
+        known = self.joints.keys() | self.parameters
+        return frozenset(
+            label
+            for label, values in moving.items()
+            if len(values) > 1 and known.issuperset(n for e in values.values() for n in names(e))
+            if self._values.keeps_pose(values)
+        )
+
+    @staticmethod
+    def _label(left: Left) -> str:
+        return left.head + left.sup + "'" * left.primes + re.sub("^[0-9],?", "", left.sub)
 
     def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""
