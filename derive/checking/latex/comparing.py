@@ -144,21 +144,22 @@ class Comparing:
                 continue
             found = compared(question, left, (0, 0), Role.IDENTITY, right, left, where)
             if first.is_branch and (side.value == first.value or not (found.verdict.equal or found.some)):
-                if first.keeps_pose:
-                    yield replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
-                    continue
-                raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
+                if not first.keeps_pose:
+                    raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
+                found = replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
             found = self._rounded(found, first.value, side.value, left, right)
-            if not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end):
-                raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
+            is_case = not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end)
             # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
             is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
             is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
             is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
-            is_constraint = not found.verdict.equal and (is_motion or self._constrains(first.value, side.value))
+            is_constraint = not (found.verdict.equal or is_case) and (
+                is_motion or self._constrains(first.value, side.value)
+            )
             if is_constraint:
                 self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
-            if is_constraint or (not found.verdict.equal and is_constant(first.value) != is_constant(side.value)):
+            is_given = not found.verdict.equal and is_constant(first.value) != is_constant(side.value)
+            if is_case or is_constraint or is_given:
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
 
