@@ -19,7 +19,7 @@ from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, names_of_pose
 from derive.checking.latex.scope import ANGLES, Scope
 from derive.checking.latex.targets import Target
-from derive.checking.latex.whole import one_cause
+from derive.checking.latex.whole import constrains, one_cause
 from derive.errors import CheckError, Location, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -148,31 +148,27 @@ class Comparing:
                     raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
                 found = replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
             found = self._rounded(found, first.value, side.value, left, right)
-            is_case = not found.verdict.equal and self.document and _ARROW.match(self.text, side.piece.end)
-            # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
-            is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
-            is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
-            is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
-            is_constraint = not (found.verdict.equal or is_case) and (
-                is_motion or self._constrains(first.value, side.value)
-            )
-            if is_constraint:
-                self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
-            is_given = not found.verdict.equal and is_constant(first.value) != is_constant(side.value)
-            if is_case or is_constraint or is_given:
+            if not found.verdict.equal and self._is_condition(first, side, left, right):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
 
+    def _is_condition(self, first: Side, side: Side, left: str, right: str) -> bool:
+        """Whether two formulas that differ hold somewhere, as an equation of motion does, and are kept as such."""
+        assert isinstance(first.value, Expression)
+        assert isinstance(side.value, Expression)
+        if self.document and _ARROW.match(self.text, side.piece.end):
+            return True
+        # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
+        is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
+        is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
+        is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
+        if is_motion or self._constrains(first.value, side.value):
+            self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
+            return True
+        return is_constant(first.value) != is_constant(side.value)
+
     def _constrains(self, one: Expression, other: Expression) -> bool:
-        """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
-        moving = self.rates | self.joints.keys()
-        if not self.document or not isinstance(one, Name) or one.name not in moving:
-            return False
-        if isinstance(other, Sum) and all(term == one or is_constant(term) for term in other.terms):
-            return True  # theta_2 = q_2 - pi/2, the offset of the table
-        if isinstance(other, Call) and other.function == "atan2" and not moving.isdisjoint(names(other)):
-            return False  # theta_5 = Atan2(s_6, c_6), a solution
-        return ((self.parameters | moving) - {one.name}).issuperset(names(other))
+        return self.document and constrains(one, other, self.rates | self.joints.keys(), self.parameters)
 
     def _entry_by_entry(
         self, first: LatexPiece, one: Table, second: LatexPiece, other: Table

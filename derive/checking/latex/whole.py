@@ -4,6 +4,7 @@ import random
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import replace
 from itertools import combinations, pairwise
@@ -25,7 +26,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
-from derive.robot.expression import ZERO, Expression, Name, add, multiply, names, number
+from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, multiply, names, number
 from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
@@ -312,3 +313,14 @@ def between(start: int, stop: int, robot: Robot) -> str:
     if stop > robot.n:
         return "tool" if start == robot.n else f"end[{start}]"
     return f"T[{start},{stop}]" if start >= 0 else f"T[{stop}]"
+
+
+def constrains(one: Expression, other: Expression, moving: AbstractSet[str], parameters: AbstractSet[str]) -> bool:
+    """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
+    if not isinstance(one, Name) or one.name not in moving:
+        return False
+    if isinstance(other, Sum) and all(term == one or is_constant(term) for term in other.terms):
+        return True  # theta_2 = q_2 - pi/2, the offset of the table
+    if isinstance(other, Call) and other.function == "atan2" and not moving.isdisjoint(names(other)):
+        return False  # theta_5 = Atan2(s_6, c_6), a solution
+    return {*names(other)} <= (parameters | moving) - {one.name}
