@@ -46,7 +46,8 @@ class Ring:
     def __init__(self, names: Sequence[str], max_terms: int = UNBOUNDED) -> None:
         self.names = tuple(names)
         self.max_terms = max_terms
-        self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)  # FLINT's ring without the relations
+        plain = tuple(name.encode("ascii", "backslashreplace") for name in self.names)  # as FLINT wants them
+        self.context = fmpq_mpoly_ctx.get(plain, Ordering.lex)  # FLINT's ring without the relations
         # generator name -> its place in the exponent vectors
         self.index = {name: i for i, name in enumerate(self.names)}
         # what the generators satisfy; sets of relations are written as bits, relation r as 1 << r

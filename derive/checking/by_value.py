@@ -66,6 +66,8 @@ class ByValue:
         self._joints = {joint.variable for joint in self._robot.joints}
         self._at = [_RandomValues(point, self._joints) for point in range(_POINTS)]
         self._rates = set(map(velocity_name, self._joints))
+        cells = (cell for j in self._robot.joints for cell in (j.a, j.d, j.alpha, j.theta))
+        self._lengths = {n for cell in cells for n in names(cell)}
         self._known: dict[bool, dict[tuple[int, ...], tuple[list[str], Array]]] = {}
 
     @property
@@ -91,7 +93,8 @@ class ByValue:
             return ""
         if all(map(_says_little, formulas)) and not self._turns_a_link(used, *formulas):
             return ""
-        is_dynamic = bool(used & (self._rates | {n for link in self._robot.links for n in names(link.mass)}))
+        of_bodies = {n for link in self._robot.links for e in (link.mass, *link.com) for n in names(e)} - self._lengths
+        is_dynamic = bool(used & (self._rates | of_bodies))
         for reading in readings:
             with suppress(*NO_VALUE):
                 read = [substitute(e, reading) for e in formulas] if reading else formulas
@@ -120,19 +123,49 @@ class ByValue:
 
     def solved(self, name: str, zero: Expression) -> str:
         """The length or the angle of the robot that a name is, if a formula with it is zero; empty where it is none."""
-        cells = (cell for joint in self._robot.joints for cell in (joint.a, joint.d, joint.alpha, joint.theta))
-        symbols = {n for cell in cells for n in names(cell)}
         for reading in self._readings if names_of_pose(zero) else [{}]:
             read = substitute(zero, reading)
             known = {*names(read)} - {name}
             # theta_2 = pi - alpha says what alpha is
-            if known <= symbols | self._joints and (known & symbols or len(known) > 1):
+            if known <= self._lengths | self._joints and (known & self._lengths or len(known) > 1):
                 for start in _STARTS:
                     with suppress(*NO_VALUE):
                         values = [_root(read, name, {n: at[n] for n in names(read)} | {name: start}) for at in self._at]
                         found = self._like(np.array(values).reshape(_POINTS, 1, 1), False)
                         if label := next(filter(_OF_FIGURE.match, found), ""):
                             return label
+        return ""
+
+    def driven(self, zero: Expression, letters: list[str]) -> str:
+        """Which torques alone make the arm move so that a formula with accelerations is zero; empty if none do."""
+        joints, used = [joint.variable for joint in self._robot.joints], {*names(zero)}
+        accelerations = list(map(acceleration_name, joints))
+        is_known = self._robot.has_dynamics and max(len(joints), len(letters)) <= _MOST_ACCELERATED
+        if not is_known or used.isdisjoint(accelerations):
+            return ""
+        inertia, torques = (self._numbers(self._model.quantity(name)) for name in ("B", "tau"))
+        rest = torques - inertia @ self._of_joints(acceleration_name)  # C qd + g + f
+        for driving in permutations(range(len(joints)), max(len(letters), 1)):
+            if any(x[-1].isdigit() and x[-1] != str(i + 1) for x, i in zip(letters, driving, strict=False)):
+                continue
+            gaps = []
+            with suppress(*NO_VALUE):
+                for k, at in enumerate(self._at):
+                    torque = np.zeros((len(joints), 1))
+                    torque[list(driving), 0] = [at[f"?{i}"] for i in range(len(driving))]
+                    moved = np.linalg.solve(inertia[k], torque - rest[k])[:, 0]
+                    values = {name: at[name] for name in used} | dict(zip(accelerations, moved, strict=True))
+                    values |= {f"?{letter}": at[f"?{i}"] for i, letter in enumerate(letters)}
+                    gaps.append(abs(float_value(zero, values)) / (1 + np.abs(moved).max()))
+                if max(gaps) < _CLOSE:
+                    named = letters or [""]
+                    return (
+                        "where "
+                        + " and ".join(
+                            f"tau[{i + 1}] = {name}".removesuffix(" = ") for i, name in zip(driving, named, strict=True)
+                        )
+                        + " alone drives"
+                    )
         return ""
 
     def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
@@ -328,7 +361,8 @@ class ByValue:
             yield from _entries(f"B{label}", inertia)
         for name in ("g", "friction", "tau"):
             if REGISTRY[name].is_of(self._robot):
-                yield from _entries(name, self._numbers(self._model.quantity(name)))
+                values = self._numbers(self._model.quantity(name))
+                yield from ((name, values), *_entries(name, values))
 
 
 def _root(e: Expression, name: str, at: dict[str, float]) -> float:
@@ -403,4 +437,5 @@ def _jacobian(name: str, a: Array) -> Iterator[Named]:
     yield from _rows(name, a)
     yield from ((name, a[:, list(plane)]) for plane in _PLANES)
     for j in range(a.shape[2]):
-        yield from _rows(f"{name}, column {j + 1}", a[:, :, j : j + 1])
+        column = f"{name}, column {j + 1}"
+        yield from (*_rows(column, a[:, :, j : j + 1]), *((column, a[:, list(p), j : j + 1]) for p in _PLANES))

@@ -14,8 +14,8 @@ from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
 from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
-from derive.checking.latex.comparing import ANY, VAGUE, Side
-from derive.checking.latex.conditions import explaining, ways
+from derive.checking.latex.comparing import VAGUE, Side
+from derive.checking.latex.conditions import explaining
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -24,7 +24,7 @@ from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
 from derive.checking.latex.quantities import OF_LINK
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
-from derive.checking.latex.targets import Target, is_scalar
+from derive.checking.latex.targets import Target
 from derive.checking.latex.whole import (
     names_its_columns,
     other_factorisation,
@@ -79,10 +79,10 @@ def check_latex(
     ):
         order, (check, findings) = True, other
         check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
-    if document and _count(findings, right=False) and may_count_from_one_direction(model, text):
+    if document and may_count_from_one_direction(model, text):
         other = read(AbsoluteModel(model), order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
-        if gain > 0 > less:
+        if gain > 0 >= less:
             check, findings = other
             check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
     lone = uncertain_entries(findings, model.n) if document else frozenset()
@@ -245,7 +245,7 @@ class _Check(SideReading):
             except CheckError as error:
                 if not self.document:
                     raise
-                if by_value := self.otherwise(index, equation, error):
+                if by_value := self.otherwise(index, equation):
                     del self.skipped[told:]
                     yield from by_value
                 elif len(self.skipped) == told:
@@ -289,22 +289,26 @@ class _Check(SideReading):
                     self._skip_for(side, _TWO_FORMULAS.format(name))
 
     def _defined(self) -> Iterator[Finding | Claim]:
-        """Points and then energies of links, which other formulas take as they are defined here."""
-        lefts = [(*defined, taken_apart(defined[-1].text)) for defined in self.scope.defined()]
+        """Points and energies of links, which other formulas take as they are defined here."""
         moving = self.rates.union(name for cell in self.robot.gravity or () for name in names(cell))
-        for name, _, meaning, side, left in lefts:
-            if left is not None and left.is_point and (point := self._stands_for(left)) is not None:
-                yield Claim(point, meaning, name, self._typed(side), self.plain.location(side.start), is_open=True)
-        for name, _, meaning, side, left in lefts:
-            targets = self.meanings.targets(left) if left else ()
-            of_links = [target for target in targets if target.quantity.startswith(("kinetic[", "potential["))]
-            if left is not None and left.head in "ku" and moving.isdisjoint(names(meaning)):
-                continue  # a short name
-            if left is not None and left.head == "V" and not self.rates.isdisjoint(names(meaning)):
-                of_links = [target for target in targets if target.quantity == "Cqd"]
-            if not of_links or (right := self.meanings.right(of_links[0])) is None:
+        for name, _, meaning, side in self.scope.defined():
+            if (left := taken_apart(side.text)) is None:
                 continue
-            (found,) = self._entries(right, Table(((Entry(meaning, self._typed(side), side.start),),)), side.start)
+            text, where = self._typed(side), self.plain.location(side.start)
+            if left.is_point and (point := self._stands_for(left)) is not None:
+                yield Claim(point, meaning, name, text, where, is_open=True)
+            kinds: tuple[str, ...] = ("kinetic[", "potential[")
+            if left.head in "ku" and moving.isdisjoint(names(meaning)):
+                continue  # a short name
+            if left.head == "V" and not self.rates.isdisjoint(names(meaning)):
+                kinds = ("Cqd",)
+            rights = (self.meanings.right(t) for t in self.meanings.targets(left) if t.quantity.startswith(kinds))
+            if (right := next(rights, None)) is None:
+                continue
+            if names_of_pose(meaning):
+                yield Claim(expression_from_sympy(right.value[0, 0]), meaning, right.quantity, text, where)
+                continue
+            (found,) = self._entries(right, Table(((Entry(meaning, text, side.start),),)), side.start)
             if found.verdict.equal:
                 yield found
             else:
@@ -385,30 +389,6 @@ class _Check(SideReading):
             slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
             if len({*slopes}) < len(slopes):
                 self._skip_for(piece, "the same derivative stands in it twice")
-
-    def _naming(self, sides: list[Side], has_no_matrix: bool) -> list[Side]:
-        """The sides that name quantities; conditions in their arguments are kept."""
-        for side in sides:
-            for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
-                if "=" in part:  # J(theta_2 = 0)
-                    with suppress(CheckError):
-                        values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
-                        self._states(side.piece, part, ways(values), is_of_side=True)
-        first, *others = sides
-        named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
-        if not any(isinstance(s.value, Table) and len(s.value.entries) == 6 for s in sides):  # B_1 may be anything
-            named = [s for s in named if not all("screw" in t.quantity and len(t.rows) != 3 for t in s.targets)]
-        if has_no_matrix:  # a length of the robot, not a vector with its letter
-            is_own = first.left is not None and not first.left.arguments and self.scope.is_own(first.left)
-            is_length = is_own and not any(map(is_scalar, first.targets))
-            named = [s for s in named if s is not first or not is_length]
-        named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
-        if has_no_matrix and isinstance(first.value, Name) and first.value.name in self.joints:
-            named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
-        # a partial derivative says which entry J_21 is, and r_1 = p_3 - p_0 what r_1 is
-        named = [s for s in named if not (s.left and re.fullmatch(r"J\d\d", s.left.flat + s.left.arguments))] or named
-        named = [side for side in named if side.left is None] or named
-        return [side for side in named if side.left is None or side.left.head not in ANY] or named
 
     def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
         """What is said against what is named; open where another side cannot be read."""

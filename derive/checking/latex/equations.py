@@ -169,10 +169,11 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
 
 def _unbraced(text: str) -> str:
     """A display without the braces around an equation in it: ``{^0_1T = [...]} {^1_2T = [...]}``."""
-    for match in re.finditer(r"(?<![A-Za-z\\_^{}])\{(?=\s*[\^_])", text):
-        end = closing_brace(text, match.start())
-        if end < len(text) and RELATION.search(text, match.start(), end):
-            text = f"{text[: match.start()]} {text[match.end() : end]} {text[end + 1 :]}"
+    for match in re.finditer(r"(?<![A-Za-z\\_^{}])\{(?=\s*[\^_])|(?:^|(?<=\f))\s*\{", text):
+        begin = match.end() - 1
+        end = closing_brace(text, begin)
+        if end < len(text) and RELATION.search(text, begin, end):
+            text = f"{text[:begin]} {text[begin + 1 : end]} {text[end + 1 :]}"
     return text
 
 

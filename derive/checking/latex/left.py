@@ -128,7 +128,8 @@ def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
     tight = "".join(FONT.sub("", text).split())
     if re.fullmatch(
-        r"\\sqrt\{(?:\\det|\|)[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?J(?:_\{?\w+\}?)?(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?(?:\(\w+\))?[)}|]*\}",
+        r"\\sqrt\{(?:\\det|\|)[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?J(?:_\{?\w+\}?)?(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?(?:\(\w+\))?[)}|]*\}"
+        r"|\|\\det[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?[)}]*\|",
         tight,
     ):
         return Left("manipulability")
@@ -141,6 +142,7 @@ def taken_apart(text: str) -> Left | None:
     text = text.translate(dict.fromkeys(map(ord, PRIMED.values())))
     # from left to right: scripts before the letter, dots, the letter, scripts, arguments, a velocity behind it
     rest, determinant = _undressed(text)
+    rest = re.sub(r"^\{(\\d?dot\{?[A-Za-z]\}?)\}(?=\()", r"\1", rest)  # \mathbf{\dot{J}}(q)
     before, rest = _scripts(rest)
     dots = marks
     if match := re.match(r"\\(d?)dot", rest):

@@ -32,8 +32,8 @@ _PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?<![A-Za-z\\])[A-Za-z](?![A-Za-z])"
 _LETTER = rf"(?:{_FONTS}\s*\{{\s*[A-Za-z]\s*\}}|{_FONTS}\s+[A-Za-z]|{_PLAIN})"
 _DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
 _BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
-_ONE = (
-    rf"(?:\{{\s*(?:{_SCRIPT}\s*)*\}}\s*)?(?:{_SCRIPT}\s*)*(?:{_DOTTED}|{_LETTER})(?:{_SCRIPT})*"
+_ONE = (  # scripts before a letter are not those behind another one
+    rf"(?:(?<![A-Za-z0-9}}])|(?![_^]))(?:\{{\s*(?:{_SCRIPT}\s*)*\}}\s*)?(?:{_SCRIPT}\s*)*(?:{_DOTTED}|{_LETTER})(?:{_SCRIPT})*"
     rf"(?:\s*\((?:[\\A-Za-z,\s{{}}]|_[0-9])*\)(?:{_SCRIPT})*)?"
 )
 _NAME = re.compile(rf"[\[(]\s*{_ONE}\s*[\])]\s*\^\s*(?:\{{[^{{}}]*\}}|T)|{_ONE}")
@@ -46,7 +46,7 @@ _ELEMENTARY = re.compile(
 _BRACED = re.compile(r"(?<![_^\w])\{(\s*\^(?:[^{}]|\{[^{}]*\})*)\}")
 _UNIT = re.compile(
     r"(?:\{\s*\}\s*\^\s*(?:\{\s*(?P<seen>[0-9])\s*\}|(?P<from>[0-9]))\s*)?"
-    rf"\\(?:hat|widehat|vec|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK0])\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}{{0,2}})?"
+    rf"(?:\\(?:hat|widehat|vec|boldsymbol)\s*(?:\{{\s*)?(?:{_FONTS}\s*)?(?P<axis>[xyzXYZijkIJK0])|\\(?:mathbf|bm)\s*\{{\s*(?P<bold>[ijk]))\s*\}}?\s*(?:_\s*\{{?\s*(?P<frame>[0-9])\s*\}}{{0,2}})?"
 )
 
 
@@ -126,7 +126,7 @@ class MatrixNames:
 
     def _unit(self, match: re.Match[str], _: int) -> list[Table]:
         """A unit vector in its own axes, and that of a frame in the base."""
-        letter = match["axis"].lower()
+        letter = (match["axis"] or match["bold"]).lower()
         axis = AXES.get(letter) or "0ijk".index(letter)
         own = _table([[number(int(i == axis))] for i in (1, 2, 3)])
         seen = match["seen"] or match["from"]

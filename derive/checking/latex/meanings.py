@@ -119,7 +119,9 @@ class Meanings:
         indices = re.fullmatch(r"([1-9]),?([1-9])", left.sub) if left.is_plain and left.head in self.entries else None
         if indices is not None:
             entry = int(indices[1]), int(indices[2])
-            return tuple(replace(t, entry=entry) for t in self.targets(self.entries[left.head]) if not is_scalar(t))
+            matrices = [t for t in self.targets(self.entries[left.head]) if not is_scalar(t)]
+            if matrices or len(self.entries[left.head].head) == 1:
+                return tuple(replace(t, entry=entry) for t in matrices)
         if left.arguments.startswith("(\u2202"):  # the column of a derivative is that of its variable
             (row, label), is_slide = left.sub.split(","), left.arguments == "(\u2202d)"
             own = (

@@ -208,7 +208,9 @@ class Poses:
                 return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in self._kinds]
             case Settled.WRIST:
                 return [replace(chosen, values={**chosen.values, **self._wrist(k)}, wrist=k) for k in self._wrists()]
-        return [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
+        others = [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
+        # beside names of the wrist p_x is not that of the wrist
+        return others[:1] if group is Settled.PLACE and self._names.wrist else others
 
     def _read(self, claim: Claim, reading: PoseReading) -> Finding | None:
         """The comparison in a reading; None where a side has no value in it."""

@@ -346,13 +346,14 @@ class Scope:
 
     def reader(self, index: int, more: dict[str, Expression] | None = None) -> LatexReader:
         """Reads an equation with the names that are defined at it or before it, else behind it."""
-        meanings = {**self._of_links, **(more or {})}
+        meanings = dict(self._of_links)
         for name, found in self.definitions.items():
             # numbers are those of an example, but where they alone say what a name is
             defined = [one for one in found if not is_constant(one[1])] or found
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
+        meanings |= more or {}
         entry = partial(entry_named, self.meanings, self.poses)
         order = self._cosine_first
         return LatexReader(

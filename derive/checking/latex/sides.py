@@ -1,7 +1,7 @@
 """What the sides of one printed equation say: quantities by their names, formulas, matrices, products of transforms."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, reduce
@@ -11,7 +11,8 @@ from operator import mul
 from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
-from derive.checking.latex.comparing import Comparing, Side
+from derive.checking.latex.comparing import ANY, Comparing, Side
+from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -56,7 +57,9 @@ class SideReading(Comparing):
         right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
         if not side.factors or not named:
             return None
-        if side.frames in frames:  # they lead from the one to the other frame of what is named
+        if (
+            side.frames is not None and side.frames in frames
+        ):  # they lead from the one to the other frame of what is named
             return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
         is_turned = side.frames is not None and side.frames[::-1] in frames
         if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
@@ -95,10 +98,10 @@ class SideReading(Comparing):
                 return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
         return None
 
-    def otherwise(self, index: int, equation: Sides, error: CheckError) -> tuple[Finding, ...]:
+    def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
         by_value = self._singular(equation) or self._of_motion(equation) or (*self._sides_by_value(equation),)
-        return by_value or self._of_unknown(index, equation, error)
+        return by_value or self._of_unknown(index, equation)
 
     def _singular(self, equation: Sides) -> tuple[Finding, ...]:
         """That the arm is singular where an equation holds, as the sentence around it says."""
@@ -138,36 +141,63 @@ class SideReading(Comparing):
         return (found,) if found.verdict.equal or (repair and known.issuperset(repair.kinds)) else ()
 
     def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
-        """What sides of an equation are by their values, where its first side is a name of the author's own."""
-        first, *others = equation
+        """What sides of an equation are by their values beside a name, or a matrix of names, of the author's own."""
+        for first, others in ((equation[0], equation[1:]), (equation[-1], equation[:-1])):
+            # beside a sum that cannot be read, the value of the other side says nothing
+            is_sum = re.search("[-+]", re.sub(r"\{[^{}]*\}|\([^()]*\)", "", first.text).strip(" -"))
+            lefts = [taken_apart(cell.text) for cell in first.cells]
+            # v_x is that of the end effector
+            is_own = not is_sum if first is equation[0] else taken_apart(first.text) is not None
+            is_name = all(one and one.sub not in AXES for one in lefts) if first.matrices else is_own
+            if is_name and not self._is_read(first):
+                yield from self._named_by_value(first, others)
+                return
+
+    def _is_read(self, side: LatexPiece) -> bool:
         with suppress(CheckError):
-            self.reader.value(first)
-            return
-        # beside a sum that cannot be read, the value of the other side says nothing
-        is_name = not (
-            first.matrices or re.search("[-+]", re.sub(r"\{[^{}]*\}|\([^()]*\)", "", first.text).strip(" -"))
-        )
-        for side in others if is_name else ():
+            value = self.reader.value(side)
+            return not isinstance(value, Table) or not any(entry.unknown for entry in value.entries)
+        return False
+
+    def _named_by_value(self, first: LatexPiece, others: Sequence[LatexPiece]) -> Iterator[Finding]:
+        for side in others:
+            if all(taken_apart(cell.text) for cell in side.cells or (side,)) and (side.matrices or len(others) == 1):
+                continue  # names beside names
             with suppress(CheckError):
                 where = self.plain.location(side.start)
                 value = next(self._matrices.values(side), None) or self.reader.value(side)
                 if found := self._by_value(value, first.text, self._typed(side), where):
                     yield found
 
-    def _of_unknown(self, index: int, equation: Sides, error: CheckError) -> tuple[Finding, ...]:
-        """That a formula is right if the one name that no formula explains is a length or an angle of the robot."""
-        name = re.search("'(.+)'", error.found)
-        if not isinstance(error, UnknownNameError) or name is None or len(equation) != 2:
-            return ()
-        letter = Name(f"?{name[1]}")
-        reader = self.scope.reader(index, {name[1]: letter})
-        with suppress(CheckError):
-            zero = add(reader.formula(equation[0]), negate(reader.formula(equation[1])))
-            meant = self._values.solved(letter.name, zero)
-            if meant and self._figures.setdefault(letter.name, meant) == meant:  # in all formulas the same
-                texts, note = (self._typed(side) for side in equation), f", where {name[1]} is {meant}"
-                where, right = self.plain.location(equation[0].start), Verdict(True, False)
-                return (Finding(next(texts), 0, 0, Role.IDENTITY, next(texts), right, "", where, note=note),)
+    def _with_letters(self, index: int, equation: Sides, letters: set[str]) -> tuple[Expression, list[str]]:
+        """The difference of the first and the last side, and the names in it that stand for themselves."""
+        while True:
+            reader = self.scope.reader(index, {name: Name(f"?{name}") for name in letters})
+            try:
+                zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
+            except UnknownNameError as error:
+                name = re.search("'(.+)'", error.found)
+                if name is None or name[1] in letters:
+                    raise
+                letters = {*letters, name[1]}
+            else:
+                return zero, sorted(letters.intersection(name.removeprefix("?") for name in names(zero)))
+
+    def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
+        """That a formula is right if what no formula explains are torques, or a length or an angle of the robot."""
+        several = {name for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
+        for given in ({*()}, several) if len(equation) > 1 else ():
+            with suppress(CheckError):
+                zero, letters = self._with_letters(index, equation, given)
+                note = self._values.driven(zero, letters)
+                if not note and len(letters) == 1 and len(equation) == 2:
+                    meant = self._values.solved(f"?{letters[0]}", zero)
+                    if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
+                        note = f"where {letters[0]} is {meant}"
+                if note:
+                    (text, *_, other), where = map(self._typed, equation), self.plain.location(equation[0].start)
+                    right = Verdict(True, False)
+                    return (Finding(text, 0, 0, Role.IDENTITY, other, right, "", where, note=f", {note}"),)
         return ()
 
     def identity(self, side: Side, first: Side) -> Side:
@@ -303,6 +333,30 @@ class SideReading(Comparing):
     @staticmethod
     def _label(left: Left) -> str:
         return left.head + left.sup + "'" * left.primes + re.sub("^[0-9],?", "", left.sub)
+
+    def _naming(self, sides: list[Side], has_no_matrix: bool) -> list[Side]:
+        """The sides that name quantities; conditions in their arguments are kept."""
+        for side in sides:
+            for part in side.left.arguments.strip("{}()").split(",") if side.left is not None else ():
+                if "=" in part:  # J(theta_2 = 0)
+                    with suppress(CheckError):
+                        values = [self.plain.formula(LatexPiece(text, 0)) for text in part.split("=")]
+                        self._states(side.piece, part, ways(values), is_of_side=True)
+        first, *others = sides
+        named = [s for s in sides if s.targets and (s.value is None or (s is first and others))]
+        if not any(isinstance(s.value, Table) and len(s.value.entries) == 6 for s in sides):  # B_1 may be anything
+            named = [s for s in named if not all("screw" in t.quantity and len(t.rows) != 3 for t in s.targets)]
+        if has_no_matrix:  # a length of the robot, not a vector with its letter
+            is_own = first.left is not None and not first.left.arguments and self.scope.is_own(first.left)
+            is_length = is_own and not any(map(is_scalar, first.targets))
+            named = [s for s in named if s is not first or not is_length]
+        named = [side for side in named if not side.factors] or named[:1]  # a product beside what it is says how
+        if has_no_matrix and isinstance(first.value, Name) and first.value.name in self.joints:
+            named = [side for side in named if side is not first]  # d_3 is the joint, not the vector to frame 3
+        # a partial derivative says which entry J_21 is, and r_1 = p_3 - p_0 what r_1 is
+        named = [s for s in named if not (s.left and re.fullmatch(r"J\d\d", s.left.flat + s.left.arguments))] or named
+        named = [side for side in named if side.left is None] or named
+        return [side for side in named if side.left is None or side.left.head not in ANY] or named
 
     def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""

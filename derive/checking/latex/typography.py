@@ -7,6 +7,7 @@ an error at the same place of the text as it was typed.
 
 import re
 import unicodedata
+from functools import partial
 
 PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a function of time, ``q_1'(t)``
 # A word between two formulas of which either may hold.
@@ -75,10 +76,12 @@ _PRIMES = re.compile(
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
 _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
 _DIFFERENCE = re.compile(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])")
-# An entry in brackets behind a rotation, R_{36}(2,3) or R_6^3[2,3], and a bound of cosines, clamp(c_3, -1, 1).
+# An entry in brackets behind a rotation, R_{36}(2,3), R_6^3[2,3] or _6^3R[1,2], which programs count from zero, and a
+# bound of cosines, clamp(c_3, -1, 1).
 _ENTRY = re.compile(
-    r"(?<![A-Za-z\\])R\s*_\s*(?:\{(?P<pair>[0-9]{2})\}|\{?(?P<frame>[0-9])\}?\s*\^\s*\{?(?P<seen>[0-9])\}?)"
-    r"\s*(?:\(|\[)\s*(?P<row>[1-3])\s*,\s*(?P<column>[1-3])\s*(?:\)|\])"
+    r"(?:(?<![A-Za-z\\])R\s*_\s*(?:\{(?P<pair>[0-9]{2})\}|\{?(?P<frame>[0-9])\}?\s*\^\s*\{?(?P<seen>[0-9])\}?)"
+    r"|(?:\{\s*\}\s*)?_\s*\{?(?P<to>[0-9])\}?\s*\^\s*\{?(?P<from>[0-9])\}?\s*R)"
+    r"\s*(?:\(|\[)\s*(?P<row>[0-3])\s*,\s*(?P<column>[0-3])\s*(?:\)|\])"
 )
 _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
@@ -137,9 +140,11 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = _WRAPPED.sub(lambda m: blank(m[0]), _CLAMPED.sub(_within, text))
-    text = _ENTRY.sub(
-        lambda m: f"R_{{{m['pair'] or m['seen'] + m['frame']},{m['row']}{m['column']}}}".ljust(len(m[0])), text
-    )
+    first = int(all("0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
+    text = _ENTRY.sub(partial(_entry, first=first), text)
+    if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):
+        entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
+        text = entries.sub(lambda m: f"{m[1]}{int(m[2]) + 1}{m[3]}{int(m[4]) + 1}", text)
     text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
     text = _DIFFERENCE.sub(r"\\bm{D\1} ", text)
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
@@ -175,6 +180,13 @@ def blank(text: str) -> str:
 def _marked(match: re.Match[str], name: str, dots: int, behind: str | None = None) -> str:
     """A name with the mark of its derivative and what stands behind it, as long as before."""
     return (name + PRIMED.get(dots, "") + (behind or "")).ljust(len(match[0]))
+
+
+def _entry(match: re.Match[str], first: int) -> str:
+    """An entry of a rotation; first is the number of the first row."""
+    frames = match["pair"] or (match["seen"] or match["from"]) + (match["frame"] or match["to"])
+    row, column = (int(match[name]) + 1 - first for name in ("row", "column"))
+    return f"R_{{{frames},{row}{column}}}".ljust(len(match[0]))
 
 
 def _times(match: re.Match[str]) -> str:
