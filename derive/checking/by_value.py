@@ -8,7 +8,7 @@ another quantity, and is then named as that.
 
 import random
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import combinations, pairwise, permutations, product
 
@@ -35,7 +35,7 @@ _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _MOST_ACCELERATED = 3  # joints of arms whose points have accelerations that people write out
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
-_ZERO = 1e-13
+_ZERO, _SMALL, _ROUGH = 1e-13, 1e-5, 1e-4  # a root's rest; a motion near rest, and what its squares may add
 _STARTS = (0.3, 1.0, 2.5)  # where one looks for the value of a name
 _OF_FIGURE = re.compile(r"\|.*\|(?: in xy)?$|angle|pi - angle|direction|inclination|[^ ]+\+[^ ]+$")  # lengths, angles
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
@@ -137,36 +137,46 @@ class ByValue:
         return ""
 
     def driven(self, zero: Expression, letters: list[str]) -> str:
-        """Which torques alone make the arm move so that a formula with accelerations is zero; empty if none do."""
+        """Which torques alone make the arm move so that a formula with accelerations is zero; empty if none do.
+
+        A formula that is linear in what moves may be meant near rest with all joint variables zero.
+        """
         joints, used = [joint.variable for joint in self._robot.joints], {*names(zero)}
         accelerations = list(map(acceleration_name, joints))
         is_known = self._robot.has_dynamics and max(len(joints), len(letters)) <= _MOST_ACCELERATED
         if not is_known or used.isdisjoint(accelerations):
             return ""
-        inertia, torques = (self._numbers(self._model.quantity(name)) for name in ("B", "tau"))
-        rest = torques - inertia @ self._of_joints(acceleration_name)  # C qd + g + f
+        moving = {*joints, *self._rates, *accelerations, *(f"?{letter}" for letter in letters)}
         for driving in permutations(range(len(joints)), max(len(letters), 1)):
             if any(x[-1].isdigit() and x[-1] != str(i + 1) for x, i in zip(letters, driving, strict=False)):
                 continue
-            gaps = []
-            with suppress(*NO_VALUE):
-                for k, at in enumerate(self._at):
-                    torque = np.zeros((len(joints), 1))
-                    torque[list(driving), 0] = [at[f"?{i}"] for i in range(len(driving))]
-                    moved = np.linalg.solve(inertia[k], torque - rest[k])[:, 0]
-                    values = {name: at[name] for name in used} | dict(zip(accelerations, moved, strict=True))
-                    values |= {f"?{letter}": at[f"?{i}"] for i, letter in enumerate(letters)}
-                    gaps.append(abs(float_value(zero, values)) / (1 + np.abs(moved).max()))
-                if max(gaps) < _CLOSE:
-                    named = letters or [""]
-                    return (
-                        "where "
-                        + " and ".join(
-                            f"tau[{i + 1}] = {name}".removesuffix(" = ") for i, name in zip(driving, named, strict=True)
-                        )
-                        + " alone drives"
-                    )
+            torques = dict(zip(driving, letters or [""], strict=True))
+            said = [f"tau[{i + 1}]" + f" = {letter}" * bool(letter) for i, letter in torques.items()]
+            for size, near in ((1.0, ""), (_SMALL, ", near rest with all joint variables zero")):
+                with suppress(*NO_VALUE):
+                    points = [self._moved(at, torques, size) for at in self._at]
+                    values = [float_value(zero, {n: point[n] for n in used}) for point in points]
+                    doubled = [float_value(zero, {n: p[n] * (1 + (n in moving)) for n in used}) for p in points]
+                    is_linear = np.allclose(doubled, 2 * np.array(values), rtol=_CLOSE, atol=_ZERO)
+                    if max(map(abs, values)) < (_CLOSE if size == 1 else _ROUGH * size) and (size == 1 or is_linear):
+                        return f"where {' and '.join(said)} alone drives{near}"
         return ""
+
+    def _moved(self, at: Mapping[str, float], torques: Mapping[int, str], size: float) -> dict[str, float]:
+        """A point with the accelerations that torques give; size scales angles, velocities and torques."""
+        joints = [joint.variable for joint in self._robot.joints]
+        point = _RandomValues(0, ())
+        point.update({n: at[n] for n in own_names(self._robot)})
+        for name in (*joints, *self._rates):
+            point[name] = at[name] * size
+        torque = np.zeros((len(joints), 1))
+        for i, letter in torques.items():
+            torque[i] = point[f"?{letter}"] = at[f"?{i}"] * size
+        point.update(dict.fromkeys(map(acceleration_name, joints), 0.0))
+        inertia, rest = (self._numbers(self._model.quantity(name), [point])[0] for name in ("B", "tau"))
+        moved = np.linalg.solve(inertia, torque - rest)[:, 0]  # B qdd = tau - (C qd + g + f)
+        point.update(zip(map(acceleration_name, joints), moved, strict=True))
+        return point
 
     def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
         """All that is known, by shape: names, and values at the points."""
@@ -179,10 +189,12 @@ class ByValue:
             self._known[is_dynamic] = {shape: (labels, np.array(known)) for shape, (labels, known) in groups.items()}
         return self._known[is_dynamic]
 
-    def _numbers(self, matrix: Matrix) -> Array:
+    def _numbers(self, matrix: Matrix, points: Sequence[Mapping[str, float]] = ()) -> Array:
         """The values of a matrix at the points."""
         formulas = [expression_from_sympy(e) for e in matrix]
-        return np.array([[float_value(e, at) for e in formulas] for at in self._at]).reshape(_POINTS, *matrix.shape)
+        return np.array([[float_value(e, at) for e in formulas] for at in points or self._at]).reshape(
+            -1, *matrix.shape
+        )
 
     def _all(self, is_dynamic: bool) -> Iterator[Named]:
         """Transforms, vectors, Jacobians and energies, and what one reads from them."""
@@ -359,6 +371,7 @@ class ByValue:
         for label, inertia in (("", whole), *parts):
             yield from ((f"B{label}", inertia), (f"kinetic{label}", rates.swapaxes(1, 2) @ inertia @ rates / 2))
             yield from _entries(f"B{label}", inertia)
+        yield from _entries("momentum", whole @ rates)
         for name in ("g", "friction", "tau"):
             if REGISTRY[name].is_of(self._robot):
                 values = self._numbers(self._model.quantity(name))

@@ -319,7 +319,7 @@ class _Check(SideReading):
         line = self.text[self.text.rfind("\n", 0, side.start) + 1 :].lstrip()[:1]
         if line == "|" and "=" not in self.text[side.start : side.end + 2]:
             return  # a cell of a table
-        if side.inline and "\\partial" not in side.text:
+        if side.inline and not re.search(r"(?s)\\partial|^(?=.*\\ddot).*\\(?:sin|cos)", side.text):
             is_given = "=" in self.text[side.end :].lstrip()[:2]
             left = taken_apart(side.text) if is_given else None
             of_angle = is_given and re.match(r"\s*\\(?:cos|sin|tan)(?![a-z])", side.text)

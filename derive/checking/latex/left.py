@@ -128,7 +128,7 @@ def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
     tight = "".join(FONT.sub("", text).split())
     if re.fullmatch(
-        r"\\sqrt\{(?:\\det|\|)[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?J(?:_\{?\w+\}?)?(?:\(\w+\))?\^\{?(?:T|\\top|\\intercal)\}?(?:\(\w+\))?[)}|]*\}"
+        r"\\sqrt\{(?:\\det|\|)[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?\}?\{?J(?:_\{?\w+\}?)?(?:\(\w+\))?\}?\^\{*(?:T|\\top|\\intercal|\\mathsf\{T)\}*(?:\(\w+\))?[)}|]*\}"
         r"|\|\\det[({]*J(?:_\{?\w+\}?)?(?:\(\w+\))?[)}]*\|",
         tight,
     ):

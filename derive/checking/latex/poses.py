@@ -173,6 +173,8 @@ class Poses:
             readings = self._readings_of(group, chosen)
             found = [(r, [self._read(claim, r) for claim in own.values()]) for r in readings]
             chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
+            if group is Settled.PLACE and self._names.wrist and sum(map(_is_right, verdicts)) <= CERTAIN:
+                chosen, verdicts = found[0]  # beside names of the wrist p_x is hardly that of the wrist
             if chosen.reference and group in (Settled.TURN, Settled.WRIST):  # before R_36 is spoken of, as usual
                 usual = [self._read(claim, self.readings[0]) for claim in own.values()]
                 verdicts = [u if _is_right(u) else f for u, f in zip(usual, verdicts, strict=True)]
@@ -208,9 +210,7 @@ class Poses:
                 return [replace(chosen, values={**chosen.values, **self._values(k)}, points=k) for k in self._kinds]
             case Settled.WRIST:
                 return [replace(chosen, values={**chosen.values, **self._wrist(k)}, wrist=k) for k in self._wrists()]
-        others = [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
-        # beside names of the wrist p_x is not that of the wrist
-        return others[:1] if group is Settled.PLACE and self._names.wrist else others
+        return [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
 
     def _read(self, claim: Claim, reading: PoseReading) -> Finding | None:
         """The comparison in a reading; None where a side has no value in it."""

@@ -128,7 +128,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
-    text = text.replace("\\wedge ", "\\times ")
+    text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = _POINTED.sub(_times, text)
     text = re.sub(r"\^\s*\{\s*\(\s*\\pm\s*\)\s*\}", lambda m: blank(m[0]), text)  # of both branches
