@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -85,10 +86,13 @@ def build_all(
         RobotFileError: A file does not describe a robot.
         OutputError: Two different robots would share a folder.
     """
-    from derive.publish.build import build_many
+    from derive.publish.build import build_robot, for_each, require_distinct
 
-    chosen, how = load_all(robots), effort_named(effort)
-    return build_many(chosen, Path(out), targets, only=only, jobs=jobs, force=force, effort=how, progress=progress)
+    chosen, names = load_all(robots), None if targets is None else tuple(targets)
+    require_distinct(chosen)
+    work = partial(build_robot, out=Path(out), targets=names, only=only, force=force, effort=effort_named(effort))
+    alone = min(jobs, len(chosen)) <= 1  # stages are told where no other process works
+    return for_each(partial(work, progress=progress) if alone else work, chosen, jobs, progress)
 
 
 def stale(
@@ -118,10 +122,11 @@ def stale(
     Raises:
         RobotFileError: A file does not describe a robot.
     """
-    from derive.publish.build import check_many
+    from derive.publish.build import check_robot, for_each
 
-    chosen, how = load_all(robots), effort_named(effort)
-    return check_many(chosen, Path(out), targets, only=only, jobs=jobs, effort=how, progress=progress)
+    names = None if targets is None else tuple(targets)
+    work = partial(check_robot, out=Path(out), targets=names, effort=effort_named(effort), only=only)
+    return for_each(work, load_all(robots), jobs, progress)
 
 
 def verify(robot: RobotLike, out: str | Path = FOLDER, *, samples: int = 24, seed: int = 0) -> Report:

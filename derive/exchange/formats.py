@@ -4,7 +4,6 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 
@@ -128,33 +127,31 @@ def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], b
 # Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 # What a joint or its link may have: in words, and whether it has.
-GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = MappingProxyType(
-    {
-        "limits": ("the limits", lambda segment: segment.joint.limits is not None),
-        "speed": ("the largest speed", lambda segment: given(segment.joint.speed)),
-        "torque": ("the largest torque", lambda segment: given(segment.joint.torque)),
-        "bodies": ("mass and inertia", lambda segment: segment.body is not None),
-        "viscous": ("the viscous friction", lambda segment: given(segment.link.viscous)),
-        "coulomb": ("the Coulomb friction", lambda segment: given(segment.link.signed[0])),
-        "coulomb by direction": (
-            "the Coulomb friction by direction, written as the mean of both ways,",
-            lambda segment: given(segment.link.signed[1]),
-        ),
-        "armature": ("the armature", lambda segment: given(segment.link.armature)),
-        "rotor": (
-            "the rotor inertia times ratio squared",
-            lambda segment: segment.rotor is not None and bool(abs(segment.rotor.reflected) > NOTHING),
-        ),
-        "coupling": (
-            "the coupling of the rotor with the joints before it",
-            lambda segment: segment.rotor is not None and segment.rotor.is_coupled,
-        ),
-        "coupling that varies": (
-            "the coupling of the rotor with the joints before it, which depends on q,",
-            lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
-        ),
-    }
-)
+GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = {
+    "limits": ("the limits", lambda segment: segment.joint.limits is not None),
+    "speed": ("the largest speed", lambda segment: given(segment.joint.speed)),
+    "torque": ("the largest torque", lambda segment: given(segment.joint.torque)),
+    "bodies": ("mass and inertia", lambda segment: segment.body is not None),
+    "viscous": ("the viscous friction", lambda segment: given(segment.link.viscous)),
+    "coulomb": ("the Coulomb friction", lambda segment: given(segment.link.signed[0])),
+    "coulomb by direction": (
+        "the Coulomb friction by direction, written as the mean of both ways,",
+        lambda segment: given(segment.link.signed[1]),
+    ),
+    "armature": ("the armature", lambda segment: given(segment.link.armature)),
+    "rotor": (
+        "the rotor inertia times ratio squared",
+        lambda segment: segment.rotor is not None and bool(abs(segment.rotor.reflected) > NOTHING),
+    ),
+    "coupling": (
+        "the coupling of the rotor with the joints before it",
+        lambda segment: segment.rotor is not None and segment.rotor.is_coupled,
+    ),
+    "coupling that varies": (
+        "the coupling of the rotor with the joints before it, which depends on q,",
+        lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
+    ),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,37 +259,35 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
 
 
 # By the name that users type.
-FORMS: Mapping[str, ExportFormat] = MappingProxyType(
-    {
-        "urdf": ExportFormat(
-            "URDF", ("coulomb by direction", "armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf
-        ),
-        "mjcf": ExportFormat(
-            "MJCF",
-            ("speed", "coulomb by direction", "coupling that varies"),
-            mjcf_text,
-            _remarks_of_mujoco,
-            says=coupled_by_tendon,
-        ),
-        "rtb": ExportFormat(
-            "DHRobot",
-            ("speed", "torque", "coupling"),
-            partial(script_text, "exchange/rtb.py.jinja"),
-            partial(_remarks_of_toolboxes, "rne_python", "rne"),
-            reverses=False,
-        ),
-        "corke": ExportFormat(
-            "SerialLink",
-            ("speed", "torque", "coupling"),
-            partial(script_text, "exchange/corke.m.jinja"),
-            partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
-            reverses=False,
-        ),
-        "rigidbodytree": ExportFormat(
-            "rigidBodyTree",
-            ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
-            partial(script_text, "exchange/rigidbodytree.m.jinja"),
-        ),
-        "csv": ExportFormat("CSV", (), csv_text, has_rotors=True),
-    }
-)
+FORMS: Mapping[str, ExportFormat] = {
+    "urdf": ExportFormat(
+        "URDF", ("coulomb by direction", "armature", "rotor", "coupling"), urdf_text, _remarks_of_urdf
+    ),
+    "mjcf": ExportFormat(
+        "MJCF",
+        ("speed", "coulomb by direction", "coupling that varies"),
+        mjcf_text,
+        _remarks_of_mujoco,
+        says=coupled_by_tendon,
+    ),
+    "rtb": ExportFormat(
+        "DHRobot",
+        ("speed", "torque", "coupling"),
+        partial(script_text, "exchange/rtb.py.jinja"),
+        partial(_remarks_of_toolboxes, "rne_python", "rne"),
+        reverses=False,
+    ),
+    "corke": ExportFormat(
+        "SerialLink",
+        ("speed", "torque", "coupling"),
+        partial(script_text, "exchange/corke.m.jinja"),
+        partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
+        reverses=False,
+    ),
+    "rigidbodytree": ExportFormat(
+        "rigidBodyTree",
+        ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),
+        partial(script_text, "exchange/rigidbodytree.m.jinja"),
+    ),
+    "csv": ExportFormat("CSV", (), csv_text, has_rotors=True),
+}

@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from derive.errors import Location, near_miss, quoted
@@ -30,23 +29,21 @@ STILL = ("fixed", "floating", "planar")  # the other types that URDF has
 MOVING = {"revolute": True, "continuous": True, "prismatic": False}
 
 # The attributes and the elements within each element that an arm is made of, as urdfdom reads them up to URDF 1.2.
-READ: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = MappingProxyType(
-    {
-        "robot": (("name", "version"), ("link", "joint", "dh_table")),
-        "link": (("name",), ("inertial",)),
-        "inertial": ((), ("origin", "mass", "inertia")),
-        "mass": (("value",), ()),
-        "inertia": (("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), ()),
-        "joint": (("name", "type"), ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic")),
-        "parent": (("link",), ()),
-        "child": (("link",), ()),
-        "origin": (("xyz", "rpy", "quat_xyzw"), ()),
-        "axis": (("xyz",), ()),
-        "limit": (("lower", "upper", "effort", "velocity"), ()),
-        "dynamics": (("damping", "friction"), ()),
-        "mimic": (("joint", "multiplier", "offset"), ()),
-    }
-)
+READ: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "robot": (("name", "version"), ("link", "joint", "dh_table")),
+    "link": (("name",), ("inertial",)),
+    "inertial": ((), ("origin", "mass", "inertia")),
+    "mass": (("value",), ()),
+    "inertia": (("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), ()),
+    "joint": (("name", "type"), ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic")),
+    "parent": (("link",), ()),
+    "child": (("link",), ()),
+    "origin": (("xyz", "rpy", "quat_xyzw"), ()),
+    "axis": (("xyz",), ()),
+    "limit": (("lower", "upper", "effort", "velocity"), ()),
+    "dynamics": (("damping", "friction"), ()),
+    "mimic": (("joint", "multiplier", "offset"), ()),
+}
 # Elements that say where something is or what it weighs: what else stands in one may change that.
 SHAPING = ("inertial", "mass", "inertia", "parent", "child", "origin", "axis")
 # Words of names by which robots, links and joints would say such a thing, too.

@@ -160,27 +160,21 @@ class ProductBuilder:
         self._powers: dict[tuple[int, int], Expr] = {}
         self._sorted: list[Any] = []
         self._rank: dict[tuple[int, int], int] = {}
-        self._cache: dict[tuple[Fraction, Monomial], Expr] = {}
+        self.term = cache(self._term)
 
-    def term(self, coefficient: Fraction, monomial: Monomial) -> Expr:
+    def _term(self, coefficient: Fraction, monomial: Monomial) -> Expr:
         """coefficient * monomial as SymPy's own product would be."""
-        key = (coefficient, monomial)
-        if key in self._cache:
-            return self._cache[key]
         number = sympy.Rational(coefficient)
         powers = [self._power(pair) for pair in monomial]
         factors = [self._table.factors[f] for f, _ in monomial]
         if not coefficient or not monomial or any(factor.kind not in PLAIN for factor in factors):
             # roots and numbers may merge: sqrt(2)*sqrt(2), 2*sqrt(2)/2
-            built = sympy.Mul(number, *powers)
-        elif len(powers) == 1 and coefficient == 1:
-            built = powers[0]
-        else:
-            # factors that never merge, in SymPy's own order: the product that Mul would give, without its work
-            ordered = [self._powers[pair] for pair in sorted(monomial, key=self._rank.__getitem__)]
-            built = sympy.Mul._from_args(ordered if coefficient == 1 else [number, *ordered])
-        self._cache[key] = built
-        return built
+            return sympy.Mul(number, *powers)
+        if len(powers) == 1 and coefficient == 1:
+            return powers[0]
+        # factors that never merge, in SymPy's own order: the product that Mul would give, without its work
+        ordered = [self._powers[pair] for pair in sorted(monomial, key=self._rank.__getitem__)]
+        return sympy.Mul._from_args(ordered if coefficient == 1 else [number, *ordered])
 
     def _power(self, pair: tuple[int, int]) -> Expr:
         if pair not in self._powers:

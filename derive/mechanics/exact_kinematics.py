@@ -1,7 +1,7 @@
 """Closed-form kinematics: frames and the Jacobians of end effector, links and rotors, as exact polynomials."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
@@ -23,20 +23,13 @@ class Kinematics:
         self.robot = robot
         self.domain = domain
         self.chain: Chain[Polynomial] = build_chain(robot, domain)
-        self._frames: dict[tuple[int, int], PolynomialFrame] = {}
-        self._joint_frames: list[PolynomialFrame] = [self.chain.base]
+        self.transform, self.joint_frame = cache(self._transform), cache(self._joint_frame)
 
-    def transform(self, i: int, j: int) -> PolynomialFrame:
+    def _transform(self, i: int, j: int) -> PolynomialFrame:
         """DH frame j in DH frame i, without base and tool."""
-        if (i, j) not in self._frames:
-            if i == j:
-                found = self.chain.unit
-            elif i > j:
-                found = self.transform(j, i).inverse
-            else:
-                found = self.transform(i, j - 1) @ self.chain.row(j, self.robot.convention)
-            self._frames[i, j] = found
-        return self._frames[i, j]
+        if i >= j:
+            return self.transform(j, i).inverse if i > j else self.chain.unit
+        return self.transform(i, j - 1) @ self.chain.row(j, self.robot.convention)
 
     def frame(self, i: int) -> PolynomialFrame:
         """DH frame i in the world: base A_1 ... A_i."""
@@ -47,13 +40,12 @@ class Kinematics:
         """The end effector in the world: base A_1 ... A_n tool."""
         return self.joint_frame(self.robot.n) @ self.chain.tool
 
-    def joint_frame(self, i: int) -> PolynomialFrame:
+    def _joint_frame(self, i: int) -> PolynomialFrame:
         """Joint frame i in the world; its z axis is the axis of joint i."""
-        while len(self._joint_frames) <= i:
-            joint = self.chain.joints[len(self._joint_frames) - 1]
-            step = joint.fixed @ joint.motion(self.chain.zero, self.chain.one)
-            self._joint_frames.append(self._joint_frames[-1] @ step)
-        return self._joint_frames[i]
+        if i == 0:
+            return self.chain.base
+        joint = self.chain.joints[i - 1]
+        return self.joint_frame(i - 1) @ (joint.fixed @ joint.motion(self.chain.zero, self.chain.one))
 
     def axis(self, i: int) -> PolynomialVector:
         """Axis of joint i in the world, in the sense of a positive rate of its variable."""

@@ -5,15 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.errors import UnknownRobotError, near_miss, quoted
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import names, number
-from derive.robot.load import file_bytes, is_there
+from derive.robot.load import named_bytes, names_in
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.units import in_symbol_units
@@ -21,8 +18,7 @@ from derive.robot.units import in_symbol_units
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-_FOLDER = files("derive.plans") / "built_in"
-_SUFFIX = ".yaml"
+_BUILT_IN = "plans/built_in"
 
 # How far a joint goes in a new plan, where its limits let it: a revolute one [rad], a prismatic one [m].
 STRIDE = {True: math.pi / 4, False: 0.2}
@@ -49,26 +45,14 @@ friction: smooth               # none, smooth (tanh), exact (stick and slip)
 """
 
 
-@cache
 def plan_names() -> tuple[str, ...]:
     """Names of the built-in plans, sorted."""
-    found = (entry.name for entry in _FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(_SUFFIX) for name in found if name.endswith(_SUFFIX)))
+    return names_in(_BUILT_IN)
 
 
 def plan_bytes(path_or_name: str | Path) -> bytes:
     """Contents of a plan, or of a built-in one."""
-    text = str(path_or_name)
-    if text in plan_names():
-        return (_FOLDER / f"{text}{_SUFFIX}").read_bytes()
-    path = Path(text)
-    if not is_there(path):
-        raise UnknownRobotError(
-            f"{quoted(text, 200)} is neither a file nor a built-in plan",
-            allowed="allowed: a path, or a name from derive list --plans",
-            remedy=near_miss(path.stem, plan_names()),
-        )
-    return file_bytes(path)
+    return named_bytes(path_or_name, _BUILT_IN, "plan", "derive list --plans")
 
 
 def new_plan_text(name: str, robot: Robot, source: str) -> str:

@@ -261,21 +261,10 @@ GRACE = 10.0  # seconds that processes have to clean up after an interrupt
 FAILED = 1  # exit status of a process that was asked to end
 
 
-def build_many(
-    robots: Sequence[Robot],
-    out: Path,
-    targets: Iterable[str] | None = None,
-    *,
-    only: bool = False,
-    jobs: int = 1,
-    verified: bool = True,
-    force: bool = False,
-    effort: Effort = Effort.FULL,
-    progress: Progress | None = None,
-) -> list[BuildResult | BuildFailure]:
-    """Builds robots as `build_robot` does."""
+def require_distinct(robots: Iterable[Robot]) -> None:
+    """Refuse two robots with one name: they would overwrite each other's folder."""
     seen: dict[str, Robot] = {}
-    for robot in robots:  # two files with one name would overwrite each other's folder
+    for robot in robots:
         other = seen.setdefault(package_name(robot), robot)
         if other.digest != robot.digest:
             raise OutputError(
@@ -283,36 +272,10 @@ def build_many(
                 allowed="robots that are built into one folder have different names",
                 remedy="change `name:` in one of the files, or build them with different --out",
             )
-    work = partial(
-        build_robot,
-        out=out,
-        targets=None if targets is None else tuple(targets),
-        only=only,
-        verified=verified,
-        force=force,
-        effort=effort,
-        progress=None if min(jobs, len(robots)) > 1 else progress,
-    )
-    return _run(work, robots, jobs, progress)
 
 
-def check_many(
-    robots: Sequence[Robot],
-    out: Path,
-    targets: Iterable[str] | None = None,
-    *,
-    only: bool = False,
-    jobs: int = 1,
-    effort: Effort = Effort.FULL,
-    progress: Progress | None = None,
-) -> list[CheckResult | BuildFailure]:
-    """Checks robots as `check_robot` does."""
-    names = None if targets is None else tuple(targets)
-    return _run(partial(check_robot, out=out, targets=names, effort=effort, only=only), robots, jobs, progress)
-
-
-def _run(
-    work: Callable[[Robot], R], robots: Sequence[Robot], jobs: int, progress: Progress | None
+def for_each(
+    work: Callable[[Robot], R], robots: Sequence[Robot], jobs: int = 1, progress: Progress | None = None
 ) -> list[R | BuildFailure]:
     """The work on every robot, here or in processes of their own."""
     if min(jobs, len(robots)) <= 1:

@@ -24,20 +24,20 @@ from derive.robot.remarks import remarks_on, remarks_on_bodies
 from derive.robot.table import read_frame, read_gravity, read_joints, read_links
 from derive.robot.validate import validate
 
-_FOLDER = files("derive.robot") / "catalogue"
+_CATALOGUE = "robot/catalogue"
 _SUFFIX = ".yaml"
 
 
 @cache
-def catalogue_names() -> tuple[str, ...]:
-    """Names of the built-in robots, sorted."""
-    found = (entry.name for entry in _FOLDER.iterdir())
+def names_in(folder: str) -> tuple[str, ...]:
+    """Names of the built-in files in a folder of derive, sorted."""
+    found = (entry.name for entry in files("derive").joinpath(folder).iterdir())
     return tuple(sorted(name.removesuffix(_SUFFIX) for name in found if name.endswith(_SUFFIX)))
 
 
-def catalogue_text(name: str) -> str:
-    """The robot file of a built-in robot."""
-    return (_FOLDER / f"{name}{_SUFFIX}").read_text(encoding="utf-8")
+def catalogue_names() -> tuple[str, ...]:
+    """Names of the built-in robots, sorted."""
+    return names_in(_CATALOGUE)
 
 
 _NAME = re.compile(rf"[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}")
@@ -50,16 +50,21 @@ _TAKEN = {
 
 def robot_file_bytes(path_or_name: str | Path) -> bytes:
     """Contents of a robot file, or of the file of a robot of the catalogue."""
-    # A text that is exactly a catalogue name means the catalogue; users write ./name for a file of that name.
+    return named_bytes(path_or_name, _CATALOGUE, "robot", "derive list")
+
+
+def named_bytes(path_or_name: str | Path, folder: str, kind: str, command: str) -> bytes:
+    """Contents of a file, or of a built-in one of a folder, whose names a command lists."""
+    # A text that is exactly a built-in name means that file; users write ./name for a file of that name.
     text = str(path_or_name)
-    if text in catalogue_names():
-        return catalogue_text(text).encode()
+    if text in names_in(folder):
+        return files("derive").joinpath(folder, f"{text}{_SUFFIX}").read_bytes()
     path = Path(text)
     if not is_there(path):
         raise UnknownRobotError(
-            f"{quoted(text, 200)} is neither a file nor a built-in robot",
-            allowed="allowed: a path, or a name from derive list",
-            remedy=near_miss(path.stem, catalogue_names()),
+            f"{quoted(text, 200)} is neither a file nor a built-in {kind}",
+            allowed=f"allowed: a path, or a name from {command}",
+            remedy=near_miss(path.stem, names_in(folder)),
         )
     return file_bytes(path)
 

@@ -120,9 +120,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     else:
         natural = limits.natural_size(function, arguments)
     yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
-    if (
-        function in ANGLES
-    ):  # near singular angles their rates grow with 1/distance, what rounding leaves with its square
+    if function in ANGLES:  # near singular ones rates grow with 1/distance, what rounding leaves with its square
         distance = distance_from_singularity(oracle.arm, ANGLES[function], arguments[0])
         regular = distance > NEAR
         near = np.where(regular, distance, 1.0)[..., None, None]

@@ -43,7 +43,7 @@ class GeneratedModel(Protocol):
 
     @property
     def ways(self) -> tuple[str, ...]:
-        """The ways of calling that the target offers, as `derive.verification.trials` knows them."""
+        """The ways of calling that the target offers, as `derive.verification.verify` knows them."""
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a generated function."""

@@ -66,9 +66,8 @@ class Bounds:
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
         self.potential: Array = whole * weight * farthest  # () bound of U
-        self.friction = np.abs(
-            [arm.viscous, np.abs(arm.coulomb).max(axis=0)]
-        )  # (2, n) viscous and Coulomb coefficients, absolute values
+        # (2, n) viscous and Coulomb coefficients, absolute values
+        self.friction = np.abs([arm.viscous, np.abs(arm.coulomb).max(axis=0)])
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""

@@ -23,8 +23,9 @@ from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import rates
+from derive.verification.oracle.frames import chain_frames
 from derive.verification.oracle.functions import Oracle
-from derive.verification.oracle.lagrange import com_jacobians, rotor_jacobians
+from derive.verification.oracle.lagrange import link_jacobians, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
 from tests.random_robots import robot_text
@@ -88,7 +89,8 @@ def check(n: Numbers) -> None:
     skew = n.value(model.N)
     close(skew, -skew.T)
     close(skew, n.value(model.Bdot) - 2 * c)
-    coms, rotors = com_jacobians(n.oracle.arm, n.q), rotor_jacobians(n.oracle.arm, n.q)
+    frames = n.oracle.arm.base @ chain_frames(n.oracle.arm, n.q)
+    coms, rotors = link_jacobians(n.oracle.arm, frames), rotor_jacobians(n.oracle.arm, frames)
     for i in range(1, model.n + 1):
         close(n.value(model.Jv_com(i)), coms[0][i - 1])
         close(n.value(model.Jw_com(i)), coms[1][i - 1])

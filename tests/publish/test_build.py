@@ -19,11 +19,11 @@ from derive.publish.build import (
     BuildFailure,
     BuildResult,
     CheckResult,
-    build_many,
     build_robot,
-    check_many,
     check_robot,
     folder_of,
+    for_each,
+    require_distinct,
 )
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
@@ -215,8 +215,8 @@ def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_pa
     (tmp_path / "arm_b").mkdir()
     (tmp_path / "arm_b" / "thesis.txt").write_text("")
     told: list[tuple[str, str]] = []
-    options: dict[str, Any] = {"targets": ["numpy"], "only": True, "effort": Effort.QUICK, "jobs": jobs}
-    results = build_many(robots, tmp_path, **options, progress=lambda *event: told.append(event))
+    options: dict[str, Any] = {"out": tmp_path, "targets": ["numpy"], "only": True, "effort": Effort.QUICK}
+    results = for_each(partial(build_robot, **options), robots, jobs, lambda *event: told.append(event))
     assert [result.robot for result in results] == names
     assert [type(result) for result in results] == [BuildResult, BuildFailure, BuildResult]
     failure = results[1]
@@ -224,11 +224,10 @@ def test_one_failure_does_not_stop_the_rest_and_order_is_kept(arm: Robot, tmp_pa
     assert "arm_b" in str(failure.error)
     assert ("arm-b", "failed") in told
     assert {("arm-a", "done"), ("arm-c", "done")} <= set(told)
-    checks = check_many(robots, tmp_path, **options)
+    checks = for_each(partial(check_robot, **options), robots, jobs)
     assert [isinstance(check, CheckResult) and check.is_current for check in checks] == [True, False, True]
 
 
-def test_two_robots_of_one_name_are_refused(arm: Robot, tmp_path: Path) -> None:
+def test_two_robots_of_one_name_are_refused(arm: Robot) -> None:
     with pytest.raises(OutputError, match="same name"):
-        build_many([arm, replace(arm, digest="0" * 64)], tmp_path)
-    assert not list(tmp_path.iterdir())
+        require_distinct([arm, replace(arm, digest="0" * 64)])

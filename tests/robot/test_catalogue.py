@@ -3,7 +3,7 @@
 import pytest
 
 from derive.robot.evaluate import evaluate
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -27,7 +27,7 @@ def test_a_built_in_robot_is_called_as_its_file(name: str) -> None:
 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_file_cites_its_source(name: str) -> None:
-    assert catalogue_text(name).startswith("# Source: ")
+    assert robot_file_bytes(name).decode().startswith("# Source: ")
 
 
 def test_corkes_reflected_inertia_is_the_square_of_the_gear_ratio_times_the_motors() -> None:

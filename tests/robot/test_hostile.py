@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.errors import DeriveError, ExpressionError, RobotFileError
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.robot import Robot
 from tests.robot.hostile import HOSTILE
 
@@ -83,7 +83,7 @@ def test_a_file_name_with_a_line_break_does_not_break_the_message(tmp_path: Path
     assert refusal(path).isprintable()
 
 
-TEXTS = [catalogue_text(name) for name in catalogue_names()]
+TEXTS = [robot_file_bytes(name).decode() for name in catalogue_names()]
 SYNTAX = ["\t", "\n", " ", ":", "-", "[", "]", "{", "}", "'", '"', "#", "&a ", "*a", "!!x ", "%", "?", "|", ">"]
 CONTROL = ["\0", "\r", "\u2028", "\x85", "\ufeff", "---\n", "...\n"]
 CELLS = ["q1", "pi", "**", "1/0", "sqrt(-1)", "type: prismatic", "theta: 0"]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.document import read_document
 from derive.robot.remarks import missing_moment, remarks_on, remarks_on_bodies
 from derive.robot.robot import Robot
@@ -135,7 +135,7 @@ def test_a_tensor_that_no_body_has_is_remarked_on_with_the_amount() -> None:
 
 
 def test_several_links_are_one_remark() -> None:
-    text = catalogue_text("puma560-corke").replace("inertia: {yy: 0.35}", "inertia: {xx: 0.1, yy: 0.35}")
+    text = robot_file_bytes("puma560-corke").decode().replace("inertia: {yy: 0.35}", "inertia: {xx: 0.1, yy: 0.35}")
     (remark,) = Robot.from_text(text, "my.yaml").remarks
     expected = (
         "links entries 1, 3, inertia: physically inconsistent: one principal moment "
@@ -150,7 +150,7 @@ def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None
 
 
 def test_built_in_robots_are_remarked_on_like_files() -> None:
-    copy = Robot.from_text(catalogue_text("puma560-corke"), "my.yaml")
+    copy = Robot.from_text(robot_file_bytes("puma560-corke").decode(), "my.yaml")
     for (remark,) in (Robot.load("puma560-corke").remarks, copy.remarks):
         assert "links entry 3, inertia: physically inconsistent: " in remark.found
         assert "by 0.0075 kg m^2" in remark.found

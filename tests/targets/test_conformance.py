@@ -19,7 +19,7 @@ from derive.verification.expectation import expectation
 from derive.verification.generated import NumpyModel
 from derive.verification.inverse import inverse_errors
 from derive.verification.samples import sample_sets
-from derive.verification.trials import trials
+from derive.verification.verify import trials
 from tests.inverse.arms import arm_of, random_arm
 from tests.random_robots import random_robot, sampled, seeds
 from tests.targets.languages import languages, nearest, running

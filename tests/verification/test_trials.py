@@ -27,8 +27,7 @@ from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import Parameters, SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE, Bounds, regressor_size, relative_errors
-from derive.verification.trials import BLOCK_ROWS, trials
-from derive.verification.verify import verify
+from derive.verification.verify import BLOCK_ROWS, trials, verify
 from tests.targets.generated_models import needs_compiler, needs_octave, numpy_model, write_package
 
 ARM = """

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 from sympy import pi
@@ -133,19 +133,13 @@ class Order:
         self._positions = notation.positions
         self._inertial = notation.inertial
         self._angles = notation.labels
-        self._bases: dict[Any, BaseKey] = {}
-        self._factors: dict[Any, FactorKey] = {}
+        self.factor, self._base = cache(self._factor_key), cache(self._base_key)
         self._terms: dict[Any, TermKey] = {}
 
-    def factor(self, factor: Any) -> FactorKey:
+    def _factor_key(self, factor: Any) -> FactorKey:
         """Sort key of a factor of a product."""
-        known = self._factors.get(factor)
-        if known is None:
-            base, exponent = factor.as_base_exp()
-            if base not in self._bases:
-                self._bases[base] = self._base(base)
-            known = self._factors[factor] = (*self._bases[base], float(exponent) if exponent.is_number else 0.0)
-        return known
+        base, exponent = factor.as_base_exp()
+        return (*self._base(base), float(exponent) if exponent.is_number else 0.0)
 
     def term(self, term: Any) -> TermKey:
         """Sort key of a term of a sum."""
@@ -167,7 +161,7 @@ class Order:
         known = self._terms[term] = (rank, motion, tuple(inertial), trigonometric, plain, brackets)
         return known
 
-    def _base(self, base: Any) -> BaseKey:
+    def _base_key(self, base: Any) -> BaseKey:
         if base.is_Symbol and base.name in self._inertial:
             return (_INERTIAL, (self._inertial[base.name],), "")
         if base.is_Symbol:

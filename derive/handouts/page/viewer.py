@@ -186,10 +186,8 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
         for k, axis in enumerate("xyz")
     ]
 
-    def _plain(tex: str) -> str:
-        return "".join(run.text for run in label_runs(tex)).strip()
-
-    words = (html_text(branch_name(text, notation, name, _plain)) for name in names)
+    plain = lambda tex: "".join(run.text for run in label_runs(tex)).strip()  # noqa: E731
+    words = (html_text(branch_name(text, notation, name, plain)) for name in names)
     return {"axes": axes, "branches": [{"index": k, "name": word} for k, word in enumerate(words) if word]}
 
 

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -107,12 +107,9 @@ def integrated(
     # Speeds beyond all sense end a simulation, and so does a change, of which the caller begins anew.
     events: list[Callable[[float, Array], float]] = [_bounded]
     if margin is not None:
-
-        def _change(t: float, state: Array) -> float:
-            return margin(t, state)
-
-        _change.terminal, _change.direction = True, -1  # type: ignore[attr-defined]
-        events.append(_change)
+        change = partial(margin)  # which may have attributes
+        change.terminal, change.direction = True, -1  # type: ignore[attr-defined]
+        events.append(change)
     error = {"rtol": TOLERANCE, "atol": TOLERANCE, "max_step": longest}
     with np.errstate(all="ignore"):
         found = solve_ivp(rates, span, state, method, times, events=events, **error)

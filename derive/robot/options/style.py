@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
-from types import MappingProxyType
 from typing import Annotated, Any, Final, TypeVar, cast
 
 from derive.errors import QuantityError, listed, near_miss, quoted
@@ -202,37 +201,35 @@ class Style:
 
 DEFAULT_STYLE: Final = "compact"  # name of the set that holds where a file says nothing
 
-NAMED_STYLES: Mapping[str, Style] = MappingProxyType(
-    {
-        DEFAULT_STYLE: Style(),
-        "by-geometry": Style(
-            positions=LengthOrder.LENGTH,
-            inertia=Grouping.GEOMETRY,
-            christoffel=Grouping.GEOMETRY,
-            gravity=Grouping.GEOMETRY,
-            potential=Grouping.GEOMETRY,
-            products=Products.EXPANDED,
-            velocities=Rates.SYMBOL,
-        ),
-        "expanded": Style(
-            rotations=Order.EXPANDED,
-            positions=LengthOrder.EXPANDED,
-            inertia=Grouping.EXPANDED,
-            christoffel=Grouping.EXPANDED,
-            gravity=Grouping.EXPANDED,
-            potential=Grouping.EXPANDED,
-            products=Products.EXPANDED,
-            coriolis=Rates.EXPANDED,
-            velocities=Rates.EXPANDED,
-            accelerations=Rates.EXPANDED,
-        ),
-    }
-)
+NAMED_STYLES: Mapping[str, Style] = {
+    DEFAULT_STYLE: Style(),
+    "by-geometry": Style(
+        positions=LengthOrder.LENGTH,
+        inertia=Grouping.GEOMETRY,
+        christoffel=Grouping.GEOMETRY,
+        gravity=Grouping.GEOMETRY,
+        potential=Grouping.GEOMETRY,
+        products=Products.EXPANDED,
+        velocities=Rates.SYMBOL,
+    ),
+    "expanded": Style(
+        rotations=Order.EXPANDED,
+        positions=LengthOrder.EXPANDED,
+        inertia=Grouping.EXPANDED,
+        christoffel=Grouping.EXPANDED,
+        gravity=Grouping.EXPANDED,
+        potential=Grouping.EXPANDED,
+        products=Products.EXPANDED,
+        coriolis=Rates.EXPANDED,
+        velocities=Rates.EXPANDED,
+        accelerations=Rates.EXPANDED,
+    ),
+}
 """The usual sets of options by their names."""
 
-STYLE_OPTIONS: Mapping[str, type[StrEnum]] = MappingProxyType(
-    {option.name: cast(type[StrEnum], type(option.default)) for option in fields(Style)}
-)
+STYLE_OPTIONS: Mapping[str, type[StrEnum]] = {
+    option.name: cast(type[StrEnum], type(option.default)) for option in fields(Style)
+}
 """Every option of a style and its values."""
 
 

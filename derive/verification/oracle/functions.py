@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import inf
-from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -40,45 +39,43 @@ def forward_dynamics(arm: NumericArm, q: Array, qd: Array, tau: Array) -> Array:
     return np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
 
 
-FUNCTIONS: Mapping[str, Definition] = MappingProxyType(
-    {
-        "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
-        "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
-        "jacobian": Definition(("q",), False, frames.jacobian),
-        "jacobian_end": Definition(("q",), False, frames.jacobian_end),
-        "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
-        "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16),
-        "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
-        "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
-        "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
-        "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
-        "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
-        "kinetic_energy": Definition(("q", "qd"), True, lagrange.kinetic_energy, axes=0),
-        "potential_energy": Definition(("q",), True, lagrange.potential_energy, axes=0),
-        "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
-        "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
-        "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),
-        "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
-        "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
-        "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
-        "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
-        "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
-        "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
-        **{
-            f"manipulability_{k}": Definition(("q",), False, partial(rates.manipulability, part=k), axes=0, most=16)
-            for k in ("position", "orientation")
-        },
-        "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
-        "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1),
-        "wrench_torques_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16),
-        "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1),
-        "wrench_torques_end_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16),
-        "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
-    }
-)
+FUNCTIONS: Mapping[str, Definition] = {
+    "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
+    "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
+    "jacobian": Definition(("q",), False, frames.jacobian),
+    "jacobian_end": Definition(("q",), False, frames.jacobian_end),
+    "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
+    "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16),
+    "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
+    "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
+    "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
+    "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
+    "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
+    "kinetic_energy": Definition(("q", "qd"), True, lagrange.kinetic_energy, axes=0),
+    "potential_energy": Definition(("q",), True, lagrange.potential_energy, axes=0),
+    "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
+    "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
+    "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),
+    "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
+    "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
+    "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
+    "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
+    "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
+    "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
+    **{
+        f"manipulability_{k}": Definition(("q",), False, partial(rates.manipulability, part=k), axes=0, most=16)
+        for k in ("position", "orientation")
+    },
+    "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
+    "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1),
+    "wrench_torques_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16),
+    "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1),
+    "wrench_torques_end_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16),
+    "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
+}
 
 # Functions that an arm lacks if its orientation angles are singular in every configuration.
-ANGLES: Mapping[str, str] = MappingProxyType({f"analytic_jacobian_{kind}": kind for kind in rates.TILTED})
+ANGLES: Mapping[str, str] = {f"analytic_jacobian_{kind}": kind for kind in rates.TILTED}
 SINGULAR = 1e-9  # distance from singular angles that is rounding
 
 

@@ -27,12 +27,12 @@ def inertia_matrix(arm: NumericArm, q: Array) -> Array:
     """
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
-    linear, angular = _link_jacobians(arm, frames)
+    linear, angular = link_jacobians(arm, frames)
     # Angular Jacobian in the axes of each link, where its tensor is constant: R^T Jw.
     in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
     moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
     links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
-    linear, angular = _rotor_jacobians(arm, frames)
+    linear, angular = rotor_jacobians(arm, frames)
     # Of a rotor's angular velocity only the part about its own axis has inertia.
     spin = np.einsum("...ka,...kaj->...kj", axis, angular)
     moving = _transpose(linear) @ (arm.rotor_mass[:, None, None] * linear)
@@ -67,8 +67,8 @@ def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
 def gravity_vector(arm: NumericArm, q: Array) -> Array:
     """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
-    links, _ = _link_jacobians(arm, frames)
-    rotors, _ = _rotor_jacobians(arm, frames)
+    links, _ = link_jacobians(arm, frames)
+    rotors, _ = rotor_jacobians(arm, frames)
     # dU/dq_j = -sum m g0 . dp/dq_j, in frame 0 as the Jacobians are
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
@@ -91,29 +91,15 @@ def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
     return np.asarray(0.5 * np.einsum("...i,...ij,...j->...", qd, inertia_matrix(arm, q), qd))
 
 
-def com_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the links' centres of mass in world axes."""
-    linear, angular = _link_jacobians(arm, chain_frames(arm, q))
-    turn = arm.base[:3, :3]
-    return turn @ linear, turn @ angular
-
-
-def rotor_jacobians(arm: NumericArm, q: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the rotors in world axes."""
-    linear, angular = _rotor_jacobians(arm, chain_frames(arm, q))
-    turn = arm.base[:3, :3]
-    return turn @ linear, turn @ angular
-
-
-def _link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
-    """Of the links' centres of mass, in frame 0, (..., n, 3, n) both."""
+def link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
+    """Linear and angular Jacobians of the links' centres of mass, as the frames are seen, (..., n, 3, n) both."""
     carriers = np.arange(1, arm.n + 1)
     linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
     return linear, angular_jacobian(arm, frames, carriers)
 
 
-def _rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
-    """In frame 0, (..., n, 3, n) both: rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
+def rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
+    """Those of the rotors, (..., n, 3, n): rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
     carriers = np.arange(arm.n)
     linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
     axis, _ = joint_axes(arm, frames)

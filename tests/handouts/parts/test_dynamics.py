@@ -27,7 +27,7 @@ from derive.robot.options.handout import PARTS, HandoutOptions, InertiaLetter
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames
 from derive.verification.oracle.functions import Oracle
-from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
+from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import bare_context, changed, document_of, words
@@ -135,9 +135,9 @@ def test_bodies_and_armatures_add_up_to_the_inertia_matrix(key: str | int) -> No
 @EVERY
 def test_jacobians_of_links_and_rotors_are_those_of_the_oracle(key: str | int) -> None:
     context, numbers = prepared(key)
-    arm, q = numbers.oracle.arm, numbers.q
-    expected: dict[str, float] = {}
-    for letter, halves in (("l", com_jacobians(arm, q)), ("m", rotor_jacobians(arm, q))):
+    arm, expected = numbers.oracle.arm, dict[str, float]()
+    frames = arm.base @ chain_frames(arm, numbers.q)
+    for letter, halves in (("l", link_jacobians(arm, frames)), ("m", rotor_jacobians(arm, frames))):
         for index, half in zip(("v", "\\omega"), halves, strict=True):
             for i, matrix in enumerate(half, 1):
                 symbol = f"\\mathbf{{J}}_{{{index}}}^{{{letter}_{{{i}}}}}"

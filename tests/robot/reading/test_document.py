@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.document import KeyPath, Node, YamlMapping, YamlScalar, YamlSequence, read_document, read_tree
 
 
@@ -22,7 +22,7 @@ def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScala
 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_text_stands_where_it_is_said_to_stand(name: str) -> None:
-    text = catalogue_text(name)
+    text = robot_file_bytes(name).decode()
     document = read_document(text.encode() if isinstance(text, str) else text, name)
     lines = (text if isinstance(text, str) else text.decode()).splitlines()
     found = list(scalars(document.root))

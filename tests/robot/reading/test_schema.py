@@ -8,7 +8,7 @@ import yaml
 
 from derive.cli.new import new_robot_text
 from derive.errors import DeriveError
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.schema import json_schema
 from derive.robot.robot import Robot
 from tests.interpreters import another_hash_seed, printed_by
@@ -30,7 +30,7 @@ def validator() -> jsonschema.Draft202012Validator:
 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_the_catalogue_satisfies_the_schema(name: str) -> None:
-    validator().validate(yaml.safe_load(catalogue_text(name)))
+    validator().validate(yaml.safe_load(robot_file_bytes(name)))
 
 
 def test_a_robot_in_its_own_block_and_a_new_robot_satisfy_the_schema() -> None:

@@ -10,12 +10,12 @@ from pydantic import ValidationError
 
 from derive.plans.catalogue import plan_bytes, plan_names
 from derive.plans.schema import PlanFile
-from derive.robot.load import catalogue_names, catalogue_text
+from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.schema import RobotFile
 from derive.robot.reading.structure import Strict, fits, model_of
 
 TEXTS = [
-    *((RobotFile, catalogue_text(name).encode()) for name in catalogue_names()),
+    *((RobotFile, robot_file_bytes(name)) for name in catalogue_names()),
     *((PlanFile, plan_bytes(name)) for name in plan_names()),
 ]
 OTHERS: tuple[Any, ...] = ("", "yes", "modified", "q1", [], ["1"], ["1", "2", "3"], [["1"] * 4] * 4, {}, {"xx": "1"})

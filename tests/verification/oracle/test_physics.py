@@ -12,7 +12,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle import frames, newton
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.identification import Identification
-from derive.verification.oracle.lagrange import com_jacobians, kinetic_energy, potential_energy, rotor_jacobians
+from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, potential_energy, rotor_jacobians
 from derive.verification.oracle.rates import distance_from_singularity
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
 from tests.verification.oracle.pinocchio_reference import Array, Reference, reference
@@ -126,8 +126,9 @@ def test_inertia_from_com_and_rotor_jacobians_is_symmetric_and_positive_definite
     matrix = oracle.evaluate("inertia_matrix", q)
     assert np.allclose(matrix, matrix.T, rtol=1e-12, atol=1e-12)
     assert np.linalg.eigvalsh(matrix).min() > 0
-    linear, _ = com_jacobians(oracle.arm, q)
-    rotor, _ = rotor_jacobians(oracle.arm, q)
+    (linear, _), (rotor, _) = (
+        jacobians(oracle.arm, frames.chain_frames(oracle.arm, q)) for jacobians in (link_jacobians, rotor_jacobians)
+    )
     translation = np.einsum("k,kai,kaj->ij", oracle.arm.mass, linear, linear)
     translation += np.einsum("k,kai,kaj->ij", oracle.arm.rotor_mass, rotor, rotor)
     rotation = np.linalg.eigvalsh(matrix - translation)  # zero for a slider
