@@ -8,13 +8,11 @@ another quantity, and is then named as that.
 
 import random
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
-import numpy.typing as npt
-import sympy
 
 from derive.checking.absolute import turning
 from derive.checking.formulas.branches import SIGN
@@ -23,24 +21,23 @@ from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
 from derive.checking.latex.quantities import own_quantity, slope
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
+from derive.checking.motions import MOST_ACCELERATED, Array, Motions, matrix_value
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
-from derive.robot.names import acceleration_name, own_names, velocity_name
+from derive.robot.names import own_names, velocity_name
 
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
-_MOST_ACCELERATED = 3  # joints of arms whose points have accelerations that people write out
 _CLOSE = 1e-9  # their relative difference where they are equal
 _HALVINGS = 60  # of an interval in which a formula changes its sign
-_ZERO, _SMALL, _ROUGH = 1e-13, 1e-5, 1e-4  # a root's rest; a motion near rest, and what its squares may add
+_ZERO = 1e-13  # what is left at a root
 _STARTS = (0.3, 1.0, 2.5)  # where one looks for the value of a name
 _OF_FIGURE = re.compile(r"\|.*\|(?: in xy)?$|angle|pi - angle|direction|inclination|[^ ]+\+[^ ]+$")  # lengths, angles
 _PLANES = ((0, 1), (0, 2), (1, 2))  # two coordinates of three
 
-Array = npt.NDArray[np.float64]
 Named = tuple[str, Array]
 
 
@@ -68,6 +65,7 @@ class ByValue:
         self._rates = set(map(velocity_name, self._joints))
         cells = (cell for j in self._robot.joints for cell in (j.a, j.d, j.alpha, j.theta))
         self._lengths = {n for cell in cells for n in names(cell)}
+        self.motions = Motions(model, self._at)
         self._known: dict[bool, dict[tuple[int, ...], tuple[list[str], Array]]] = {}
 
     @property
@@ -136,48 +134,6 @@ class ByValue:
                             return label
         return ""
 
-    def driven(self, zero: Expression, letters: list[str]) -> str:
-        """Which torques alone make the arm move so that a formula with accelerations is zero; empty if none do.
-
-        A formula that is linear in what moves may be meant near rest with all joint variables zero.
-        """
-        joints, used = [joint.variable for joint in self._robot.joints], {*names(zero)}
-        accelerations = list(map(acceleration_name, joints))
-        is_known = self._robot.has_dynamics and max(len(joints), len(letters)) <= _MOST_ACCELERATED
-        if not is_known or used.isdisjoint(accelerations):
-            return ""
-        moving = {*joints, *self._rates, *accelerations, *(f"?{letter}" for letter in letters)}
-        for driving in permutations(range(len(joints)), max(len(letters), 1)):
-            if any(x[-1].isdigit() and x[-1] != str(i + 1) for x, i in zip(letters, driving, strict=False)):
-                continue
-            torques = dict(zip(driving, letters or [""], strict=True))
-            said = [f"tau[{i + 1}]" + f" = {letter}" * bool(letter) for i, letter in torques.items()]
-            for size, near in ((1.0, ""), (_SMALL, ", near rest with all joint variables zero")):
-                with suppress(*NO_VALUE):
-                    points = [self._moved(at, torques, size) for at in self._at]
-                    values = [float_value(zero, {n: point[n] for n in used}) for point in points]
-                    doubled = [float_value(zero, {n: p[n] * (1 + (n in moving)) for n in used}) for p in points]
-                    is_linear = np.allclose(doubled, 2 * np.array(values), rtol=_CLOSE, atol=_ZERO)
-                    if max(map(abs, values)) < (_CLOSE if size == 1 else _ROUGH * size) and (size == 1 or is_linear):
-                        return f"where {' and '.join(said)} alone drives{near}"
-        return ""
-
-    def _moved(self, at: Mapping[str, float], torques: Mapping[int, str], size: float) -> dict[str, float]:
-        """A point with the accelerations that torques give; size scales angles, velocities and torques."""
-        joints = [joint.variable for joint in self._robot.joints]
-        point = _RandomValues(0, ())
-        point.update({n: at[n] for n in own_names(self._robot)})
-        for name in (*joints, *self._rates):
-            point[name] = at[name] * size
-        torque = np.zeros((len(joints), 1))
-        for i, letter in torques.items():
-            torque[i] = point[f"?{letter}"] = at[f"?{i}"] * size
-        point.update(dict.fromkeys(map(acceleration_name, joints), 0.0))
-        inertia, rest = (self._numbers(self._model.quantity(name), [point])[0] for name in ("B", "tau"))
-        moved = np.linalg.solve(inertia, torque - rest)[:, 0]  # B qdd = tau - (C qd + g + f)
-        point.update(zip(map(acceleration_name, joints), moved, strict=True))
-        return point
-
     def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
         """All that is known, by shape: names, and values at the points."""
         if is_dynamic not in self._known:
@@ -189,12 +145,9 @@ class ByValue:
             self._known[is_dynamic] = {shape: (labels, np.array(known)) for shape, (labels, known) in groups.items()}
         return self._known[is_dynamic]
 
-    def _numbers(self, matrix: Matrix, points: Sequence[Mapping[str, float]] = ()) -> Array:
+    def _numbers(self, matrix: Matrix) -> Array:
         """The values of a matrix at the points."""
-        formulas = [expression_from_sympy(e) for e in matrix]
-        return np.array([[float_value(e, at) for e in formulas] for at in points or self._at]).reshape(
-            -1, *matrix.shape
-        )
+        return np.array([matrix_value(matrix, at) for at in self._at])
 
     def _all(self, is_dynamic: bool) -> Iterator[Named]:
         """Transforms, vectors, Jacobians and energies, and what one reads from them."""
@@ -232,7 +185,7 @@ class ByValue:
                 yield from _jacobian(f"J of {name}{where}", both)
                 for label, part in _rows(f"velocity of {name}{where}", both @ rates) if is_dynamic else ():
                     yield from _vector(label, part)
-        if is_dynamic and n <= _MOST_ACCELERATED:
+        if is_dynamic and n <= MOST_ACCELERATED:
             for k in range(1, n + 1):
                 places = {f"p[{k}]": self._model.frame(k)[:3, 3]}
                 places |= {f"centre[{k}]": own_quantity(self._model, f"centre[{k}]")} if robot.links else {}
@@ -303,34 +256,6 @@ class ByValue:
                 cosine = (ways[0] * ways[1]).sum(axis=1, keepdims=True)
                 angle, label = np.arccos(cosine.clip(-1, 1)), f"angle {one}, {name}, {other}"
                 yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
-
-    def motion(self, value: Expression) -> tuple[str, Expression | None]:
-        """What an equation of motion should be: solved for an acceleration, or the torque, divided as that is."""
-        joints, inertia = [joint.variable for joint in self._robot.joints], self._model.quantity("B")
-        torques, printed = self._model.quantity("tau"), expression_to_sympy(value).expand()
-        slopes = {i: slope for i, q in enumerate(joints) if (slope := printed.diff(acceleration_name(q))) != 0}
-        if printed.is_Symbol:  # nothing accelerates, or by what nobody says
-            return "", None
-        if [*slopes.values()] == [1]:
-            rest = torques.subs({acceleration_name(q): 0 for q in joints})
-            solved = inertia.adjugate() * rest / inertia.det(method="berkowitz")  # qdd = -B^-1 (C qd + g + f)
-            name = acceleration_name(joints[min(slopes)])
-            return name, expression_from_sympy(sympy.Symbol(name) + solved[min(slopes)])
-        # what may be left out on purpose: gravity, all that velocities add, the motion of a joint
-        weight = {n for e in self._robot.gravity or () for n in names(e)}
-        lost = [weight, self._rates, *({velocity_name(q), acceleration_name(q)} for q in joints)]
-        best: tuple[int, str, Expression | None] = (0, "", None)
-        terms = printed.as_coefficients_dict()
-        for i, torque in enumerate(torques):
-            for factor in dict.fromkeys([sympy.S.One, *(sympy.cancel(inertia[i, j] / slopes[j]) for j in slopes)]):
-                if factor == 0 or not self._joints.isdisjoint(map(str, factor.free_symbols)):
-                    continue
-                own = (right := (torque / factor).expand()).as_coefficients_dict()
-                is_part = any(right.subs(dict.fromkeys(n, 0)).as_coefficients_dict() == terms != own for n in lost)
-                common = 0 if is_part else len(own.items() & terms.items())
-                if common > best[0] and 2 * common >= max(len(own), len(terms)):
-                    best = common, f"tau[{i + 1}]" + f"/({factor})" * (factor != 1), expression_from_sympy(right)
-        return best[1:]
 
     def is_singular(self, e: Expression) -> bool:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""

@@ -130,7 +130,7 @@ class SideReading(Comparing):
             if quantity.startswith(("tau", "-tau")):
                 return (Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, False), "", where),)
         is_known = self.robot.has_dynamics and self.robot.n <= MOVING_JOINTS
-        quantity, right = self._values.motion(values[-1]) if is_known else ("", None)
+        quantity, right = self._values.motions.meant(values[-1]) if is_known else ("", None)
         if right is None:
             return ()
         question = Question(self.robot, values[-1], right)
@@ -189,7 +189,7 @@ class SideReading(Comparing):
         for given in ({*()}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
                 zero, letters = self._with_letters(index, equation, given)
-                note = self._values.driven(zero, letters)
+                note = self._values.motions.driven(zero, letters)
                 if not note and len(letters) == 1 and len(equation) == 2:
                     meant = self._values.solved(f"?{letters[0]}", zero)
                     if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
