@@ -30,6 +30,7 @@ from derive.checking.latex.whole import (
     other_factorisation,
     refuse_other_arm,
     uncertain_entries,
+    unused,
 )
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -125,6 +126,8 @@ class _Check(SideReading):
         found = tuple(self._settled())
         yield from found
         places = {finding.location for finding in found}
+        told = places | {skipped.location for skipped in self.skipped if not skipped.reason.startswith("defines ")}
+        self.skipped = [s for s in self.skipped if s.location not in told or not s.reason.startswith("defines ")]
         for _, _, meaning, side in self.scope.defined() if self.document else ():
             where = self.plain.location(side.start)
             if where not in places and (by_value := self._by_value(meaning, side.text, self._typed(side), where)):
@@ -229,6 +232,7 @@ class _Check(SideReading):
         return found
 
     def _findings(self) -> Iterator[Finding | Claim]:
+        compared: set[int] = set()
         for index, equation in enumerate(self.scope.equations):
             if index in self.scope.defining:
                 continue
@@ -246,12 +250,14 @@ class _Check(SideReading):
                 if not self.document:
                     raise
                 if by_value := self.otherwise(index, equation):
+                    compared.add(index)
                     del self.skipped[told:]
                     yield from by_value
                 elif len(self.skipped) == told:
                     self._skip(equation[0], error)
                 yield from (one for one in found if isinstance(one, Claim) or one.verdict.equal)
                 continue
+            compared |= {index} if found else set()
             entries = [one for one in found if isinstance(one, Finding) and one.question is not None]
             printed = frozenset(name for one in entries if one.question for name in names(one.question.printed))
             self.around |= dict.fromkeys(entries, printed)
@@ -267,10 +273,11 @@ class _Check(SideReading):
         if self.document:
             yield from self._said_twice()
             yield from self._defined()
-            for name, side in self.scope.unused():
+            alone = [one for one in self.scope.defined() if len(self.scope.definitions[one[0]]) == 1]
+            for name, _, _, side in unused(alone, self.scope.equations, compared):
                 left = taken_apart(side.text)
                 if left is None or not left.is_point or self._stands_for(left) is None:
-                    self._skip_for(side, f"defines {name}, which no other formula uses")
+                    self._skip_for(side, f"defines {name}, which no formula uses that is compared")
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""

@@ -171,7 +171,9 @@ class Poses:
                 continue
             # positions say which origin is meant, then rotations which frame they are seen from
             readings = self._readings_of(group, chosen)
-            found = [(r, [self._read(claim, r) for claim in own.values()]) for r in readings]
+            found = [(readings[0], [self._read(claim, readings[0]) for claim in own.values()])]
+            if not all(map(_is_right, found[0][1])):
+                found += [(r, [self._read(claim, r) for claim in own.values()]) for r in readings[1:]]
             chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
             if group is Settled.PLACE and self._names.wrist and sum(map(_is_right, verdicts)) <= CERTAIN:
                 chosen, verdicts = found[0]  # beside names of the wrist p_x is hardly that of the wrist

@@ -22,6 +22,8 @@ from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
 from derive.checking.latex.whole import (
+    OF_ANGLE,
+    Defined,
     are_sine_and_cosine,
     base_letters,
     chained,
@@ -54,9 +56,6 @@ _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*
 _OF_PLACE = re.compile(r"(?<![A-Za-z])(?:p\s*_\s*\{?\s*)?[xy](?![A-Za-z])")
 # A function of an angle, on a left side.
 _SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
-_OF_ANGLE = re.compile(
-    r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
-)
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -127,16 +126,7 @@ class Scope:
                             found[joint.name] = value
         return found
 
-    def unused(self) -> Iterator[tuple[str, LatexPiece]]:
-        """Names that no other formula uses, though what defines them may be wrong."""
-        for name, index, _, side in self.defined():
-            others = (text for i, e in enumerate(self.equations) if i != index for s in e for text in s.texts)
-            angle = _OF_ANGLE.fullmatch(side.text.strip())
-            own = angle["angle"] if angle else side.text.strip()
-            if not side.inline and not any(own in text for text in others):
-                yield name, side
-
-    def defined(self) -> Iterator[tuple[str, int, Expression, LatexPiece]]:
+    def defined(self) -> Iterator[Defined]:
         """Names with the number of the equation that defines each, what it stands for, and the side that it is."""
         for name, meanings in self.definitions.items():
             for index, meaning in meanings:
@@ -322,7 +312,7 @@ class Scope:
         r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
         if self.document and _SQUARED.fullmatch(side.text.strip()):
             return Call("sqrt", (meaning,))
-        match = _OF_ANGLE.fullmatch(side.text.strip())
+        match = OF_ANGLE.fullmatch(side.text.strip())
         if match is None or self._signs is None:
             return meaning
         pair = self._circles.setdefault(name, {})
@@ -363,7 +353,7 @@ class Scope:
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
-        if self.document and (match := _OF_ANGLE.fullmatch(side.text.strip())) is not None:
+        if self.document and (match := OF_ANGLE.fullmatch(side.text.strip())) is not None:
             angle = taken_apart(match["angle"])
             texts = (other.text for other in self.equations[index] if other is not side)
             is_free = angle and (not self._is_pose(angle) or any(map(_OF_PLACE.search, texts)))

@@ -3,7 +3,7 @@
 import random
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import replace
@@ -31,6 +31,9 @@ from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.robot import Robot
 
 _ANGLES_TRIED, _ROUNDING = 24, 1e-9  # points at which two formulas are taken for sine and cosine, and how near to 1
+OF_ANGLE = re.compile(
+    r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
+)
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
@@ -315,6 +318,10 @@ def between(start: int, stop: int, robot: Robot) -> str:
     return f"T[{start},{stop}]" if start >= 0 else f"T[{stop}]"
 
 
+# A name, the number of the equation that defines it, what it stands for, and the side that it is.
+Defined = tuple[str, int, Expression, LatexPiece]
+
+
 def constrains(one: Expression, other: Expression, moving: AbstractSet[str], parameters: AbstractSet[str]) -> bool:
     """Whether an equation gives a joint variable, or its rate, by other ones and parameters: a condition."""
     if not isinstance(one, Name) or one.name not in moving:
@@ -324,3 +331,19 @@ def constrains(one: Expression, other: Expression, moving: AbstractSet[str], par
     if isinstance(other, Call) and other.function == "atan2" and not moving.isdisjoint(names(other)):
         return False  # theta_5 = Atan2(s_6, c_6), a solution
     return {*names(other)} <= (parameters | moving) - {one.name}
+
+
+def unused(defined: Iterable[Defined], equations: Sequence[Sides], compared: set[int]) -> Iterator[Defined]:
+    """Definitions that no formula uses which is compared, neither itself nor by what it defines."""
+    waiting, live = list(defined), compared
+    while live:
+        texts = [text for i in live for side in equations[i] for text in side.texts]
+        used = [one for one in waiting if any(_own(one[3]) in text for text in texts)]
+        waiting, live = [one for one in waiting if one not in used], {index for _, index, _, _ in used}
+    yield from (one for one in waiting if not one[3].inline)
+
+
+def _own(side: LatexPiece) -> str:
+    """The name that a side defines, of an angle by its cosine as well."""
+    angle = OF_ANGLE.fullmatch(side.text.strip())
+    return angle["angle"] if angle else side.text.strip()
