@@ -26,6 +26,7 @@ from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
 from derive.checking.latex.whole import (
+    divided_rows,
     names_its_columns,
     other_factorisation,
     refuse_other_arm,
@@ -69,7 +70,7 @@ def check_latex(
         if alone:
             texts = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
             refuse_other_arm(model.robot, texts, where)
-        return check, other_factorisation(model, tuple(check.findings()))
+        return check, divided_rows(model.robot, other_factorisation(model, tuple(check.findings())))
 
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
     order = False if document and _CAPITAL.search(text) else None

@@ -28,12 +28,14 @@ from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, multiply, names, number
 from derive.robot.names import joint_label, own_names, velocity_name
+from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 
 _ANGLES_TRIED, _ROUNDING = 24, 1e-9  # points at which two formulas are taken for sine and cosine, and how near to 1
 OF_ANGLE = re.compile(
     r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
 )
+_DIVIDED = re.compile(r"tau\[(?P<row>\d)\]/\((?P<by>.+)\)")
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
@@ -316,6 +318,22 @@ def between(start: int, stop: int, robot: Robot) -> str:
     if stop > robot.n:
         return "tool" if start == robot.n else f"end[{start}]"
     return f"T[{start},{stop}]" if start >= 0 else f"T[{stop}]"
+
+
+def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Rows of B, C qd and g that are right but for what the text has divided the equation of motion of the row by."""
+    equations = (_DIVIDED.fullmatch(f.quantity) for f in findings if f.verdict.equal)
+    factors = {int(match["row"]): match["by"] for match in equations if match}
+
+    def mended(f: Finding) -> Finding:
+        if f.quantity not in ("B", "Cqd", "g") or f.row not in factors or f.question is None or f.verdict.equal:
+            return f
+        printed = multiply(f.question.printed, parse_expression(factors[f.row], f.location))
+        note = f", of the equation divided by {factors[f.row]}"
+        is_right = compare(robot, f.question.right, printed).equal
+        return replace(f, verdict=Verdict(True, True), note=note, cause="", question=None) if is_right else f
+
+    return tuple(map(mended, findings))
 
 
 # A name, the number of the equation that defines it, what it stands for, and the side that it is.
