@@ -111,8 +111,7 @@ def _loop(node: Node) -> Iterator[Finding]:
     for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
         shown, verdict = f"stop at i = {text.text}", Verdict(text.text == "1", True)
         erratum = role is Role.EQUATION and not verdict.equal
-        change = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
-        repair = None if verdict.equal else change
+        repair = None if verdict.equal else Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
         yield Finding(name.text, 0, 0, role, shown, verdict, "stop at i = 1", text.inner, erratum, None, repair, said)
 
 
