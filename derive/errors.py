@@ -35,14 +35,7 @@ class DeriveError(Exception):
 
     exit_status = 2
 
-    def __init__(
-        self,
-        found: str,
-        *,
-        allowed: str = "",
-        remedy: str = "",
-        location: Location | None = None,
-    ) -> None:
+    def __init__(self, found: str, *, allowed: str = "", remedy: str = "", location: Location | None = None) -> None:
         self.found = found
         self.allowed = allowed
         self.remedy = remedy

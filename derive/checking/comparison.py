@@ -9,15 +9,7 @@ import sympy
 
 from derive.checking.formulas.diagnosis import Question, other_orders
 from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
-from derive.checking.formulas.printed import (
-    CorpusFile,
-    Factorisation,
-    Identity,
-    InverseText,
-    Printed,
-    PrintedQuantity,
-    PrintedText,
-)
+from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText
 from derive.checking.inverse.block import solution_findings
 from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import LatexReport, check_latex
@@ -33,11 +25,22 @@ def check_file(file: CorpusFile) -> FileReport:
     """Compare everything that a corpus file prints."""
     model = Model(file.robot)
     findings = [finding for item in file.expected for finding in _placed(_quantity(model, item), item.location)]
-    findings += [_identity(model, identity) for identity in file.identities]
+    for identity in file.identities:
+        left, right, erratum = identity.left, identity.right, identity.status == "erratum"
+        if unknown := left.unknown or right.unknown:
+            findings.append(undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum))
+            continue
+        question, where = Question(model.robot, right.formula, left.formula), right.location
+        findings.append(compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, where, erratum))
     if file.factorisation is not None:
         findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
     findings += solution_findings(model, file.solutions)
-    findings += [finding for text in file.inverse for finding in _inverse(model, text)]
+    for text in file.inverse:
+        try:
+            findings += check_inverse(model, text)[0]
+        except UnknownNameError as error:
+            whole, erratum = " ".join(" ".join(part.text.split()) for part in text.parts), text.status == "erratum"
+            findings.append(undecidable("inverse", (0, 0), Role.SOLUTION, whole, error, erratum, text.remark))
     return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
@@ -65,15 +68,6 @@ def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding
         yield from findings
     except DeriveError as error:
         raise error.at(location) from None
-
-
-def _inverse(model: Model, text: InverseText) -> tuple[Finding, ...]:
-    """The findings about a printed solution; one with an unknown name is undecidable."""
-    try:
-        return check_inverse(model, text)[0]
-    except UnknownNameError as error:
-        shown = " ".join(" ".join(part.text.split()) for part in text.parts)
-        return (undecidable("inverse", (0, 0), Role.SOLUTION, shown, error, text.status == "erratum", text.remark),)
 
 
 def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[Finding]:
@@ -126,15 +120,6 @@ def _entry(
     question = Question(model.robot, entry.formula, expression_from_sympy(derived), others=others)
     where, place = entry.location, (row, column)
     return compared(question, item.quantity, place, role, entry.text, derived, where, erratum, item.remark)
-
-
-def _identity(model: Model, identity: Identity) -> Finding:
-    left, right = identity.left, identity.right
-    erratum = identity.status == "erratum"
-    if unknown := left.unknown or right.unknown:
-        return undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum)
-    question = Question(model.robot, right.formula, left.formula)
-    return compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location, erratum)
 
 
 def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:

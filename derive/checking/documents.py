@@ -226,9 +226,8 @@ def _markdown(text: str) -> str:
         if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):
             body = _OPTION.sub(lambda option: blank(option[0]), match["body"])
             return _marked(match[0][:begin]) + body + _marked(match[0][end:])
-        if language in ("latex", "tex") or (
-            language.startswith("{") and not language.startswith(_OF_CODE)
-        ):  # a box of prose, as MyST has them
+        is_prose = language.startswith("{") and not language.startswith(_OF_CODE)  # in a box, as MyST has them
+        if language in ("latex", "tex") or is_prose:
             return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
         return blank(match[0])
 

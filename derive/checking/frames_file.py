@@ -35,22 +35,14 @@ FUNCTIONS = ("Rot", "Rot3", "Trans", "Vec", "Ref")
 _FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
 _PLACE = re.compile(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*")
 _KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
-# The row from which a turn about the axis goes to the next one: y to z, z to x, x to y.
-_FIRST_ROW = {"x": 1, "y": 2, "z": 0}
+_TURNS = {"x": sympy.rot_ccw_axis1, "y": sympy.rot_ccw_axis2, "z": sympy.rot_ccw_axis3}  # of an angle, 3x3
 
 
 def rotation(axis: str, angle: Expr) -> Matrix:
     """Rot(axis, angle), 4x4: the turn by an angle [rad] about an axis, counter-clockwise seen from its tip."""
-    if axis not in _FIRST_ROW:
+    if axis not in _TURNS:
         raise ExpressionError(f"axis {axis!r}", allowed="allowed: x, y or z")
-    turn = _scalar(angle)
-    # the turn takes axis i to axis j, cyclically: [c -s; s c] in rows and columns i, j
-    i = _FIRST_ROW[axis]
-    j = (i + 1) % 3
-    matrix = sympy.eye(4)
-    matrix[i, i] = matrix[j, j] = sympy.cos(turn)
-    matrix[i, j], matrix[j, i] = -sympy.sin(turn), sympy.sin(turn)
-    return sympy.ImmutableMatrix(matrix)
+    return sympy.ImmutableMatrix(sympy.diag(_TURNS[axis](_scalar(angle)), 1))
 
 
 def translation(x: Expr, y: Expr, z: Expr) -> Matrix:

@@ -57,8 +57,18 @@ def check_methods(root: YamlMapping, source: str) -> FileReport:
     loop = reading.child(top, "algorithm")
     if loop is not None:
         block = reading.mapping(loop, "algorithm", (), ("steps", "errata"))
+        # the backward recursion starts at joint n; it must go on to joint 1 for every joint to get its torque
         for node in reading.items(reading.child(block, "errata"), "errata"):
-            findings += _loop(node)
+            item = reading.mapping(node, "an entry of errata", _LOOP, ("status", "kind", "note"))
+            loop_name, printed, correct = (required_text(item, key) for key in _LOOP)
+            said = reading.remark(item)
+            for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
+                shown, verdict = f"stop at i = {text.text}", Verdict(text.text == "1", True)
+                change = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
+                repair, erratum = None if verdict.equal else change, role is Role.EQUATION and not verdict.equal
+                where, stop = text.inner, "stop at i = 1"
+                found = Finding(loop_name.text, 0, 0, role, shown, verdict, stop, where, erratum, None, repair, said)
+                findings.append(found)
     unread = tuple(name for name in UNREAD if name in top.entries)
     return FileReport(source, "Newton-Euler recursion", tuple(findings), unread, reading.printed_in(top))
 
@@ -101,19 +111,6 @@ def _holds_for_all(e: Vector, cases: Sequence[Mapping[str, Array]], result: str)
         if np.shape(value) != np.shape(expected) or not np.max(np.abs(value - expected)) < _TOLERANCE:
             return False
     return True
-
-
-def _loop(node: Node) -> Iterator[Finding]:
-    """The backward recursion starts at joint n; it must go on to joint 1 for every joint to get its torque."""
-    item = reading.mapping(node, "an entry of errata", _LOOP, ("status", "kind", "note"))
-    name, printed, correct = (required_text(item, key) for key in _LOOP)
-    said = reading.remark(item)
-    for text, role in ((printed, Role.EQUATION), (correct, Role.CORRECTION)):
-        shown, verdict = f"stop at i = {text.text}", Verdict(text.text == "1", True)
-        erratum = role is Role.EQUATION and not verdict.equal
-        change = Repair((SlipKind.INDEX,), f"index: 1 instead of {text.text}", Name("1"))
-        repair = None if verdict.equal else change
-        yield Finding(name.text, 0, 0, role, shown, verdict, "stop at i = 1", text.inner, erratum, None, repair, said)
 
 
 # -- the cases

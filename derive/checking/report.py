@@ -173,17 +173,11 @@ def unknown_name(finding: Finding) -> str:
 
 def what(finding: Finding) -> str:
     """What a formula is, in words."""
-    match finding.role:
-        case Role.CORRECTION:
-            return f"correction of {finding.entry}"
-        case Role.ABBREVIATED:
-            return f"abbreviated {finding.entry}"
-        case Role.IDENTITY:
-            return f"identity for {cut(finding.quantity)}"
-        case Role.REST:
-            return f"{finding.entry} of the rest"
-        case _:
-            return finding.entry + (" (marked as an erratum)" if finding.erratum else "")
+    if finding.role is Role.IDENTITY:
+        return f"identity for {cut(finding.quantity)}"
+    words = {Role.CORRECTION: "correction of {}", Role.ABBREVIATED: "abbreviated {}", Role.REST: "{} of the rest"}
+    usual = "{} (marked as an erratum)" if finding.erratum else "{}"
+    return words.get(finding.role, usual).format(finding.entry)
 
 
 def right_text(finding: Finding, printer: Printer) -> str:

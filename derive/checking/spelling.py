@@ -96,18 +96,13 @@ def _rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Mat
     for match in pattern.finditer(text):
         new = write(match)
         pieces += [text[last : match.start()], new]
-        places += [*origins[last : match.start()], *_places(match, new, origins)]
+        places += origins[last : match.start()]
+        at = 0
+        for letter in new:  # what is written comes from the characters of the old text in the same order
+            at = max(at, match[0].find(letter, at))
+            places.append(origins[match.start() + at])
         last = match.end()
     return ("".join([*pieces, text[last:]]), [*places, *origins[last:]]) if pieces else found
-
-
-def _places(match: re.Match[str], new: str, origins: Sequence[int]) -> list[int]:
-    """Where the characters of what was written come from: those of the old text in the same order."""
-    at, places = 0, []
-    for letter in new:
-        at = max(at, match[0].find(letter, at))
-        places.append(origins[match.start() + at])
-    return places
 
 
 def _dotted(match: re.Match[str]) -> str:

@@ -213,8 +213,7 @@ class _ExamplePart:
                 for some in combinations(self.options, count)
                 for values in product(*(STYLE_OPTIONS[name] for name in some))
             )
-            found = [trial for trial in chosen if self.fits(trial)]
-            if found:
+            if found := [trial for trial in chosen if self.fits(trial)]:
                 return found
         return []
 
@@ -278,8 +277,7 @@ def _addends(e: Expression) -> Iterator[Expression]:
 def _reason(part: _ExamplePart, style: Style) -> str:
     """Which options would write a part as printed."""
     subject = f"the terms of {part.title}: " if part.title else ""
-    remedies = part.remedies(style)
-    if not remedies:
+    if not (remedies := part.remedies(style)):
         return f"{subject}grouped as no options do"
     remedy = min(remedies, key=lambda trial: (len(trial.options()), str(trial)))
     values = {name: getattr(remedy, name) for name in STYLE_OPTIONS}

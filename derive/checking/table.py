@@ -199,8 +199,11 @@ def _lines(name: str, is_modified: bool, rows: Sequence[_Row], where: Location) 
             remedy = "mark its variable with a star; a row without one may only stand last, as the tool"
             raise CheckError(f"row {i} has no variable", remedy=remedy, location=row.where)
         else:
+            theta, d, a, alpha = (expression_to_sympy(parse_expression(row.cells[c], row.where)) for c in COLUMNS)
+            turn, tilt = translation(0, 0, d) * rotation("z", theta), translation(a, 0, 0) * rotation("x", alpha)
             yield "tool:"
-            yield from (f"  - [{', '.join(entries)}]" for entries in _constant(row, is_modified))
+            for entries in (tilt * turn if is_modified else turn * tilt).tolist():
+                yield f"  - [{', '.join(repr(cell_text(expression_from_sympy(entry))) for entry in entries)}]"
 
 
 def _joint(row: _Row, index: int) -> tuple[str, str]:
@@ -214,11 +217,3 @@ def _joint(row: _Row, index: int) -> tuple[str, str]:
         return "revolute", variable
     slide = names[1][0] if _FIXED.fullmatch(theta) and len(names[1]) == 1 else ""
     return ("prismatic", slide) if re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", slide) else ("", "")
-
-
-def _constant(row: _Row, is_modified: bool) -> list[list[str]]:
-    """The transform of a row in which nothing moves."""
-    theta, d, a, alpha = (expression_to_sympy(parse_expression(row.cells[c], row.where)) for c in COLUMNS)
-    turn, tilt = translation(0, 0, d) * rotation("z", theta), translation(a, 0, 0) * rotation("x", alpha)
-    product = tilt * turn if is_modified else turn * tilt
-    return [[f"'{cell_text(expression_from_sympy(entry))}'" for entry in product.row(i)] for i in range(4)]

@@ -85,26 +85,19 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.files and arguments.latex is None:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
-        return _files(arguments)
+        from derive.api.check import checked_file
+        from derive.checking.report import as_dict, report_lines
+
+        checked = [checked_file(path) for path in arguments.files]
+        written = (as_dict(x.report, x.exact) | {"remarks": [r.as_dict() for r in x.remarks]} for x in checked)
+        status = _told(arguments, checked, lambda: list(written), None if sys.stdout.isatty() else report_lines)
+        return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
     if len(arguments.files) > 1 and arguments.latex is not None and arguments.quantity is None:
         return _several(arguments)
     if not formulas or len(arguments.files) > 1 or (arguments.quantity is None and arguments.latex is None):
         remedy = "write: derive check ROBOT --quantity 'T[1,4]' --expression '...'"
         raise CheckError("--quantity and --expression or --latex belong together, with one robot", remedy=remedy)
     return _formula(arguments, formulas[0])
-
-
-def _files(arguments: argparse.Namespace) -> int:
-    from derive.api.check import checked_file
-    from derive.checking.report import as_dict, report_lines
-
-    def _data(one: Printout) -> dict[str, Any]:
-        return as_dict(one.report, one.exact) | {"remarks": [remark.as_dict() for remark in one.remarks]}
-
-    checked = [checked_file(path) for path in arguments.files]
-    lines_of = None if sys.stdout.isatty() else report_lines
-    status = _told(arguments, checked, lambda: list(map(_data, checked)), lines_of)
-    return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
 
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:

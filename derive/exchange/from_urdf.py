@@ -115,11 +115,7 @@ class Imported:
 
 
 def import_urdf(
-    urdf: Urdf,
-    base: str | None,
-    tip: str | None,
-    options: ImportOptions = AS_USUAL,
-    source: ChainSource | None = None,
+    urdf: Urdf, base: str | None, tip: str | None, options: ImportOptions = AS_USUAL, source: ChainSource | None = None
 ) -> Imported:
     """The robot of a chain of a URDF, from its root and to the only link that carries no other where these are None."""
     convention = None if options.convention is None else convention_named(options.convention)

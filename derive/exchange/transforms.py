@@ -236,7 +236,10 @@ def _split(word: Sequence[Elementary]) -> _Split:
     lengths = {part.axis for part in parts if not part.turns}
     normal = next(iter(turning or lengths), 0 if axis == Z else 3 - Z - axis)
     if (turning or lengths) - {normal} or (turning and normal in (Z, axis)):
-        raise _no_normal(word)
+        shown = " ".join(f"{'RT'[not part.turns]}{'xyz'[part.axis]}({tree.to_text(part.cell)})" for part in word)
+        allowed = "allowed: a common normal whose direction is an axis, or one that Rz names before it"
+        remedy = "turn about the first joint's axis so that the offset lies along one axis: Rz(angle) Tx(length)"
+        raise RobotFileError(f"the constants {shown} between two joints", allowed=allowed, remedy=remedy)
     # Rot(z, k pi/2) takes x to the normal; then Rot(x, m pi/2) Rot(z, n pi/2) is what is left of the right angles.
     angle, a = _sum(parts, turns=True), _sum([part for part in parts if part.axis == normal], turns=False)
     k, direction = normal, 1
@@ -273,15 +276,6 @@ def _cosine(angle: Expression) -> Expression:
         return tree.number(c)
     # cos(rest + k pi/2) = cos(k pi/2) cos(rest) - sin(k pi/2) sin(rest)
     return tree.multiply(tree.number(c or -s), Call("cos" if c else "sin", (rest,)))
-
-
-def _no_normal(word: Sequence[Elementary]) -> RobotFileError:
-    shown = " ".join(f"{'RT'[not part.turns]}{'xyz'[part.axis]}({tree.to_text(part.cell)})" for part in word)
-    return RobotFileError(
-        f"the constants {shown} between two joints",
-        allowed="allowed: a common normal whose direction is an axis, or one that Rz names before it",
-        remedy="turn about the first joint's axis so that the offset lies along one axis: Rz(angle) Tx(length)",
-    )
 
 
 def _angle(quarters: int) -> Expression:

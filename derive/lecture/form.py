@@ -246,7 +246,19 @@ class LectureForm:
         return self._not_by_body(terms, grouping)
 
     def _not_by_body(self, terms: Terms, grouping: Grouping) -> Plan:
-        products, rest = self._products_of_bodies(terms)
+        """Bodies whose coefficient is a product of sums, ``m3*(a2*c2 + l3*c23)**2``, behind the others' terms."""
+        products, rest = list[Plan](), terms
+        if self.style.products is not options.Products.EXPANDED:
+            rest = Terms()
+            for body, part in partition(terms, self.inertial).items():
+                whole = _whole(body, part)
+                # the squared velocity of a point mass, m (a2 c2 + l3 c23)^2 qd1^2, stays a product
+                plan = self._geometry_inside(part) if body else None
+                is_product = isinstance(plan, Times) and sum(power for _, power in plan.inner) > 1  # a square, too
+                if is_product or (isinstance(plan, Times) and project(plan.monomial, self._sines)):
+                    products.append(self._by_body(whole))
+                else:
+                    rest.update(whole)
         return joined([*([self._grouped_plan(rest, grouping)] if rest else []), *products])
 
     def _by_body(self, terms: Terms) -> Plan:
@@ -294,22 +306,6 @@ class LectureForm:
     def _by_geometry(self, terms: Terms) -> Plan:
         """``(m1 + m2)*a1**2``: masses and inertias collected for each monomial in everything else."""
         return grouped(terms, self._not_inertial, flat)
-
-    def _products_of_bodies(self, terms: Terms) -> tuple[list[Plan], Terms]:
-        """The bodies whose coefficient is a product of sums, ``m3*(a2*c2 + l3*c23)**2``, and the others' terms."""
-        if self.style.products is options.Products.EXPANDED:
-            return [], terms
-        products, rest = list[Plan](), Terms()
-        for body, part in partition(terms, self.inertial).items():
-            whole = _whole(body, part)
-            # the squared velocity of a point mass, m (a2 c2 + l3 c23)^2 qd1^2, stays a product
-            plan = self._geometry_inside(part) if body else None
-            is_product = isinstance(plan, Times) and sum(exponent for _, exponent in plan.inner) > 1  # a square, too
-            if is_product or (isinstance(plan, Times) and project(plan.monomial, self._sines)):
-                products.append(self._by_body(whole))
-            else:
-                rest.update(whole)
-        return products, rest
 
     def _geometry_inside(self, terms: Terms) -> Plan:
         """The coefficient of a mass: a product of sums where it is one, else its terms, gravity in front."""

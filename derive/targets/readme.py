@@ -40,7 +40,8 @@ PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuratio
 def render(source: Source) -> dict[str, str]:
     """The page."""
     robot, program = source.robot, source.program
-    free = free_symbols(robot)
+    free, numbers, write = free_symbols(robot), dict(robot.parameters), partial(number_text, decimals=True, digits=None)
+    baked = [(name, numbers[name]) for name in robot_symbols(robot) if name in numbers and name not in free]
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     written = {column.name: _formulas(column.formula, robot) for column in base}
     inverse = program.inverse or program.search
@@ -74,7 +75,8 @@ def render(source: Source) -> dict[str, str]:
         "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
-        "numbers": _numbers(robot),
+        # symbols whose number is part of the code: it in SI units and in those of the robot file
+        "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
         # the cell grammar keeps formulas free of markup
         "base": [(name, rounded) for name, (rounded, _) in written.items()],
         "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
@@ -85,13 +87,6 @@ def render(source: Source) -> dict[str, str]:
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }
     return {"README.md": templating.render("readme/README.md.jinja", **context)}
-
-
-def _numbers(robot: Robot) -> list[tuple[str, ...]]:
-    """Symbols whose number is part of the code: it in SI units and in those of the robot file."""
-    free, numbers, write = free_symbols(robot), dict(robot.parameters), partial(number_text, decimals=True, digits=None)
-    baked = [(name, numbers[name]) for name in robot_symbols(robot) if name in numbers and name not in free]
-    return [(name, to_text(x, write), to_text(in_symbol_units(robot, name, x), write)) for name, x in baked]
 
 
 def _functions(program: Program) -> list[dict[str, str]]:

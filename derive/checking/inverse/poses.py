@@ -76,11 +76,8 @@ class PoseNames:
             elif found := _WRIST.fullmatch(short):
                 wrist[word] = "xyz".index((found[1] or found[2]).lower())
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
-        example = _Arm(
-            robot,
-            {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))},
-            [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)],
-        )
+        lengths = {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))}
+        example = _Arm(robot, lengths, [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)])
         is_planar = all(parallel(axis, example.arms[0].axes[0]) for axis in example.arms[0].axes) and robot.n > 1
         angles: dict[str, Expression] = {}
         for word, short in flat.items() if is_planar else ():

@@ -90,7 +90,13 @@ class Repairer:
                 meant = (tree.multiply(sign, Name(name)) for name in self._may.names if name not in self._may.angles)
                 yield from (Edit(kind, spot, name, spot.node, name) for name in meant)
             if kind is SlipKind.EXPONENT and isinstance(spot.node, Sum):
-                yield from _squares(spot, spot.node.terms)
+                # neighbouring terms squared: what (a1 + a2)**2 - x**2 was without its first exponent
+                terms = spot.node.terms
+                for i, j in combinations(range(min(len(terms), LONGEST_SUM) + 1), 2):
+                    if 1 < j - i < len(terms):
+                        part = tree.add(*terms[i:j])
+                        square = tree.power(part, 2)
+                        yield Edit(kind, spot, tree.add(*terms[:i], square, *terms[j:]), part, square)
 
     def _least(
         self, line: PrintedLine, formula: PrintedFormula, candidates: Sequence[tuple[Edit, ...]]
@@ -121,15 +127,6 @@ def _plus_minus(spot: Spot) -> Iterator[Edit]:
             if isinstance(factor, Call) and factor.function == "sqrt":
                 new = tree.multiply(*node.factors[:i], tree.multiply(MISSING, factor), *node.factors[i + 1 :])
                 yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, tree.multiply(MISSING, factor))
-
-
-def _squares(spot: Spot, terms: Sequence[Expression]) -> Iterator[Edit]:
-    """Neighbouring terms of a sum squared: what ``(a1 + a2)**2 - x**2`` was without its first exponent."""
-    for i, j in combinations(range(min(len(terms), LONGEST_SUM) + 1), 2):
-        if 1 < j - i < len(terms):
-            part = tree.add(*terms[i:j])
-            square = tree.power(part, 2)
-            yield Edit(SlipKind.EXPONENT, spot, tree.add(*terms[:i], square, *terms[j:]), part, square)
 
 
 def _atan2(spot: Spot) -> Iterator[Edit]:

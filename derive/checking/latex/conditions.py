@@ -13,21 +13,8 @@ from dataclasses import dataclass
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
 from derive.errors import CheckError
-from derive.robot.expression import (
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Sum,
-    add,
-    is_constant,
-    multiply,
-    names,
-    negate,
-    number,
-)
-from derive.robot.expression import substitute as substituted
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Sum
 
 REACH = 25  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 
@@ -62,16 +49,16 @@ _HALF_TURNS = {
 def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
     """What fulfils an equation between names and numbers, or of a sine or cosine that is zero; none of other ones."""
     match sides:
-        case [Name(name), formula] if not isinstance(formula, Name) and name not in names(formula):
+        case [Name(name), formula] if not isinstance(formula, Name) and name not in tree.names(formula):
             return ({name: formula},)
-    symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if is_constant(e)]
+    symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if tree.is_constant(e)]
     match sides:
         case [Call("sin" | "cos" as function, (Name(name),)), Number(value)] if value in (-1, 0, 1):
-            return tuple({name: multiply(number(half), Pi())} for half in _HALF_TURNS[function, int(value)])
-        case [Sum(terms), value] if is_constant(value) and all(isinstance(term, Name) for term in terms):
+            return tuple({name: tree.multiply(tree.number(half), Pi())} for half in _HALF_TURNS[function, int(value)])
+        case [Sum(terms), value] if tree.is_constant(value) and all(isinstance(term, Name) for term in terms):
             *first, last = terms  # theta_{234} = 0
             assert isinstance(last, Name)
-            return ({last.name: add(value, *map(negate, first))},)
+            return ({last.name: tree.add(value, *map(tree.negate, first))},)
     if len(symbols) + len(constants) < len(sides) or len(constants) > 1 or not symbols:
         return ()
     kept = constants or symbols
@@ -88,14 +75,14 @@ def explaining(
     question, line = finding.question, finding.location.line or 0
     if finding.verdict.equal or question is None:
         return None
-    known = set(names(question.printed))
+    known = set(tree.names(question.printed))
     within = (c for c in conditions if c.line <= line <= c.line + (0 if c.is_of_side else REACH))
     holding = [(c, c.is_near(begin, text)) for c in within]
     for said, values, is_near in _combined(holding, known | around):
         is_replaced = values.keys().isdisjoint(known | around)
         if not is_replaced and finding.role is not Role.IDENTITY:
             continue
-        right, printed = (substituted(side, values) for side in (question.right, question.printed))
+        right, printed = (tree.substitute(side, values) for side in (question.right, question.printed))
         with suppress(CheckError, ArithmeticError):
             here = Question(question.robot, printed, right)
             if compared(here, "", (0, 0), Role.IDENTITY, "", "", finding.location).verdict.equal:

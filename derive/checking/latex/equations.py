@@ -131,12 +131,7 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
     if display.inline and RELATION.search(text):
         text = _unbracketed(text)
     inner = text.strip()
-    if (
-        inner.startswith("{")
-        and "\\over" not in inner
-        and not inner.startswith("{}")
-        and closing_brace(inner, 0) == len(inner) - 1
-    ):
+    if re.match(r"\{(?!\})", inner) and "\\over" not in inner and closing_brace(inner, 0) == len(inner) - 1:
         text = text.replace("{", " ", 1)
         text = " ".join(text.rsplit("}", 1))
     if text.count("\\{") != text.count("\\}"):

@@ -17,20 +17,8 @@ from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, LatexNames, Symbol
 from derive.checking.latex.typography import PRIMED
 from derive.errors import CheckError, DeriveError
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Number,
-    Pi,
-    Power,
-    Product,
-    add,
-    multiply,
-    negate,
-    number,
-    power,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import ZERO, Call, Expression, Number, Pi, Power, Product
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 
 
@@ -97,9 +85,9 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             case "plus", (_, value):
                 return value
             case "minus", (_, value):
-                return _each(self._settled(value), negate)
+                return _each(self._settled(value), tree.negate)
             case "plus_minus", (token, value):
-                return _each(self._settled(value), partial(multiply, self._sign(token)))
+                return _each(self._settled(value), partial(tree.multiply, self._sign(token)))
             case "bracket", (_, value, _):
                 return self._settled(value)
             case "sum", (first, *rest):
@@ -107,21 +95,21 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             case "product", _:
                 return self._product(children)
             case "operand", _:
-                return multiply(*(_number(c) if isinstance(c, Token) else self._tree(c) for c in children))
+                return tree.multiply(*(_number(c) if isinstance(c, Token) else self._tree(c) for c in children))
             case "degrees", (token, _):
-                return multiply(_number(token), number(Fraction(1, 180)), Pi())
+                return tree.multiply(_number(token), tree.number(Fraction(1, 180)), Pi())
             case "fraction", (token, above, below):
-                value = multiply(self._tree(above), power(self._tree(below), -1))
+                value = tree.multiply(self._tree(above), tree.power(self._tree(below), -1))
                 return _Digits(value, token.start_pos or 0) if isinstance(value, Number) else value
             case "over", (above, _, below):
-                return multiply(self._tree(above), power(self._tree(below), -1))
+                return tree.multiply(self._tree(above), tree.power(self._tree(below), -1))
             case "short_fraction", (token,):
                 above, below = [Fraction(c) for c in token if c.isdigit()]
-                return _Digits(number(above / below), token.start_pos or 0)
+                return _Digits(tree.number(above / below), token.start_pos or 0)
             case "number", (token,):
                 return _Digits(_number(token), token.start_pos or 0)
             case "exponent_digit", (token,):
-                return number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
+                return tree.number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
             case "number_power", (token, exponent):
                 return self._power(_number(token), exponent)
             case "bracket_power", (base, exponent):
@@ -142,7 +130,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             case (("call" | "root_letter"), (function, argument)):
                 return self._call(function, argument)
             case "absolute", (_, argument, _, *exponents):  # |x| is the root of x^2
-                absolute = Call("sqrt", (power(self._tree(argument), 2),))
+                absolute = Call("sqrt", (tree.power(self._tree(argument), 2),))
                 return self._power(absolute, exponents[0]) if exponents else absolute
             case "call_power", (function, argument, exponent):
                 return self._power(self._call(function, argument), exponent)
@@ -202,15 +190,15 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         for sign, term in zip(rest[::2], rest[1::2], strict=True):
             settled = self._settled(term)
             if sign.type == "PLUS_MINUS":
-                settled = _each(settled, partial(multiply, self._sign(sign)))
-            terms.append(_each(settled, negate) if sign == "-" else settled)
+                settled = _each(settled, partial(tree.multiply, self._sign(sign)))
+            terms.append(_each(settled, tree.negate) if sign == "-" else settled)
         tables = [term for term in terms if isinstance(term, Table)]
         if len(tables) < len(terms) and all(table.shape == (1, 1) for table in tables):  # v^T v beside a formula
             terms, tables = [t.entries[0].formula if isinstance(t, Table) else t for t in terms], []
         formulas = [term for term in terms if not isinstance(term, Table)]
         if tables and any(formula != ZERO for formula in formulas):
             raise CheckError("sum of a matrix and a formula", remedy="add matrices only")
-        return reduce(Table.plus, tables) if tables else add(*formulas)
+        return reduce(Table.plus, tables) if tables else tree.add(*formulas)
 
     def _product(self, children: Children) -> Expression | Table:
         """Factors side by side, with signs of multiplication and division between them, and c before an angle."""
@@ -226,7 +214,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
                 raise _refused(child.offset, "two numbers side by side", remedy=r"write \cdot between them")
             before = child
             # c before an angle, as in c \theta_1; c^2 \theta is the square of the cosine
-            base, of_c = (child.base, child.exponent) if isinstance(child, _Raised) else (child, number(1))
+            base, of_c = (child.base, child.exponent) if isinstance(child, _Raised) else (child, tree.number(1))
             if not function and child is not children[-1] and isinstance(base, Symbol) and isinstance(of_c, Number):
                 function, exponent = self._names.circular(base), int(of_c.value)
                 if function:
@@ -234,15 +222,15 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             if function and isinstance(child, _Raised):  # what the angle bears belongs to the cosine
                 value: Expression | Table = self._power(Call(function, (self._tree(base),)), of_c)
             else:
-                value = power(Call(function, (self._tree(child),)), exponent) if function else self._settled(child)
+                value = tree.power(Call(function, (self._tree(child),)), exponent) if function else self._settled(child)
             if divide:
                 if isinstance(value, Table):
                     raise CheckError("division by a matrix", remedy="write the inverse out")
-                value = power(value, -1)
+                value = tree.power(value, -1)
             factors.append(value)
             function, divide = "", False
         formulas = [factor for factor in factors if not isinstance(factor, Table)]
-        scale = _bounded(multiply(*formulas))
+        scale = _bounded(tree.multiply(*formulas))
         tables = [factor for factor in factors if isinstance(factor, Table)]
         if not tables:
             return scale
@@ -251,7 +239,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             product = reduce(Table.times, tables)
         except CheckError:  # p x R f is p x (R f)
             product = reduce(lambda behind, before: before.times(behind), reversed(tables))
-        return product.changed(partial(multiply, scale)) if formulas else product
+        return product.changed(partial(tree.multiply, scale)) if formulas else product
 
     def _matrix(self, data: str, children: Children) -> Expression | Table:
         """A matrix, a list, or the transpose of one."""
@@ -280,7 +268,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         if self._names.signs is None:
             shown = f"inverse function {token}^{{-1}}" if exponent else f"{token} in a formula"
             raise _refused(token.start_pos, shown, remedy=r"write \operatorname{atan2}(y, x)")
-        if exponent and exponent != number(-1):
+        if exponent and exponent != tree.number(-1):
             raise _refused(token.start_pos, "exponent of a function", allowed="allowed: ^{-1} here")
         if len(arguments) == 2:
             return self._of_two(token, arguments)
@@ -300,15 +288,15 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         if not isinstance(exponent, Number) or exponent.value.denominator > 2:
             raise _refused(offset, "the exponent is not a whole number", remedy=r"write roots as \sqrt{}")
         # a half exponent is a root: x^(3/2) = sqrt(x)^3
-        tree, value = self._tree(base), exponent.value
+        whole, value = self._tree(base), exponent.value
         if value == 0:
             raise _refused(offset, "exponent 0", remedy="write 1; a frame's index stands on the left side only")
         if value.denominator == 2:
-            tree, value = Call("sqrt", (tree,)), 2 * value
-        inner = tree.exponent if isinstance(tree, Power) else 1  # powers of powers are joined
+            whole, value = Call("sqrt", (whole,)), 2 * value
+        inner = whole.exponent if isinstance(whole, Power) else 1  # powers of powers are joined
         if abs(value * inner) > FORMULA_LIMITS.exponent:
             raise _refused(offset, "exponent too large", allowed=f"allowed: at most {FORMULA_LIMITS.exponent}")
-        return _bounded(power(tree, int(value)))
+        return _bounded(tree.power(whole, int(value)))
 
 
 # How books write them, in Italian ones too.
@@ -369,7 +357,7 @@ def _bounded(e: Expression) -> Expression:
 def _number(token: Token) -> Expression:
     if len(token) > FORMULA_LIMITS.digits:
         raise _refused(token.start_pos, "number with too many digits", allowed=f"allowed: {FORMULA_LIMITS.digits}")
-    return number(Fraction(str(token).replace("{,}", ".")))
+    return tree.number(Fraction(str(token).replace("{,}", ".")))
 
 
 def _flat(token: Token) -> str:

@@ -157,9 +157,8 @@ class Meanings:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""
         if self.is_angular_first and target.quantity in _SIX_ROWS and not target.rows and not target.is_determinant:
             target = replace(target, rows=(4, 5, 6, 1, 2, 3))
-        if self.jacobian is not None and (
-            target.quantity == "detJ" or (target.is_determinant and target.quantity == "J")
-        ):
+        is_of_jacobian = target.quantity == "detJ" or (target.is_determinant and target.quantity == "J")
+        if self.jacobian is not None and is_of_jacobian:
             determinant = expression_to_sympy(self.jacobian.determinant.formula)
             return Right("detJ", sympy.ImmutableMatrix([[determinant]]), (0,), (0,))
         if target not in self._rights:

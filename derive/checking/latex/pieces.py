@@ -71,9 +71,8 @@ class LatexPiece:
         """A part of it."""
         first = self.text.count(MATRIX_MARK, 0, begin)
         text = self.text[begin:end]
-        return LatexPiece(
-            text, self.offset + begin, self.matrices[first : first + text.count(MATRIX_MARK)], self.inline
-        )
+        matrices = self.matrices[first : first + text.count(MATRIX_MARK)]
+        return LatexPiece(text, self.offset + begin, matrices, self.inline)
 
     def split(self, sign: str) -> list[LatexPiece]:
         """The parts of it between some signs."""
@@ -150,11 +149,8 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
                 inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
                 cells = [row.split("\v") for row in inner if row.text.strip("\v \n\r")]
                 # a column that is blank in all rows is a gap
-                gaps = {
-                    j
-                    for j, column in enumerate(zip(*cells, strict=False))
-                    if not any(cell.text.strip() for cell in column)
-                }
+                columns = enumerate(zip(*cells, strict=False))
+                gaps = {j for j, column in columns if not any(cell.text.strip() for cell in column)}
                 rows = tuple(tuple(cell for j, cell in enumerate(row) if j not in gaps) for row in cells)
                 found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV", child.name.endswith("cases"))))
                 signs.append(((child.begin[0], child.end[1]), MATRIX_MARK))

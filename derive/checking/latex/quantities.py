@@ -22,24 +22,20 @@ OF_LINK = (
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
 OWN = (
     *OF_LINK,
-    "twist",
-    "rates",
-    "accelerations",
-    "centre",
-    "lagrangian",
-    "gravity",
-    "task",
-    "centre_task",
-    "base",
-    "tool",
-    "end",
-    "J_at",
-    "in_plane",
-    "J_space",
-    "screw",
-    "body_screw",
-    "statics",
-    "statics_end",
+    *(
+        "twist",
+        "rates",
+        "accelerations",
+        "centre",
+        "lagrangian",
+        "gravity",
+        "task",
+        "centre_task",
+        "base",
+        "tool",
+        "end",
+    ),
+    *("J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
 )
 
 
@@ -60,23 +56,21 @@ def written(model: Model, e: Expr) -> Expr:
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     """A quantity by its name, in the world; None where it is one of the registry."""
     robot, places = model.robot, list(map(int, re.findall("[0-9]+", name)))
-    rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
-    jacobian = sympy.Matrix(model.quantity("J"))
+    rates, jacobian = sympy.Matrix(model.qd), sympy.Matrix(model.quantity("J"))
     match name.partition("[")[0], places:
         case "twist", _:
             return jacobian * rates
         case "rates", _:
             return rates
         case "accelerations", _:
-            return sympy.Matrix([sympy.Symbol(acceleration_name(joint.variable)) for joint in robot.joints])
+            return sympy.Matrix(model.qdd)
         case (kind, [link, frame]) if kind in OF_LINK:
             if (link == 0 and kind in ("omega", "alpha")) or (link > model.n and kind.startswith("joint")):
                 return sympy.zeros(3, 1)  # of the base, and of the end effector that nothing holds
             of_link = _of_link(model, kind, link)
             return model.frame(frame)[:3, :3].T * of_link if frame else of_link
         case "J_at", [frame]:  # of the origin of a frame
-            q = sympy.Matrix([sympy.Symbol(joint.variable) for joint in robot.joints])
-            return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(q).col_join(jacobian[3:, :])
+            return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(model.q).col_join(jacobian[3:, :])
         case "J_space", _:  # of the point of the end effector that is at the origin (Lynch and Park, section 5.1.1)
             end = sympy.Matrix(model.quantity("T")[:3, 3])
             columns = [jacobian[:3, k] + end.cross(jacobian[3:, k]) for k in range(model.n)]
@@ -87,7 +81,7 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return whole.T * sympy.Matrix([sympy.Symbol(force) if force in name else 0 for force in _WRENCH])
         case (("screw" | "body_screw"), [joint]):  # of a joint in the home position
             whole = own_quantity(model, "J_space") if name[0] == "s" else model.quantity("J_end")
-            return sympy.Matrix(whole)[:, joint - 1].subs({sympy.Symbol(j.variable): 0 for j in robot.joints})
+            return sympy.Matrix(whole)[:, joint - 1].subs(dict.fromkeys(model.q, 0))
         case "end", [frame]:  # the end effector seen from a frame
             last = model.quantity(f"T[{frame},{model.n}]")
             return last * own_quantity(model, "tool") if robot.tool else last
@@ -111,13 +105,12 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
 
 def _coordinates(model: Model, places: list[int]) -> Matrix:
     """x, y and the angle of a planar arm, or of the centre of mass of one of its links."""
-    robot, jacobian = model.robot, sympy.Matrix(model.quantity("J"))
     if places:
+        jacobian = sympy.Matrix(model.quantity("J"))
         turning, point = jacobian[3:, : places[0]], sympy.Matrix(own_quantity(model, f"centre[{places[0]}]"))
         if any(turning[:2, :]):
             raise QuantityError("the angle of an arm that is not planar")
-        angles = [sympy.Symbol(joint.variable) for joint in robot.joints[: places[0]]]
-        return sympy.Matrix([point[0], point[1], (turning[2, :] * sympy.Matrix(angles))[0, 0]])
+        return sympy.Matrix([point[0], point[1], (turning[2, :] * sympy.Matrix(model.q[: places[0]]))[0, 0]])
     first = expression_from_sympy(model.quantity("T")[0, 0])
     if not (isinstance(first, Call) and first.function == "cos"):
         raise QuantityError("the angle of an arm that is not planar")
@@ -126,8 +119,7 @@ def _coordinates(model: Model, places: list[int]) -> Matrix:
 
 def _energy(model: Model, kind: str, places: list[int]) -> Expr | None:
     """The Lagrangian, and the energies of one link."""
-    robot = model.robot
-    rates = sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+    robot, rates = model.robot, sympy.Matrix(model.qd)
     match kind, places:
         case "lagrangian", _:
             return model.quantity("kinetic") - (model.quantity("potential") if robot.gravity else 0)
@@ -147,7 +139,7 @@ def _of_link(model: Model, kind: str, link: int) -> Matrix:
         return _force_on_link(model, kind, link)
     if kind in ("omega", "alpha"):  # the sum over the joints before it
         turn = turning(model)
-        rates = turn * sympy.Matrix([sympy.Symbol(velocity_name(joint.variable)) for joint in robot.joints])
+        rates = turn * sympy.Matrix(model.qd)
         omega = (sympy.Matrix(model.quantity("J"))[3:, :] * turn.inv())[:, :moving] * rates[:moving, :]
         return omega if kind == "omega" else slope(robot, omega, "t")
     place = (model.quantity("T") if link > model.n else model.frame(link))[:3, 3]

@@ -373,13 +373,8 @@ class Scope:
         if left.arguments and not (self.document and left.head in "rhlD"):  # r(q_2, q_3), a length in the plane
             return ""
         rest = " ".join(other.text for other in self.equations[index] if other is not side)
-        if (
-            left.head in ANGLES
-            and not left.sub
-            and self.document
-            and _ARC.match(rest)
-            and not _OF_ROTATION.search(rest)
-        ):
+        is_angle = left.head in ANGLES and not left.sub
+        if is_angle and self.document and _ARC.match(rest) and not _OF_ROTATION.search(rest):
             return left.flat  # an angle of a triangle, phi = arctan(...), unless entries of a rotation give it
         is_product = re.fullmatch(r"\s*[A-Za-z](?: +[A-Za-z])+\s*", side.text) is not None
         with suppress(CheckError):  # what looks like one name is a product of known ones, such as dC_{23}
@@ -390,7 +385,6 @@ class Scope:
             return ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
-        is_angle = left.head in ANGLES and not left.sub
         is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian
         is_lent = left.head in _LENT if left.sub else left.flat in "ku" or is_length
         if not is_first or not (is_angle or is_lent):

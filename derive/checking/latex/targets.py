@@ -34,9 +34,8 @@ class Target:
     is_determinant: bool = False  # whether its determinant is meant
     turned: Turned = Turned.NOT  # whether the transpose of these rows and columns is meant, their inverse, or both
     entry: Indices = ()  # row and column of the one entry of all this that is meant
-    by: tuple[
-        str, ...
-    ] = ()  # by what it is differentiated: a joint variable or its velocity, "q", "qd" (all of them), "t"
+    # By what it is differentiated: a joint variable or its velocity, "q", "qd" (all of them), "t".
+    by: tuple[str, ...] = ()
 
 
 def candidates(
@@ -167,10 +166,8 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
         yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
     if left.head == "omega" and left.sub in AXES and not left.dots and left.sup + left.before in ("", *_BASE):
         yield Target("twist", (AXES[left.sub] + 3,))
-    if left.head in ("q", "theta") and left.dots == 2 and not left.sub + left.sup + left.arguments:
-        yield Target("accelerations")
-    if left.head in ("q", "theta") and left.dots == 1 and not left.sub + left.sup + left.arguments:
-        yield Target("rates")
+    if left.head in ("q", "theta") and left.dots in (1, 2) and not left.sub + left.sup + left.arguments:
+        yield Target("rates" if left.dots == 1 else "accelerations")
 
 
 # Letters of Newton and Euler's recursion with their dots, of a frame and of a centre of mass; gravity counts as an
@@ -286,11 +283,9 @@ def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
         if rows:
             yield Target("J", rows, (int(match[2]),))
             yield Target(f"J{'v' if rows == (1, 2, 3) else 'w'}_com[{match[2]}]")
-    if (match := re.fullmatch(r"([A-Za-z]+)([1-3])([1-9])", sub)) and int(match[3]) <= n:
-        offset = 3 * (match[1] in _ANGULAR)
-        yield from (
-            (Target("J", (int(match[2]) + offset,), (int(match[3]),)),) if match[1] in (*_LINEAR, *_ANGULAR) else ()
-        )
+    match = re.fullmatch(r"([A-Za-z]+)([1-3])([1-9])", sub)
+    if match and int(match[3]) <= n and match[1] in (*_LINEAR, *_ANGULAR):
+        yield Target("J", (int(match[2]) + 3 * (match[1] in _ANGULAR),), (int(match[3]),))
     if len(indices) == 1:
         yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
     if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:

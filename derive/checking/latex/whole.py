@@ -79,9 +79,8 @@ def base_letters(equations: Iterable[Sides]) -> frozenset[str]:
     lefts = [left for side in sides if (left := taken_apart(side.text)) and left.before and left.head in "TMRHJA"]
     letters = {left.before for left in lefts}
     frames = {left.sub + left.before_sub for left in lefts}
-    return frozenset(letters if len(letters) == 1 and len(lefts) > 2 and not letters & frames else ()) - set(
-        "0123456789"
-    )
+    is_reference = len(letters) == 1 and len(lefts) > 2 and not letters & frames
+    return frozenset(letters if is_reference else ()).difference("0123456789")
 
 
 def named_columns(equations: Iterable[Sides]) -> dict[str, int]:

@@ -62,8 +62,12 @@ def convention_drawing(convention: Convention) -> Drawing:
     _axis(paper, origin, x_before, 0, "x_{i-1}")
     _axis(paper, second, z_after, 2, "z_{i}")
     _axis(paper, second, x_after, 0, "x_{i}")
-    for arc in arcs:
-        _arc(paper, *arc)
+    for center, start, axis, angle, latex in arcs:
+        points = [_VIEW.flat(center + _ARC * _turned(start, axis, angle * k / 24)) for k in range(25)]
+        paper.draw(Path(tuple(points[:-2]), width=0.8))
+        paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
+        middle, heart = points[12], _VIEW.flat(center)
+        paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
     for length in lengths:
         _length(paper, *length)
     return moved(paper.items, 4.0, title)
@@ -78,14 +82,6 @@ def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str
     start, tip = _VIEW.flat(origin), _VIEW.flat(origin + _AXIS * direction)
     paper.arrow(start, tip, AXIS_COLORS[letter], 1.3)
     paper.label(latex, around(tip, (tip[0] - start[0], tip[1] - start[1]), 10.0), AXIS_COLORS[letter])
-
-
-def _arc(paper: Paper, center: Array, start: Array, axis: Array, angle: float, latex: str) -> None:
-    points = [_VIEW.flat(center + _ARC * _turned(start, axis, angle * k / 24)) for k in range(25)]
-    paper.draw(Path(tuple(points[:-2]), width=0.8))
-    paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
-    middle, heart = points[12], _VIEW.flat(center)
-    paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
 
 
 def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -> None:

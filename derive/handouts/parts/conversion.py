@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import compress
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
 from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, concatenate, italic, script
@@ -49,7 +50,10 @@ def conversion(context: Context) -> Iterator[Block]:
         "Each row of the new table takes the constant factor of a neighbouring row; the remaining factor goes into "
         "the base or the tool."
     )
-    if moved := pack(_moved(context, *ends)):
+    before, behind = (Box("-1", 8.0), EMPTY) if context.is_standard else (EMPTY, Box("-1", 8.0))
+    first, last = script(bold("X"), italic("0"), before), script(bold("X"), italic(str(context.robot.n)), behind)
+    both = concatenate(NEW_BASE, EQUALS, BASE, first), concatenate(NEW_TOOL, EQUALS, last, TOOL)
+    if moved := pack(compress(both, ends)):
         yield Rows(tuple(moved))
     yield table_rows(new)
     if lines := end_lines(new, NEW_BASE, NEW_TOOL):
@@ -85,15 +89,6 @@ def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
         boxes.append(concatenate(opening, *pair, closing))
     boxes += [] if tool is None else [tool]
     return Equation(bold("T"), tuple(TexPiece(box, Break.COMMA if k else Break.NEVER) for k, box in enumerate(boxes)))
-
-
-def _moved(context: Context, has_base: bool, has_tool: bool) -> Iterator[Box]:
-    before, behind = (Box("-1", 8.0), EMPTY) if context.is_standard else (EMPTY, Box("-1", 8.0))
-    first, last = script(bold("X"), italic("0"), before), script(bold("X"), italic(str(context.robot.n)), behind)
-    if has_base:
-        yield concatenate(NEW_BASE, EQUALS, BASE, first)
-    if has_tool:
-        yield concatenate(NEW_TOOL, EQUALS, last, TOOL)
 
 
 def _links(new: Context, found: Conversion) -> Iterator[Block]:

@@ -29,11 +29,25 @@ where four points are one it is known to a third of its digits."""
 ON_CONIC = Fraction(1, 10**9)
 
 
-def line_points(field: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
+def line_points(f: Field[N, M], coefficients: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
     """The four common points of the unit circle and a conic."""
-    scale = field.divide(field.number(1), field.sqrt(reduce(add, [k * k for k in coefficients])))
-    unit = [k * scale for k in coefficients]
-    return [point for line in _lines(field, unit) for point in _on_line(field, line, unit)]
+    size = f.divide(f.number(1), f.sqrt(reduce(add, [k * k for k in coefficients])))
+    unit = [k * size for k in coefficients]
+    points: list[tuple[N, N, M, M, M]] = []
+    for a, b, d in _lines(f, unit):
+        # The foot of the line from the centre, -d (a, b)/square, and half the chord to either side.
+        square = a * a + b * b
+        radicand = square - d * d
+        exists, double = f.has_root(radicand, square), f.merges(radicand, square)
+        root = f.select(double, f.number(0), f.sqrt(radicand))
+        doubt = f.merges(radicand, square * f.number(DOUBTFUL[0]))
+        doubt = doubt & f.has_root(radicand, square * f.number(DOUBTFUL[1]))
+        for sign, real in ((1, exists), (-1, exists & ~double)):
+            c, s = f.divide(-(a * d) - sign * (b * root), square), f.divide(sign * (a * root) - b * d, square)
+            c, s, value = _polished(f, c, s, unit)
+            near = f.number(ON_CONIC)
+            points.append((c, s, real & f.merges(value * value - near * near, f.number(0)), exists & double, doubt))
+    return points
 
 
 def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
@@ -103,24 +117,6 @@ def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
         still = f.merges(bottom, f.number(0))
         x = x - f.select(still, f.number(0), f.divide(value * slope, bottom))
     return f.select(negative, -x, x)
-
-
-def _on_line(f: Field[N, M], line: Vector[N], unit: Sequence[N]) -> list[tuple[N, N, M, M, M]]:
-    """The two points of the circle on a line, moved onto the conic."""
-    a, b, d = line
-    # The foot of the line from the centre, -d (a, b)/square, and half the chord to either side.
-    square = a * a + b * b
-    radicand = square - d * d
-    exists, double = f.has_root(radicand, square), f.merges(radicand, square)
-    root = f.select(double, f.number(0), f.sqrt(radicand))
-    doubt = f.merges(radicand, square * f.number(DOUBTFUL[0])) & f.has_root(radicand, square * f.number(DOUBTFUL[1]))
-    points: list[tuple[N, N, M, M, M]] = []
-    for sign, real in ((1, exists), (-1, exists & ~double)):
-        cosine, sine = f.divide(-(a * d) - sign * (b * root), square), f.divide(sign * (a * root) - b * d, square)
-        cosine, sine, value = _polished(f, cosine, sine, unit)
-        near = f.number(ON_CONIC)
-        points.append((cosine, sine, real & f.merges(value * value - near * near, f.number(0)), exists & double, doubt))
-    return points
 
 
 def _polished(f: Field[N, M], cosine: N, sine: N, unit: Sequence[N]) -> tuple[N, N, N]:

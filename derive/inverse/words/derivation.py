@@ -84,7 +84,12 @@ class PrintedDerivation:
         variables = [joint.variable for joint in robot.joints]
         taken = {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND}
         self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
-        within = self._names_within_arm()
+        # what the pose within the arm has that no entry of the pose is, but for its sign
+        within = {
+            name: self._scribe.name((f"w{'xyz'[int(at[1]) - 1]}" if at[2] == "4" else f"w{at[1]}{at[2]}",))
+            for name, p in graph.definitions
+            if (at := _PLACE.fullmatch(name)) and not is_plain(p)
+        }
         zero = dict(zip(variables, graph.shifts, strict=True))  # sums of angles have the sums of their shifts
         constants = (substitute(g.expression, zero) for g in graph.domain.generators if g.kind not in _SYMBOLS)
         extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
@@ -109,16 +114,6 @@ class PrintedDerivation:
     def written(self, p: Polynomial) -> Expr:
         """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
-
-    def _names_within_arm(self) -> dict[str, str]:
-        """Names for what the pose within the arm has that no entry of the pose is, but for its sign."""
-        found = dict[str, str]()
-        for name, p in self._graph.definitions:
-            place = _PLACE.fullmatch(name)
-            if place is not None and not is_plain(p):
-                row, column = int(place[1]), int(place[2])
-                found[name] = self._scribe.name((f"w{'xyz'[row - 1]}" if column == 4 else f"w{row}{column}",))
-        return found
 
     def _generators(self, names: Mapping[tuple[int, int], str]) -> dict[str, Polynomial]:
         """What the generators of the graph's ring are, but those that are defined by others."""

@@ -142,10 +142,7 @@ def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
 
 
 def exceeded(
-    times: Array,
-    values: Mapping[str, Array],
-    bounds: Bounds,
-    functions: Mapping[str, Function] | None = None,
+    times: Array, values: Mapping[str, Array], bounds: Bounds, functions: Mapping[str, Function] | None = None
 ) -> tuple[Violation, ...]:
     """Each limit that is exceeded at times (rows,) by values (rows, n), where it is exceeded most, joint by joint."""
     found = []

@@ -167,11 +167,7 @@ def mean_weights(count: int) -> Array:
 
 
 def loads(
-    start: float,
-    end: float,
-    samples: int,
-    state: Callable[[Array], tuple[Array, Array]],
-    corners: Iterable[float] = (),
+    start: float, end: float, samples: int, state: Callable[[Array], tuple[Array, Array]], corners: Iterable[float] = ()
 ) -> tuple[Load, ...]:
     """What each joint does in a segment, whose torques may jump at its ends and its corners [s]."""
     count, length = max(2 * samples, LEAST_INTERVALS), end - start
