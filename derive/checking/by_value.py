@@ -87,7 +87,8 @@ class ByValue:
         if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
-        if not (names_of_pose(*formulas) or used & (self._joints | self._rates)):
+        moving = self._rates if left is not None and left.dots else self._joints | self._rates
+        if not (names_of_pose(*formulas) or used & moving):
             return ""
         if all(map(_says_little, formulas)) and not self._turns_a_link(used, *formulas):
             return ""
@@ -109,11 +110,8 @@ class ByValue:
     def _like(self, wanted: Array, is_dynamic: bool) -> Iterator[str]:
         """Names of what has these values at the points."""
         for turned in (wanted, wanted.swapaxes(1, 2)) if 1 in wanted.shape[1:] else (wanted,):
-            if (
-                len(turned)
-                and turned.shape[1:] in (groups := self._by_shape(is_dynamic))
-                and np.abs(turned).max() > _CLOSE
-            ):
+            groups = self._by_shape(is_dynamic)
+            if len(turned) and turned.shape[1:] in groups and np.abs(turned).max() > _CLOSE:
                 labels, known = groups[turned.shape[1:]]
                 gaps = np.abs(known - turned) / (1 + np.abs(turned))
                 equal = gaps.reshape(len(labels), -1).max(axis=1) < _CLOSE
@@ -223,14 +221,12 @@ class ByValue:
 
     def keeps_pose(self, values: Mapping[str, Expression]) -> bool:
         """Whether the end effector stays where it is with other values of some joints."""
-        formulas = [expression_from_sympy(e) for e in self._model.quantity("T")]
-        used = {name for e in (*formulas, *values.values()) for name in names(e)}
-        for at in self._at:
-            here = {name: at[name] for name in used}
-            there = here | {name: float_value(e, here) for name, e in values.items()}
-            if any(abs(float_value(e, here) - float_value(e, there)) > _CLOSE for e in formulas):
-                return False
-        return True
+        pose = self._model.quantity("T")
+        used = {name for e in values.values() for name in names(e)} | {*map(str, pose.free_symbols)}
+        here = [{name: at[name] for name in used} for at in self._at]
+        there = [at | {name: float_value(e, at) for name, e in values.items()} for at in here]
+        pairs = zip(here, there, strict=True)
+        return all(np.allclose(matrix_value(pose, one), matrix_value(pose, other)) for one, other in pairs)
 
     def _exponentials(self) -> Iterator[Named]:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""

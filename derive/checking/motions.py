@@ -1,8 +1,4 @@
-"""Printed equations of motion: what each should be, and which torques make the arm move so that it holds.
-
-A page divides such an equation by a mass, solves it for an acceleration, or makes it linear near rest, and calls the
-torque what it likes. M(q) qdd + C(q, qd) qd + g = tau says all of it.
-"""
+"""Printed equations of motion: what each should be, and which torques make the arm move so that it holds."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -63,11 +59,7 @@ class Motions:
         return best[1:]
 
     def driven(self, zero: Expression, letters: Sequence[str]) -> str:
-        """Which torques alone make the arm move so that a formula with accelerations is zero; empty if none do.
-
-        The letters in it may be the torques. A formula that is linear in what moves may be meant near rest with all
-        joint variables zero.
-        """
+        """Which torques, its letters perhaps, make a formula with accelerations zero if they alone drive, or none."""
         is_known = self._robot.has_dynamics and max(len(self._joints), len(letters)) <= MOST_ACCELERATED
         if not is_known or {*names(zero)}.isdisjoint(self._accelerations):
             return ""
@@ -100,15 +92,13 @@ class Motions:
     def _is_linear(self, zero: Expression) -> bool:
         """Whether a formula doubles with all that moves in it."""
         moving = {*self._joints, *self._rates, *self._accelerations}
-        for at in self._points:
-            once = {name: at[name] for name in names(zero)}
-            twice = {name: x * 2 if name in moving or name[0] == "?" else x for name, x in once.items()}
-            if abs(float_value(zero, twice) - 2 * float_value(zero, once)) > _EXACT:
-                return False
-        return True
+        scales = {name: 2 if name in moving or name[0] == "?" else 1 for name in names(zero)}
+        sizes = (
+            [float_value(zero, {n: at[n] * k**i for n, k in scales.items()}) for i in (0, 1)] for at in self._points
+        )
+        return all(abs(twice - 2 * once) < _EXACT for once, twice in sizes)
 
 
 def matrix_value(matrix: Matrix, at: Mapping[str, float]) -> Array:
     """The value of a matrix at a point."""
-    values = [float_value(expression_from_sympy(e), at) for e in matrix]
-    return np.array(values).reshape(matrix.shape)
+    return np.array([float_value(expression_from_sympy(e), at) for e in matrix]).reshape(matrix.shape)

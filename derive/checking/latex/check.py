@@ -14,6 +14,7 @@ from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
 from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
+from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
 from derive.checking.latex.conditions import explaining
 from derive.checking.latex.equations import Sides, listed
@@ -25,14 +26,6 @@ from derive.checking.latex.quantities import OF_LINK
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target
-from derive.checking.latex.whole import (
-    divided_rows,
-    names_its_columns,
-    other_factorisation,
-    refuse_other_arm,
-    uncertain_entries,
-    unused,
-)
 from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
@@ -69,8 +62,8 @@ def check_latex(
         check = _Check(Scope(model, text, where, document, cosine_first=order), quantity)
         if alone:
             texts = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
-            refuse_other_arm(model.robot, texts, where)
-        return check, divided_rows(model.robot, other_factorisation(model, tuple(check.findings())))
+            whole.refuse_other_arm(model.robot, texts, where)
+        return check, whole.divided_rows(model.robot, whole.other_factorisation(model, tuple(check.findings())))
 
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
     order = False if document and _CAPITAL.search(text) else None
@@ -87,7 +80,7 @@ def check_latex(
         if gain > 0 >= less:
             check, findings = other
             check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
-    lone = uncertain_entries(findings, model.n) if document else frozenset()
+    lone = whole.uncertain_entries(findings, model.n) if document else frozenset()
     check.skipped += (Skipped(f.location, _LONE, f.text) for f in findings if f in lone)
     findings = tuple(finding for finding in findings if finding not in lone)
     begins = tuple(check.plain.location(sides[0].start) for sides in check.scope.equations)
@@ -180,10 +173,10 @@ class _Check(SideReading):
     @property
     def _names_the_pose(self) -> bool:
         """Whether the text says that r_11 ... p_z are the entries of the whole transform, and of no other one."""
-        sides = (e[0] for e in self.scope.equations if any(map(names_its_columns, e)))
+        sides = (e[0] for e in self.scope.equations if any(map(whole.names_its_columns, e)))
         targets = [self.meanings.targets(left)[:1] for side in sides if (left := taken_apart(side.text))]
-        whole = ("T", f"T[0,{self.robot.n}]", f"T[{self.robot.n},0]")
-        return bool(targets) and all(target.quantity in whole for first in targets for target in first or (Target(""),))
+        every = ("T", f"T[0,{self.robot.n}]", f"T[{self.robot.n},0]")
+        return bool(targets) and all(target.quantity in every for first in targets for target in first or (Target(""),))
 
     def _under_conditions(self, finding: Finding) -> Iterator[Finding]:
         """A verdict, right where a condition of the text makes it so; none where that is not certain to be meant."""
@@ -275,7 +268,7 @@ class _Check(SideReading):
             yield from self._said_twice()
             yield from self._defined()
             alone = [one for one in self.scope.defined() if len(self.scope.definitions[one[0]]) == 1]
-            for name, _, _, side in unused(alone, self.scope.equations, compared):
+            for name, _, _, side in whole.unused(alone, self.scope.equations, compared):
                 left = taken_apart(side.text)
                 if left is None or not left.is_point or self._stands_for(left) is None:
                     self._skip_for(side, f"defines {name}, which no formula uses that is compared")

@@ -364,13 +364,15 @@ class Comparing:
         return not self.joints.keys().isdisjoint(map(str, self.model.quantity("T")[2, 3].free_symbols))
 
     def _refuse_sign(self, name: Side, chosen: tuple[Finding, ...]) -> None:
-        """The sign of det J depends on the order of rows; where the text does not print them it is not known."""
-        for found in chosen if self.document and not (self.meanings.has_jacobian or self.meanings.jacobian) else ():
-            question = found.question if found.quantity in ("detJ", "det J") and not found.verdict.equal else None
+        """The sign of det J depends on the order of rows, that of tau_g on its side of the equation of motion."""
+        is_torque = name.left is not None and name.left.flat == "taug" and not self.meanings.has_gravity_opposed
+        is_open = not (self.meanings.has_jacobian or self.meanings.jacobian)
+        for found in chosen if self.document else ():
+            is_signed = (is_open and found.quantity in ("detJ", "det J")) or (is_torque and found.quantity == "g")
+            question = found.question if is_signed and not found.verdict.equal else None
             if question and compare(self.robot, negate(question.right), question.printed).equal:
-                raise self._refused(
-                    name.piece, "the sign depends on the order of the rows, which the text does not print"
-                )
+                what = "side of the equation of motion" if is_torque else "order of the rows"
+                raise self._refused(name.piece, f"the sign depends on the {what}, which the text does not print")
 
     def _posed(self, poses: Poses, known: set[str], name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings with the usual meaning of names of the pose, and the meaning of points that makes all right."""

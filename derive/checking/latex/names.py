@@ -206,6 +206,6 @@ def sum_of_angles(robot: Robot, digits: str) -> tuple[Expression, ...]:
 
 def _alike(name: str) -> tuple[str, str, str]:
     """What names share that differ in underscores; in the place of the digits too; and in case too."""
-    joined = name.replace("_", "")
+    joined = re.sub("^var(?=phi|theta)", "", name.replace("_", ""))
     digits_last = "".join(sorted(joined, key=str.isdigit))
     return joined, digits_last, digits_last.casefold()

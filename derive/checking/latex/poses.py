@@ -175,8 +175,10 @@ class Poses:
             if not all(map(_is_right, found[0][1])):
                 found += [(r, [self._read(claim, r) for claim in own.values()]) for r in readings[1:]]
             chosen, verdicts = max(found, key=lambda pair: sum(map(_is_right, pair[1])))
-            if group is Settled.PLACE and self._names.wrist and sum(map(_is_right, verdicts)) <= CERTAIN:
-                chosen, verdicts = found[0]  # beside names of the wrist p_x is hardly that of the wrist
+            right = sum(map(_is_right, verdicts))
+            # most need another origin; beside names of the wrist p_x is hardly that of the wrist
+            if group is Settled.PLACE and (2 * right < len(verdicts) or (self._names.wrist and right <= CERTAIN)):
+                chosen, verdicts = found[0]
             if chosen.reference and group in (Settled.TURN, Settled.WRIST):  # before R_36 is spoken of, as usual
                 usual = [self._read(claim, self.readings[0]) for claim in own.values()]
                 verdicts = [u if _is_right(u) else f for u, f in zip(usual, verdicts, strict=True)]

@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from itertools import chain, islice, product
 
 from derive.checking.inverse.latex import printed_words
+from derive.checking.latex import whole
 from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
@@ -21,21 +22,8 @@ from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
-from derive.checking.latex.whole import (
-    OF_ANGLE,
-    Defined,
-    are_sine_and_cosine,
-    base_letters,
-    chained,
-    factors,
-    named_columns,
-    named_entries,
-    of_every_link,
-    opposes_gravity,
-    other_capitals,
-    torque_index,
-)
 from derive.errors import CheckError, Location
+from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, is_constant, multiply, names, negate, number
@@ -79,20 +67,20 @@ class Scope:
             raise CheckError(nothing, remedy="write a formula or an equation", location=start)
         typed = [[text[side.start : side.end] for side in equation] for equation in self.equations]
         # what the text defines is read first: the order of Christoffel indices, then abbreviations
-        orders = {i: order for i, texts in enumerate(typed) if (order := torque_index(texts)) is not None}
+        orders = {i: order for i, texts in enumerate(typed) if (order := whole.torque_index(texts)) is not None}
         self.meanings = Meanings(model)
         plain = cleaned(text, has_time)
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
-        self._foreign = other_capitals(self.robot, self.equations, words)
+        self._foreign = whole.other_capitals(self.robot, self.equations, words)
         self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
-        columns = named_columns(self.equations) if document else {}
+        columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
         self.poses = Poses(model, plain, columns) if document else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
-        self.meanings.bases = base_letters(self.equations) if document else frozenset()
+        self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
         self._define()
@@ -103,12 +91,12 @@ class Scope:
         self.meanings.reading = self._settled_reading()
         self._settle_world()
         self.meanings.is_angular_first = self._settled_rows()
-        self.meanings.has_gravity_opposed = any(map(opposes_gravity, typed))
+        self.meanings.has_gravity_opposed = any(map(whole.opposes_gravity, typed))
         if self.meanings.has_gravity_opposed:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
         self._settle_jacobian()
-        self.namings = list(named_entries(self.equations)) if document else []
+        self.namings = list(whole.named_entries(self.equations)) if document else []
 
     @cached_property
     def shifts(self) -> dict[str, Expression]:
@@ -126,7 +114,7 @@ class Scope:
                             found[joint.name] = value
         return found
 
-    def defined(self) -> Iterator[Defined]:
+    def defined(self) -> Iterator[whole.Defined]:
         """Names with the number of the equation that defines each, what it stands for, and the side that it is."""
         for name, meanings in self.definitions.items():
             for index, meaning in meanings:
@@ -249,13 +237,15 @@ class Scope:
     def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
         """A product of transforms is a chain in one order of the frames only."""
         usual = self.meanings.reading
-        for lefts in filter(None, (factors(side.text) for e in self.equations for side in e if not side.matrices)):
+        for lefts in filter(
+            None, (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
+        ):
             scripts, *others = {left.scripts for left in lefts}
             if others or scripts is None:
                 continue
             fits = []
             for self.meanings.reading in (frozenset[Scripts](), frozenset(Scripts)):
-                fits.append(chained(self.meanings, lefts) is not None)
+                fits.append(whole.chained(self.meanings, lefts) is not None)
             votes[scripts] += fits[1] - fits[0]
             seen[scripts] += fits[1] != fits[0]
         self.meanings.reading = usual
@@ -278,7 +268,9 @@ class Scope:
         self.names: set[tuple[int, int]] = set()
         self._of_links: dict[str, Expression] = {}
         self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
-        several = [(i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(factors(s.text) for s in e)]
+        several = [
+            (i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(whole.factors(s.text) for s in e)
+        ]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
         waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._quantities(*some[1:]))
@@ -287,7 +279,7 @@ class Scope:
             if len(left) == len(waiting):
                 break
             waiting = left
-        for name, side in of_every_link(self.equations, self.robot.n) if self.document else ():
+        for name, side in whole.of_every_link(self.equations, self.robot.n) if self.document else ():
             if not self.plain.names.knows(name):
                 with suppress(CheckError):
                     self._of_links[name] = self.reader(0).formula(side)
@@ -312,12 +304,12 @@ class Scope:
         r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
         if self.document and _SQUARED.fullmatch(side.text.strip()):
             return Call("sqrt", (meaning,))
-        match = OF_ANGLE.fullmatch(side.text.strip())
+        match = whole.OF_ANGLE.fullmatch(side.text.strip())
         if match is None or self._signs is None:
             return meaning
         pair = self._circles.setdefault(name, {})
         pair[match["function"]] = meaning
-        if {"sin", "cos"} <= pair.keys() and are_sine_and_cosine(pair["sin"], pair["cos"]):
+        if {"sin", "cos"} <= pair.keys() and whole.are_sine_and_cosine(pair["sin"], pair["cos"]):
             return Call("atan2", (pair["sin"], pair["cos"]))
         sign, half = next(self._signs), multiply(number(Fraction(1, 2)), Pi())
         principal = Call("a" + match["function"], (meaning,))
@@ -353,7 +345,7 @@ class Scope:
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
         left = None if side.matrices else taken_apart(side.text)
-        if self.document and (match := OF_ANGLE.fullmatch(side.text.strip())) is not None:
+        if self.document and (match := whole.OF_ANGLE.fullmatch(side.text.strip())) is not None:
             angle = taken_apart(match["angle"])
             texts = (other.text for other in self.equations[index] if other is not side)
             is_free = angle and (not self._is_pose(angle) or any(map(_OF_PLACE.search, texts)))
@@ -401,6 +393,10 @@ class Scope:
         if not left.is_plain or left.head not in ("d", "theta") or left.flat in own_names(self.robot):
             return False
         variable = self.plain.names.meaning(Symbol(left.flat, 0)) if self.is_own(left) else None
+        if isinstance(variable, Sum):  # theta_{23} = q_2 - q_3, an angle of the author's own
+            with suppress(CheckError):
+                cells = [self.plain.formula(side) for side in self.equations[index][1:]]
+                return any(isinstance(e, Sum) and not compare(self.robot, e, variable).equal for e in cells)
         if not isinstance(variable, Name):
             return False
         joints, own = {joint.variable for joint in self.robot.joints}, (variable, negate(variable))

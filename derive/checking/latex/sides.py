@@ -1,7 +1,7 @@
 """What the sides of one printed equation say: quantities by their names, formulas, matrices, products of transforms."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, reduce
@@ -100,8 +100,8 @@ class SideReading(Comparing):
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
-        by_value = self._singular(equation) or self._of_motion(equation) or (*self._sides_by_value(equation),)
-        return by_value or self._of_unknown(index, equation)
+        found = self._singular(equation) or self._of_motion(equation) or (*self._sides_by_value(equation),)
+        return found or self._of_unknown(index, equation)
 
     def _singular(self, equation: Sides) -> tuple[Finding, ...]:
         """That the arm is singular where an equation holds, as the sentence around it says."""
@@ -143,31 +143,31 @@ class SideReading(Comparing):
     def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values beside a name, or a matrix of names, of the author's own."""
         for first, others in ((equation[0], equation[1:]), (equation[-1], equation[:-1])):
-            # beside a sum that cannot be read, the value of the other side says nothing
-            is_sum = re.search("[-+]", re.sub(r"\{[^{}]*\}|\([^()]*\)", "", first.text).strip(" -"))
-            lefts = [taken_apart(cell.text) for cell in first.cells]
-            # v_x is that of the end effector
-            is_own = not is_sum if first is equation[0] else taken_apart(first.text) is not None
-            is_name = all(one and one.sub not in AXES for one in lefts) if first.matrices else is_own
-            if is_name and not self._is_read(first):
-                yield from self._named_by_value(first, others)
-                return
+            if not self._is_own_name(first, is_first=first is equation[0]):
+                continue
+            for side in others:
+                if all(taken_apart(cell.text) for cell in side.cells or (side,)) and (
+                    side.matrices or len(others) == 1
+                ):
+                    continue  # names beside names
+                with suppress(CheckError):
+                    where = self.plain.location(side.start)
+                    value = next(self._matrices.values(side), None) or self.reader.value(side)
+                    if found := self._by_value(value, first.text, self._typed(side), where):
+                        yield found
+            return
 
-    def _is_read(self, side: LatexPiece) -> bool:
+    def _is_own_name(self, side: LatexPiece, *, is_first: bool) -> bool:
+        """Whether a side that cannot be read is a name, or a matrix of names."""
         with suppress(CheckError):
             value = self.reader.value(side)
-            return not isinstance(value, Table) or not any(entry.unknown for entry in value.entries)
-        return False
-
-    def _named_by_value(self, first: LatexPiece, others: Sequence[LatexPiece]) -> Iterator[Finding]:
-        for side in others:
-            if all(taken_apart(cell.text) for cell in side.cells or (side,)) and (side.matrices or len(others) == 1):
-                continue  # names beside names
-            with suppress(CheckError):
-                where = self.plain.location(side.start)
-                value = next(self._matrices.values(side), None) or self.reader.value(side)
-                if found := self._by_value(value, first.text, self._typed(side), where):
-                    yield found
+            if not isinstance(value, Table) or not any(entry.unknown for entry in value.entries):
+                return False
+        if side.matrices:  # v_x is that of the end effector
+            return all((left := taken_apart(cell.text)) and left.sub not in AXES for cell in side.cells)
+        # beside a sum that cannot be read, the value of the other side says nothing
+        tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
+        return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
 
     def _with_letters(self, index: int, equation: Sides, letters: set[str]) -> tuple[Expression, list[str]]:
         """The difference of the first and the last side, and the names in it that stand for themselves."""
@@ -196,8 +196,9 @@ class SideReading(Comparing):
                         note = f"where {letters[0]} is {meant}"
                 if note:
                     (text, *_, other), where = map(self._typed, equation), self.plain.location(equation[0].start)
-                    right = Verdict(True, False)
-                    return (Finding(text, 0, 0, Role.IDENTITY, other, right, "", where, note=f", {note}"),)
+                    return (
+                        Finding(text, 0, 0, Role.IDENTITY, other, Verdict(True, False), "", where, note=f", {note}"),
+                    )
         return ()
 
     def identity(self, side: Side, first: Side) -> Side:
@@ -315,20 +316,15 @@ class SideReading(Comparing):
     def _same_pose(self) -> frozenset[str]:
         r"""Labels of solutions that move some joints and not the end effector: \theta_4' = \theta_4 + \pi, ..."""
         solutions: dict[str, dict[str, Expression]] = {}
-        for equation in self.scope.equations:
-            left = taken_apart(equation[0].text)
-            joint = self._branch_of(left) if left is not None and len(equation) > 1 else None
+        for first, *others in self.scope.equations:
+            left = taken_apart(first.text) if others else None
+            joint = self._branch_of(left) if left is not None else None
             with suppress(CheckError):
-                if left is not None and isinstance(joint, Name):
-                    solutions.setdefault(self._label(left), {})[joint.name] = self.reader.formula(equation[-1])
-        moving = {label: {q: e for q, e in values.items() if e != Name(q)} for label, values in solutions.items()}
-        known = self.joints.keys() | self.parameters
-        return frozenset(
-            label
-            for label, values in moving.items()
-            if len(values) > 1 and known.issuperset(n for e in values.values() for n in names(e))
-            if self._values.keeps_pose(values)
-        )
+                if left is not None and isinstance(joint, Name) and (value := self.reader.formula(others[-1])) != joint:
+                    solutions.setdefault(self._label(left), {})[joint.name] = value
+        known, keeps = self.joints.keys() | self.parameters, self._values.keeps_pose
+        own = {x: v for x, v in solutions.items() if known.issuperset(n for e in v.values() for n in names(e))}
+        return frozenset(label for label, values in own.items() if len(values) > 1 and keeps(values))
 
     @staticmethod
     def _label(left: Left) -> str:

@@ -325,14 +325,14 @@ def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, 
     factors = {int(match["row"]): match["by"] for match in equations if match}
 
     def mended(f: Finding) -> Finding:
-        if f.quantity not in ("B", "Cqd", "g") or f.row not in factors or f.question is None or f.verdict.equal:
+        if f.quantity not in ("B", "Cqd", "g") or f.row not in factors or f.question is None:
             return f
-        printed = multiply(f.question.printed, parse_expression(factors[f.row], f.location))
+        right, factor = f.question.right, parse_expression(factors[f.row], f.location)
+        is_right = not f.verdict.equal and compare(robot, right, multiply(f.question.printed, factor)).equal
         note = f", of the equation divided by {factors[f.row]}"
-        is_right = compare(robot, f.question.right, printed).equal
         return replace(f, verdict=Verdict(True, True), note=note, cause="", question=None) if is_right else f
 
-    return tuple(map(mended, findings))
+    return tuple(map(mended, findings)) if factors else findings
 
 
 # A name, the number of the equation that defines it, what it stands for, and the side that it is.
