@@ -9,7 +9,7 @@ from derive.checking.latex.meanings import Meanings
 from derive.checking.latex.poses import MARK, Poses
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, candidates
-from derive.checking.latex.whole import chained, factors, frames_of
+from derive.checking.latex.whole import chained, factors, frames_of, unused
 from derive.errors import Location
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Pi, number
@@ -27,7 +27,11 @@ def scope(text: str) -> Scope:
 def test_definitions_may_stand_behind_their_use_and_those_without_use_are_told() -> None:
     found = scope(r"$$x = k c_1 + h$$ $$h = k_2 c_{12}$$ $$k_2 = a_2$$ $$k = a_1$$ $$z_9 = a_1$$")
     assert sorted(found.definitions) == ["h", "k", "k2", "z9"]
-    assert [name for name, _ in found.unused()] == ["z9"]
+    alone = {
+        compared: [name for name, *_ in unused(found.defined(), found.equations, {*compared})]
+        for compared in ((0,), ())
+    }
+    assert alone == {(0,): ["z9"], (): ["h", "k2", "k", "z9"]}
 
 
 def test_the_reading_is_what_most_matrices_need() -> None:
