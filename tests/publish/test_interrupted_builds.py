@@ -97,7 +97,7 @@ def test_processes_that_die_leave_no_temporary_file(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     robots = [Robot.load("planar-2r-perugia"), Robot.load("scara-perugia")]
-    done = build._run(die_over_a_file, robots, 2, None)
+    done = build.for_each(die_over_a_file, robots, 2)
     assert [str(failure.error) for failure in done] == ["the process that built it was killed"] * 2
     assert list(tmp_path.iterdir()) == []
 
