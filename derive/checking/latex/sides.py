@@ -57,9 +57,8 @@ class SideReading(Comparing):
         right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
         if not side.factors or not named:
             return None
-        if (
-            side.frames is not None and side.frames in frames
-        ):  # they lead from the one to the other frame of what is named
+        # they lead from the one to the other frame of what is named
+        if side.frames is not None and side.frames in frames:
             return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
         is_turned = side.frames is not None and side.frames[::-1] in frames
         if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
