@@ -20,6 +20,7 @@ Ways = tuple[Expression, Expression]  # one magnitude for each way in which a jo
 Matrix = tuple[tuple[Expression, ...], ...]  # rows of cells; a homogeneous transform has four of four
 # The transform that changes nothing.
 IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
+BASE = "base"  # what rows of a tree that stand on the base, or on a root that moves, are said to follow
 
 
 class Convention(StrEnum):
@@ -55,6 +56,25 @@ def _cells_text(**cells: Expression | Ways) -> str:
     return ", ".join(f"{name}={pair_text(cell)}" for name, cell in cells.items() if cell != ZERO)
 
 
+class RootType(StrEnum):
+    """How the root of a tree moves."""
+
+    PLANAR = "planar"
+    FLOATING = "floating"
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """Where a row of a tree stands: behind which row, and what is constant between that and its own cells."""
+
+    after: str  # label of the row that it follows, or `BASE`
+    mount: Matrix = IDENTITY  # constant 4x4 transform before all else of the row
+    # Angle [rad] and offset [m] about and along z of the row that it follows, behind the mount; modified convention
+    # (Khalil and Kleinfinger 1986).
+    gamma: Expression = ZERO
+    b: Expression = ZERO
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Joint:
     """One row of the table.
@@ -76,6 +96,7 @@ class Joint:
     torque: Expression | None = None  # largest torque or force, either way [N m or N], or None
     # Free text by which others know the joint, such as ``shoulder_pan``; inert in every output; or empty.
     name: str = ""
+    stand: Stand | None = None  # None where it follows the joint of the row above with nothing between
 
     @property
     def label(self) -> str:
@@ -174,6 +195,38 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
+class FixedRow:
+    """A row of a tree without motion: a constant transform, and perhaps a body."""
+
+    name: str  # by which rows and ends follow it
+    stand: Stand  # where it stands
+    theta: Expression = ZERO  # angle about z [rad]
+    d: Expression = ZERO  # offset along z [m]
+    a: Expression = ZERO  # link length [m]
+    alpha: Expression = ZERO  # link twist [rad]
+    link: Link | None = None  # its body, in its own frame; None without dynamics
+    row: int | None = None  # its place in the table of the file, from 0; None of a root that moves
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """An end of a tree."""
+
+    name: str  # ``[A-Za-z][A-Za-z0-9_]*``; empty where there is one end without a name
+    after: str  # label of the row on which it is
+    tool: Matrix = IDENTITY  # constant 4x4 transform from that row's frame to the end
+
+
+@dataclass(frozen=True, slots=True)
+class Root:
+    """A root that moves: x, y and an angle about z, or x, y, z and the angles of Rot(z) Rot(y) Rot(x), in frame 0."""
+
+    type: RootType  # planar or floating
+    variables: tuple[str, ...]  # three or six, which come first in q
+    link: Link | None = None  # its body, in its own frame; None without dynamics
+
+
+@dataclass(frozen=True, slots=True)
 class Remark:
     """Something in a robot file that is allowed, and hardly meant."""
 
@@ -193,12 +246,12 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A serial arm as its file describes it: the DH table, the frames around it and, if given, its dynamics."""
+    """An arm or a tree as its file describes it: the DH table, the frames around it and, if given, its dynamics."""
 
     name: str  # ``[a-z0-9-]+``
     title: str  # free text; inert in every output
     convention: Convention  # standard or modified
-    joints: tuple[Joint, ...]  # one row per joint
+    joints: tuple[Joint, ...]  # one row per joint, those of a root that moves first
     # Constant 4x4 transform from the world frame to frame 0.
     base: Matrix = field(default_factory=lambda: IDENTITY)  # a factory, so that help() shows no tree
     tool: Matrix = field(default_factory=lambda: IDENTITY)  # constant 4x4 transform from frame n to the end effector
@@ -215,6 +268,9 @@ class Description:
     units: FileUnits = FileUnits()
     digest: str = ""  # SHA-256 of the robot file's bytes, hexadecimal
     source: str = ""  # file name or catalogue name, for messages only; never written to an output
+    fixed: tuple[FixedRow, ...] = ()  # rows without motion, in the order of the file
+    ends: tuple[End, ...] = ()  # the ends by name; empty for one end behind the last row
+    root: Root | None = None  # how the root moves, None where it stands; its rows are the first of ``joints``
     # What the file says and hardly means, such as 90 rad.
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
     # Comments before the first line of the file, such as whence the robot is.
@@ -229,3 +285,8 @@ class Description:
     def has_dynamics(self) -> bool:
         """Whether the file gives link parameters."""
         return bool(self.links)
+
+    @property
+    def is_tree(self) -> bool:
+        """Whether it is more than one chain of rows of the table, each behind the one above."""
+        return bool(self.fixed or self.ends) or any(joint.stand for joint in self.joints)

@@ -1,0 +1,110 @@
+"""The rows of a tree: which follows which, the way to an end, and the serial arm that leads there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from derive.errors import QuantityError, listed, near_miss
+from derive.robot.description import BASE, IDENTITY, Description, End, FixedRow, Joint, JointType, Root, RootType, Stand
+from derive.robot.expression import ONE, ZERO
+
+Some = TypeVar("Some", bound=Description)
+# Moves the axes on in a cycle, z to x: what slides along z behind it slides along x of the frame before.
+_CYCLE = ((ZERO, ZERO, ONE, ZERO), (ONE, ZERO, ZERO, ZERO), (ZERO, ONE, ZERO, ZERO), IDENTITY[3])
+_CYCLE_BACK = (*zip(*(row[:3] for row in _CYCLE[:3]), (ZERO,) * 3, strict=True), IDENTITY[3])
+ROOT_VARIABLES: Mapping[RootType, tuple[str, ...]] = {
+    RootType.PLANAR: ("x", "y", "phi"),
+    RootType.FLOATING: ("x", "y", "z", "yaw", "pitch", "roll"),
+}
+_SLIDE, _TURN = (JointType.PRISMATIC, _CYCLE), JointType.REVOLUTE
+# Slides along x, y and z in axes moved on in a cycle, three of which are none, then turns about z, y and x; and what
+# turns the axes back.
+_ROOT_MOUNTS = {
+    RootType.PLANAR: (_SLIDE, _SLIDE, (_TURN, _CYCLE), (_TURN, IDENTITY)),
+    RootType.FLOATING: (_SLIDE, _SLIDE, _SLIDE, (_TURN, IDENTITY), *[(_TURN, _CYCLE_BACK)] * 3),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """From the frame of a joint, or from frame 0, outwards."""
+
+    joint: int  # index of the joint where it starts, from 0; -1 for frame 0
+    rows: tuple[FixedRow, ...]  # the rows without motion on it, outwards
+
+
+def way_to(robot: Description, label: str) -> Way:
+    """From the last joint before a row, or that row itself, to the row."""
+    joints = {joint.label: i for i, joint in enumerate(robot.joints)}
+    fixed = {row.name: row for row in robot.fixed}
+    rows: list[FixedRow] = []
+    while label in fixed:
+        rows.append(fixed[label])
+        label = fixed[label].stand.after
+    return Way(joints.get(label, -1), tuple(reversed(rows)))
+
+
+def ways(robot: Description) -> Iterator[Way]:
+    """For each joint the way from the joint that it follows."""
+    for i, joint in enumerate(robot.joints):
+        yield way_to(robot, joint.stand.after) if joint.stand else Way(i - 1, ())
+
+
+def parents(robot: Description) -> tuple[int, ...]:
+    """For each joint the index of the joint that it follows, -1 on the base."""
+    return tuple(way.joint for way in ways(robot))
+
+
+def path(robot: Description, last: int) -> tuple[int, ...]:
+    """The joints that move a joint's link, from the base outwards, that joint included; of -1 none."""
+    before, found = parents(robot), []
+    while last >= 0:
+        found.append(last)
+        last = before[last]
+    return tuple(reversed(found))
+
+
+def ends(robot: Description) -> tuple[End, ...]:
+    """The ends, a chain's one end without a name."""
+    return robot.ends or (End("", robot.joints[-1].label, robot.tool),)
+
+
+def end_named(robot: Description, name: str) -> End:
+    """An end by its name."""
+    for end in ends(robot):
+        if end.name == name:
+            return end
+    names = [end.name for end in robot.ends]
+    allowed = f"allowed: {listed(names)}" if names else "allowed: none, it has one end without a name"
+    raise QuantityError(f"end '{name}' of {robot.name}", allowed=allowed, remedy=near_miss(name, names))
+
+
+def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
+    """The serial arm that leads to an end, with that tool and without bodies, and the indices of its joints."""
+    end, before = end_named(robot, name), tuple(ways(robot))
+    last = way_to(robot, end.after)
+    places = path(robot, last.joint)
+    on_way = {row.name for way in (*(before[place] for place in places), last) for row in way.rows}
+    serial = replace(
+        robot,
+        joints=tuple(robot.joints[place] for place in places),
+        fixed=tuple(replace(row, link=None) for row in robot.fixed if row.name in on_way),
+        ends=(replace(end, name=""),),
+        tool=end.tool,
+        links=(),
+        root=None,
+    )
+    return serial, places
+
+
+def root_rows(root: Root) -> tuple[tuple[Joint, ...], FixedRow]:
+    """The rows of a root that moves, in either convention, and the row `BASE` that stands on it."""
+    *steps, back = _ROOT_MOUNTS[root.type]
+    befores = ("", *root.variables)  # the first row stands on frame 0, which no label means any more
+    rows = tuple(
+        Joint(kind, variable, 1, ZERO, ZERO, ZERO, ZERO, stand=Stand(before, mount))
+        for (kind, mount), variable, before in zip(steps, root.variables, befores, strict=False)
+    )
+    return rows, FixedRow(BASE, Stand(befores[-1], back[1]), link=root.link)
