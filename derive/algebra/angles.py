@@ -8,18 +8,24 @@ Joint angles come in groups: those of revolute joints with parallel axes, which 
 expression is written, never what it is: sums of angles are as good a basis as the angles.
 """
 
+from __future__ import annotations
+
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, pairwise
 
-from derive.robot.description import Convention
-from derive.robot.expression import ZERO, Expression, Number, Pi, Power, Product, Sum, add, multiply
+from derive.robot import tree
+from derive.robot.description import Convention, FixedRow, Stand
+from derive.robot.evaluate import evaluate
+from derive.robot.expression import ZERO, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, names
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
 
 Terms = tuple[tuple[Expression, Fraction], ...]
 Axis = tuple[float, float, float]
+Turn = Callable[[Axis], Axis]  # a direction in the axes of a frame that is turned
 Groups = tuple[tuple[int, ...], ...]
 _UNIT_STEP = 0.737_912  # stand-in for the first symbolic angle; any value that is no multiple of pi will do
 
@@ -80,41 +86,85 @@ def _split_coefficient(e: Expression) -> tuple[Fraction, Expression]:
     return number, rest[0] if len(rest) == 1 else Product(tuple(rest))
 
 
+@dataclass(frozen=True, slots=True)
+class _Reached:
+    """A frame of the table, with the revolute joints before it whose axes are parallel."""
+
+    group: tuple[int, ...] = ()  # the last of them, from the base outwards
+    axis: Axis = (0.0, 0.0, 1.0)  # that of the last one, in the frame
+
+    def before(self, turn: Turn) -> _Reached:
+        """The frame that is turned by a constant."""
+        return replace(self, axis=turn(self.axis))
+
+
 def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, tuple[int, ...]]:
-    """Maximal runs of revolute joints with parallel axes, whose angles are summed.
+    """Maximal runs of revolute joints with parallel axes, whose angles are summed; in a tree they begin alike.
 
     The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
     q`` on one that points up. Prismatic joints may stand between the joints of a group.
     """
-    groups: list[list[int]] = []
     directions = [1] * robot.n
-    last_axis: Axis = (0.0, 0.0, 1.0)  # of the last revolute joint, in the frame reached so far
     units: dict[Expression, float] = {}
-    standard = robot.convention is Convention.STANDARD
-    for i, joint in enumerate(robot.joints):
-        twist = _float(joint.alpha, units)  # before the joint in Craig's table, behind it in the standard one
-        if not standard:
-            last_axis = _after_twist(last_axis, twist)
+    reached: list[_Reached] = []  # DH frames 1 to n
+    found: list[tuple[int, ...]] = []
+    for i, (joint, way) in enumerate(zip(robot.joints, tree.ways(robot), strict=True)):
+        frame = reached[way.joint] if way.joint >= 0 else _Reached()
+        for row in way.rows:
+            frame = _behind(robot, frame.before(_stand_turn(row.stand, units)), row, units)
+        if joint.stand:
+            frame = frame.before(_stand_turn(joint.stand, units))
+        frame = frame if robot.convention is Convention.STANDARD else _behind_twist(frame, joint.alpha, units)
         if joint.is_revolute:
-            last = groups[-1][-1] if groups else -1
+            last = frame.group[-1] if frame.group else -1
             # z of the last revolute joint in this frame: (0, 0, 1) is aligned, (0, 0, -1) opposed
-            parallel = round(last_axis[2]) if abs(abs(last_axis[2]) - 1) < 1e-12 else 0
-            turn = parallel * joint.sign * robot.joints[last].sign if groups else 0
-            if turn == 1 or (turn == -1 and contraction is Contraction.OPPOSED):
-                groups[-1].append(i)
-                directions[i] = turn * directions[last]
-            else:
-                groups.append([i])
-            last_axis = (0.0, 0.0, 1.0)
+            parallel = round(frame.axis[2]) if abs(abs(frame.axis[2]) - 1) < 1e-12 else 0
+            turn = parallel * joint.sign * robot.joints[last].sign if frame.group else 0
+            joins = turn == 1 or (turn == -1 and contraction is Contraction.OPPOSED)
+            directions[i] = turn * directions[last] if joins else 1
+            frame = _Reached((*frame.group, i) if joins else (i,))
+            found.append(frame.group)
         else:
-            # a prismatic joint turns the frame by its constant theta about z
-            x, y, z = last_axis
-            angle = _float(joint.theta, units)
-            c, s = math.cos(angle), math.sin(angle)
-            last_axis = (x * c + y * s, y * c - x * s, z)
-        if standard:
-            last_axis = _after_twist(last_axis, twist)
-    return tuple(tuple(group) for group in groups), tuple(directions)
+            frame = frame.before(_about_z(joint.theta, units))
+        reached.append(_behind_twist(frame, joint.alpha, units) if robot.convention is Convention.STANDARD else frame)
+    groups = [group for group in found if not any(other[: len(group)] == group != other for other in found)]
+    return tuple(groups), tuple(directions)
+
+
+def _behind(robot: Robot, frame: _Reached, row: FixedRow, units: dict[Expression, float]) -> _Reached:
+    """The frame of a row without motion from that in which its own cells begin."""
+    if robot.convention is Convention.STANDARD:
+        return _behind_twist(frame.before(_about_z(row.theta, units)), row.alpha, units)
+    return _behind_twist(frame, row.alpha, units).before(_about_z(row.theta, units))
+
+
+def _behind_twist(frame: _Reached, alpha: Expression, units: dict[Expression, float]) -> _Reached:
+    twist = _float(alpha, units)
+    return frame.before(lambda axis: _after_twist(axis, twist))
+
+
+def _about_z(angle: Expression, units: dict[Expression, float]) -> Turn:
+    """Directions in the frame turned by a constant about z."""
+    turn = _float(angle, units)
+    c, s = math.cos(turn), math.sin(turn)
+    return lambda axis: (axis[0] * c + axis[1] * s, axis[1] * c - axis[0] * s, axis[2])
+
+
+def _stand_turn(stand: Stand, units: dict[Expression, float]) -> Turn:
+    """Directions in the frame behind the mount and gamma of a row."""
+    cells = [[cell for cell in row[:3]] for row in stand.mount[:3]]
+    values = {name: _float(Name(name), units) for row in cells for cell in row for name in names(cell)}
+    try:
+        m = [[evaluate(cell, values) for cell in row] for row in cells]
+    except ArithmeticError:  # where the stand-ins give no value nothing is called parallel
+        return lambda axis: (0.0, 0.0, 0.0)
+    turn = _about_z(stand.gamma, units)
+
+    def _turned(axis: Axis) -> Axis:
+        x, y, z = (m[0][k] * axis[0] + m[1][k] * axis[1] + m[2][k] * axis[2] for k in range(3))
+        return turn((x, y, z))
+
+    return _turned
 
 
 def _after_twist(axis: Axis, alpha: float) -> Axis:

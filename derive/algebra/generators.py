@@ -11,6 +11,7 @@ from fractions import Fraction
 from math import isqrt, lcm
 
 from derive.algebra.angles import ExactAngle, decompose
+from derive.robot import tree
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power
 from derive.robot.robot import Robot
 
@@ -236,4 +237,6 @@ def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
         values += (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
         if link.motor is not None:
             values += (link.motor.mass, link.motor.inertia, link.motor.ratio)
-    return values, [angle for joint in robot.joints for angle in (joint.theta, joint.alpha)]
+    more_values, more_angles = tree.constant_cells(robot)
+    angles = [angle for joint in robot.joints for angle in (joint.theta, joint.alpha)]
+    return values + more_values, angles + more_angles

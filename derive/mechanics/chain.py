@@ -1,4 +1,4 @@
-"""The arm as every recursion sees it: joint motions about z between constant frames, over any scalar type.
+"""The arm or tree as every recursion sees it: joint motions about z between constant frames, over any scalar type.
 
 Both conventions are one chain,
 
@@ -9,18 +9,24 @@ with K_i = Trans(x, a_i) Rot(x, alpha_i), K_0 = 1 (standard) or K_{i-1} = Rot(x,
 modified convention it is DH frame i; in the standard one DH frame i is joint frame i times K_i. Frames on the joint
 axes make every recursion cheaper than frames at the far end of the links (Khalil and Dombre, Modeling, Identification
 and Control of Robots, ch. 3 for the frames, ch. 9 for what they save).
+
+In a tree each joint follows another one, or the base, and what is constant between the two is part of K. A chain is a
+tree in which each joint follows the one before it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import reduce
+from operator import matmul
 from typing import Generic, Protocol, TypeVar
 
 from derive.mechanics import vectors
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, conjugate, identity, multiply, scale, steiner
-from derive.robot.description import Convention, Joint, Link, Motor
+from derive.robot import tree
+from derive.robot.description import Convention, FixedRow, Joint, Link, Motor, Stand
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 
@@ -64,7 +70,11 @@ class ChainJoint(Generic[S]):
 
     revolute: bool  # whether the joint turns
     sign: int  # +1 or -1
-    fixed: Frame[S]  # K_{i-1}, from joint frame i-1 to the axis of joint i
+    parent: int  # index of the joint that it follows, from 0 and below its own; -1 on the base
+    # From the DH frame that it follows to that in which its row begins; None where there is nothing between.
+    mount: Frame[S] | None
+    fixed: Frame[S]  # K, from the joint frame that it follows to the axis of the joint
+    rotor: Vector[S]  # where its rotor sits, in the joint frame that it follows
     cosine: S  # cos(theta_i)
     sine: S  # sin(theta_i)
     offset: S  # d_i, with the variable of a prismatic joint in it
@@ -82,13 +92,14 @@ class ChainJoint(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class Chain(Generic[S]):
-    """The whole arm."""
+    """The whole arm or tree; kinematics of an end effector take that of the arm which leads there."""
 
     zero: S  # the scalar 0
     one: S  # the scalar 1
     base: Frame[S]  # world to frame 0
     joints: tuple[ChainJoint[S], ...]  # the joints from the base outwards
-    tool: Frame[S]  # K_n times the tool: joint frame n to the end effector
+    tip: Frame[S]  # DH frame n to the end effector: the tool, behind rows without motion
+    tool: Frame[S]  # K_n times that: joint frame n to the end effector
     # K_i of the standard convention (identity in the modified one): joint frame i to DH frame i.
     ends: tuple[Frame[S], ...]
     bodies: tuple[Body[S], ...]  # link i with the rotors that it carries, in joint frame i; empty without dynamics
@@ -117,6 +128,22 @@ class Chain(Generic[S]):
         return Frame(identity(self.zero, self.one), self.null)
 
     @property
+    def is_serial(self) -> bool:
+        """Whether each joint follows the one before."""
+        return all(joint.parent == i - 1 for i, joint in enumerate(self.joints))
+
+    def followers(self, i: int) -> tuple[int, ...]:
+        """The joints that follow joint i, of a chain one or none."""
+        return tuple(k for k, joint in enumerate(self.joints) if joint.parent == i)
+
+    def inward(self, j: int) -> Iterator[tuple[int, ChainJoint[S]]]:
+        """From joint j to the base each joint further in, by its index, with the joint that follows it on the way."""
+        outer = self.joints[j]
+        while outer.parent >= 0:
+            yield outer.parent, outer
+            outer = self.joints[outer.parent]
+
+    @property
     def inverted(self) -> Chain[S]:
         """The arm seen from its end: T^-1 = tool^-1 Z_n^-1 K_{n-1}^-1 ... K_0^-1 base^-1; kinematics alone."""
         joints = self.joints[::-1]
@@ -125,8 +152,8 @@ class Chain(Generic[S]):
             self,
             base=self.tool.inverse,
             joints=tuple(
-                replace(joint, sign=-joint.sign, fixed=before, sine=-joint.sine, offset=-joint.offset)
-                for joint, before in zip(joints, fixed[:-1], strict=True)
+                replace(joint, sign=-joint.sign, parent=i - 1, fixed=before, sine=-joint.sine, offset=-joint.offset)
+                for i, (joint, before) in enumerate(zip(joints, fixed[:-1], strict=True))
             ),
             tool=fixed[-1] @ self.base.inverse,
             ends=(self.unit,) * self.n,
@@ -135,29 +162,69 @@ class Chain(Generic[S]):
         )
 
     def row(self, i: int, convention: Convention) -> Frame[S]:
-        """A_i, the DH transform of row i: DH frame i in DH frame i-1."""
+        """A_i, the DH transform of row i: DH frame i in the DH frame that it follows."""
         joint = self.joints[i - 1]
         motion = joint.motion(self.zero, self.one)
-        return motion @ self.ends[i - 1] if convention is Convention.STANDARD else joint.fixed @ motion
+        if convention is not Convention.STANDARD:
+            return joint.fixed @ motion
+        row = motion @ self.ends[i - 1]
+        return row if joint.mount is None else joint.mount @ row
 
 
 def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
-    """The arm as a chain of joint motions between constant frames."""
+    """The arm or tree as joint motions between constant frames; of several ends none is the end effector."""
     zero, one = domain.number(0), domain.number(1)
     base = constant_frame(robot.base, domain)
     rows = [link_factor(joint.a, joint.alpha, domain) for joint in robot.joints]
     unit = Frame(identity(zero, one), (zero, zero, zero))
     standard = robot.convention is Convention.STANDARD
-    fixed, ends = ([unit, *rows[:-1]], rows) if standard else (rows, [unit] * len(rows))
-    links = robot.links or [Link()] * robot.n
-    joints = tuple(_chain_joint(*each, domain) for each in zip(range(robot.n), robot.joints, links, fixed, strict=True))
-    tool = ends[-1] @ constant_frame(robot.tool, domain)
-    ground, *bodies = _bodies(robot, fixed, ends, domain)
+    ends = rows if standard else [unit] * len(rows)
+    joints = []
+    for i, way in enumerate(tree.ways(robot)):
+        mount = _mount(robot, robot.joints[i].stand, way, domain)
+        # K is that of the row before and the mount (standard), or the mount and that of the row itself (modified).
+        factors = (rows[way.joint] if way.joint >= 0 else None, mount) if standard else (mount, rows[i])
+        found = [factor for factor in factors if factor is not None]
+        joints.append(_chain_joint(robot, i, (way.joint, mount, reduce(matmul, found or [unit])), domain))
+    last, *others = tree.ends(robot)
+    tip = constant_frame(last.tool, domain) if not others else unit
+    for row in reversed(tree.way_to(robot, last.after).rows if not others else ()):
+        tip = _fixed_frame(robot, row, domain) @ tip
+    tool = ends[-1] @ tip
+    ground, *bodies = _bodies(robot, joints, ends, domain)
     gravity, drop = (zero, zero, zero), zero
     if robot.gravity is not None:
         in_world = constant_vector(robot.gravity, domain)
         gravity, drop = multiply(vectors.transpose(base.rotation), in_world), vectors.dot(in_world, base.position)
-    return Chain(zero, one, base, joints, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
+    return Chain(zero, one, base, tuple(joints), tip, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
+
+
+def _mount(robot: Robot, stand: Stand | None, way: tree.Way, domain: Domain[S]) -> Frame[S] | None:
+    """From the DH frame of the joint that a row follows to where the row begins; None where nothing is between."""
+    if stand is None:
+        return None
+    found = _stand_frame(stand, domain)
+    for row in reversed(way.rows):
+        found = _fixed_frame(robot, row, domain) @ found
+    return found
+
+
+def _stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
+    """Mount Rot(z, gamma) Trans(z, b)."""
+    return constant_frame(stand.mount, domain) @ _about_z(stand.gamma, stand.b, domain)
+
+
+def _fixed_frame(robot: Robot, row: FixedRow, domain: Domain[S]) -> Frame[S]:
+    """The frame of a row without motion in the DH frame that it follows."""
+    own, link = _about_z(row.theta, row.d, domain), link_factor(row.a, row.alpha, domain)
+    in_row = own @ link if robot.convention is Convention.STANDARD else link @ own
+    return _stand_frame(row.stand, domain) @ in_row
+
+
+def _about_z(angle: Expression, offset: Expression, domain: Domain[S]) -> Frame[S]:
+    """Rot(z, angle) Trans(z, offset) of constants."""
+    zero, one, (c, s) = domain.number(0), domain.number(1), domain.cosine_sine(angle)
+    return Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, domain.constant(offset)))
 
 
 def link_factor(a: Expression, alpha: Expression, domain: Domain[S]) -> Frame[S]:
@@ -185,13 +252,20 @@ def constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]
     return Frame((rotation[0], rotation[1], rotation[2]), (rows[0][3], rows[1][3], rows[2][3]))
 
 
-def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: Domain[S]) -> ChainJoint[S]:
+def _chain_joint(
+    robot: Robot, index: int, place: tuple[int, Frame[S] | None, Frame[S]], domain: Domain[S]
+) -> ChainJoint[S]:
+    joint, link = robot.joints[index], robot.links[index] if robot.links else Link()
     if joint.is_revolute:
         cosine, sine = domain.joint_cosine_sine(index, joint)
         offset = domain.constant(joint.d)
     else:
         cosine, sine = domain.cosine_sine(joint.theta)
         offset = domain.joint_offset(index, joint)
+    parent, mount, fixed = place
+    rotor = fixed.position
+    if robot.convention is Convention.MODIFIED:
+        rotor = add(rotor, scale(domain.constant(joint.d), vectors.column(fixed.rotation, 2)))
     motor = link.motor or Motor()
     ratio = domain.constant(motor.ratio)
     spin = ratio * domain.constant(motor.inertia)
@@ -199,7 +273,10 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
     return ChainJoint(
         revolute=joint.is_revolute,
         sign=joint.sign,
+        parent=parent,
+        mount=mount,
         fixed=fixed,
+        rotor=rotor,
         cosine=cosine,
         sine=sine,
         offset=offset,
@@ -211,25 +288,43 @@ def _chain_joint(index: int, joint: Joint, link: Link, fixed: Frame[S], domain: 
     )
 
 
-def _bodies(robot: Robot, fixed: Sequence[Frame[S]], ends: Sequence[Frame[S]], domain: Domain[S]) -> list[Body[S]]:
-    """Base and links about the origins of their joint frames, each with the rotor of the next joint as a part of it.
+def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S], Link]]:
+    """The bodies of rows without motion, with the joint whose link they are part of, -1 for the base.
+
+    Each comes with its own frame in the DH frame of that link.
+    """
+    for row in robot.fixed:
+        if row.link is not None:
+            way = tree.way_to(robot, row.name)
+            yield way.joint, reduce(matmul, [_fixed_frame(robot, part, domain) for part in way.rows]), row.link
+
+
+def _bodies(
+    robot: Robot, joints: Sequence[ChainJoint[S]], ends: Sequence[Frame[S]], domain: Domain[S]
+) -> list[Body[S]]:
+    """Base and links about the origins of their joint frames, each with the rotors of the next joints as parts of it.
 
     ``ends`` lead from joint frames to DH frames. A rotor's own spin is in `ChainJoint`; it sits at o_{i-1} in the
     standard convention, at o_i, d_i further on the axis, in the modified one.
     """
     null = domain.number(0)
     bodies = [Body(null, (null, null, null), Symmetric(null, null, null, null, null, null))]
-    for link, end in zip(robot.links, ends[: len(robot.links)], strict=True):
-        mass = domain.constant(link.mass)
-        r = add(end.position, multiply(end.rotation, constant_vector(link.com, domain)))
-        turned = conjugate(end.rotation, central_inertia(link, domain).matrix)
-        bodies.append(Body(mass, scale(mass, r), vectors.from_matrix(turned) + steiner(mass, r)))
+    bodies += [body_in(end, link, domain) for link, end in zip(robot.links, ends[: len(robot.links)], strict=True)]
     for i, link in enumerate(robot.links):
         if (motor := link.motor) is None:
             continue
-        u, place = vectors.column(fixed[i].rotation, 2), fixed[i].position
-        if robot.convention is Convention.MODIFIED:
-            place = add(place, scale(domain.constant(robot.joints[i].d), u))
+        carrier, place, u = joints[i].parent + 1, joints[i].rotor, vectors.column(joints[i].fixed.rotation, 2)
         mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
-        bodies[i] = bodies[i] + Body(mass, scale(mass, place), vectors.axial_tensor(inertia, u) + steiner(mass, place))
+        rotor = Body(mass, scale(mass, place), vectors.axial_tensor(inertia, u) + steiner(mass, place))
+        bodies[carrier] = bodies[carrier] + rotor
+    for i, frame, link in fixed_bodies(robot, domain):
+        bodies[i + 1] = bodies[i + 1] + body_in(ends[i] @ frame if i >= 0 else frame, link, domain)
     return bodies
+
+
+def body_in(frame: Frame[S], link: Link, domain: Domain[S]) -> Body[S]:
+    """A link by its parameters in the frame in which its own DH frame stands."""
+    mass = domain.constant(link.mass)
+    r = add(frame.position, multiply(frame.rotation, constant_vector(link.com, domain)))
+    turned = conjugate(frame.rotation, central_inertia(link, domain).matrix)
+    return Body(mass, scale(mass, r), vectors.from_matrix(turned) + steiner(mass, r))

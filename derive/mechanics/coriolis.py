@@ -135,7 +135,7 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
     rates = along_axes(chain, qd)
     omegas = [chain.null]  # of the base and the links, each in its own joint frame
     for joint, rate in zip(chain.joints, rates, strict=True):
-        x, y, z = to_child(joint, omegas[-1])
+        x, y, z = to_child(joint, omegas[joint.parent + 1])
         omegas.append((x, y, z + rate if joint.revolute else z))
     composites = _composites(chain, rates, half)
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
@@ -143,10 +143,11 @@ def coriolis_matrix(chain: Chain[S], qd: Sequence[S], half: S) -> list[list[S]]:
         # C_jj is the component of the wrench of column j along joint j itself.
         column = composites[j].column(joint, omegas[j + 1], chain.zero)
         matrix[j][j] = generalized_force(joint, column.force, column.moment)
-        for i in range(j - 1, -1, -1):
+        outer_rate = rates[j]
+        for i, outer in chain.inward(j):
             inner, omega = chain.joints[i], omegas[i + 1]
-            column = column.to_parent(chain.joints[i + 1], omega, rates[i + 1])
-            if i == j - 1:  # the rotor of joint j, on link i
+            column, outer_rate = column.to_parent(outer, omega, outer_rate), rates[i]
+            if outer is joint:  # the rotor of joint j, on link i
                 k = axis(joint)
                 turn = scale(half * joint.coupling, cross(omega, k))
                 eta = add(column.eta, scale(joint.coupling, k))
@@ -170,14 +171,17 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
         composites.append(_Composite(body.mass, body.first_moment, second, null, (null, null, null)))
     # Inward, each link takes up what the next joint carries; a rotor on it adds c rate/2 k^ to E.
     for k in range(chain.n - 1, 0, -1):
-        joint, own = chain.joints[k], composites[k - 1]
+        joint = chain.joints[k]
+        if joint.parent < 0:
+            continue
+        own = composites[joint.parent]
         moved = composites[k].to_parent(joint, rates[k])
         spin = vectors.hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
-        composites[k - 1] = _Composite(
+        composites[joint.parent] = _Composite(
             own.mass + moved.mass,
             add(own.first, moved.first),
             own.second + moved.second,
-            moved.first_rate,
-            add_matrices(moved.second_rate, spin),
+            add(own.first_rate, moved.first_rate),
+            add_matrices(own.second_rate, add_matrices(moved.second_rate, spin)),
         )
     return composites

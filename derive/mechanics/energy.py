@@ -19,8 +19,9 @@ from derive.mechanics.vectors import S, Vector, add, cross, dot, scale
 def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector[S], Vector[S]] | None = None) -> S:
     """T = qd^T B qd / 2; ``base``: velocity and angular velocity of frame 0 in its own axes, None where it stands."""
     twice, once = chain.zero, chain.zero
-    velocity, omega = base or (chain.null, chain.null)
+    moving = [base or (chain.null, chain.null)]
     for i, (joint, rate) in enumerate(zip(chain.joints, along_axes(chain, qd), strict=True)):
+        velocity, omega = moving[joint.parent + 1]
         once = once + joint.coupling * rate * dot(axis(joint), omega)
         twice = twice + joint.armature * (rate * rate)
         velocity = to_child(joint, add(velocity, cross(omega, origin(joint))))
@@ -29,6 +30,7 @@ def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector
             omega = (omega[0], omega[1], omega[2] + rate)
         else:
             velocity = (velocity[0], velocity[1], velocity[2] + rate)
+        moving.append((velocity, omega))
         body, (x, y, z) = chain.bodies[i], omega
         tensor = body.inertia
         once = once + dot(body.first_moment, cross(velocity, omega))
@@ -43,15 +45,20 @@ def kinetic_energy(chain: Chain[S], qd: Sequence[S], half: S, base: tuple[Vector
 def potential_energy(chain: Chain[S], meeting: int = 0) -> S:
     """U = -sum m g.p over links and rotors."""
     assert not chain.axial, "axial masses have no place"
-    mass, moment = chain.zero, chain.null
+    beyond = [(chain.zero, chain.null)] * (chain.n + 1)  # masses and moments that the base and each link carry
     for i in range(chain.n - 1, meeting - 1, -1):
-        joint, body = chain.joints[i], chain.bodies[i]
+        joint, body, (mass, moment) = chain.joints[i], chain.bodies[i], beyond[i + 1]
         mass, moment = mass + body.mass, add(moment, body.first_moment)
         moment = add(to_parent(joint, moment), scale(mass, origin(joint)))
-    gravity, drop = chain.gravity, chain.drop
-    work = dot(gravity, chain.ground.first_moment) + drop * chain.ground.mass
+        others = beyond[joint.parent + 1]
+        beyond[joint.parent + 1] = others[0] + mass, add(others[1], moment)
+    fields = [(chain.gravity, chain.drop)]
+    work = dot(chain.gravity, chain.ground.first_moment) + chain.drop * chain.ground.mass
     for joint, body in zip(chain.joints[:meeting], chain.bodies[:meeting], strict=True):
-        drop = drop + dot(gravity, origin(joint))
-        gravity = to_child(joint, gravity)
+        gravity, drop = fields[joint.parent + 1]
+        drop, gravity = drop + dot(gravity, origin(joint)), to_child(joint, gravity)
+        fields.append((gravity, drop))
         work = work + dot(gravity, body.first_moment) + drop * body.mass
-    return -(work + dot(gravity, moment) + drop * mass)
+    for (gravity, drop), (mass, moment) in zip(fields, beyond[: meeting + 1], strict=True):
+        work = work + dot(gravity, moment) + drop * mass
+    return -work

@@ -15,6 +15,7 @@ from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Body, build_chain
 from derive.mechanics.inertia_matrix import inertia_matrix
 from derive.mechanics.vectors import Symmetric
+from derive.robot import tree
 from derive.robot.description import Inertia
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Robot
@@ -38,7 +39,7 @@ class Dynamics:
         self.robot = robot
         self.domain = domain
         massless = (replace(link, mass=ZERO, com=(ZERO, ZERO, ZERO), inertia=Inertia()) for link in robot.links)
-        bare = replace(robot, links=tuple(massless))
+        bare = replace(robot, links=tuple(massless), fixed=tree.massless(robot.fixed))
         names = [Name(f"{part} of {i}") for i in range(robot.n) for part in PARTS]
         kind, offsets = domain.contraction, domain.with_offsets
         self.lumped = PolynomialDomain(bare, names, contraction=kind, rates=False, offsets=offsets, max_terms=max_terms)

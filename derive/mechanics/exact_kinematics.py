@@ -8,6 +8,7 @@ from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Chain, build_chain, constant_vector
 from derive.mechanics.energy import potential_energy
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, subtract
+from derive.robot import tree
 from derive.robot.description import Convention, Motor
 from derive.robot.robot import Robot
 
@@ -29,7 +30,8 @@ class Kinematics:
         """DH frame j in DH frame i, without base and tool."""
         if i >= j:
             return self.transform(j, i).inverse if i > j else self.chain.unit
-        return self.transform(i, j - 1) @ self.chain.row(j, self.robot.convention)
+        before = self.chain.joints[j - 1].parent + 1
+        return self.transform(i, before) @ self.chain.row(j, self.robot.convention)
 
     def frame(self, i: int) -> PolynomialFrame:
         """DH frame i in the world: base A_1 ... A_i."""
@@ -45,7 +47,7 @@ class Kinematics:
         if i == 0:
             return self.chain.base
         joint = self.chain.joints[i - 1]
-        return self.joint_frame(i - 1) @ (joint.fixed @ joint.motion(self.chain.zero, self.chain.one))
+        return self.joint_frame(joint.parent + 1) @ (joint.fixed @ joint.motion(self.chain.zero, self.chain.one))
 
     def axis(self, i: int) -> PolynomialVector:
         """Axis of joint i in the world, in the sense of a positive rate of its variable."""
@@ -59,8 +61,8 @@ class Kinematics:
 
     def angular_columns(self, last: int) -> list[PolynomialVector]:
         """Angular velocity of a link per unit of every rate, in the world: n columns of J_w."""
-        joints = enumerate(self.robot.joints, start=1)
-        return [self.axis(k) if k <= last and joint.is_revolute else self.chain.null for k, joint in joints]
+        movers, joints = tree.path(self.robot, last - 1), enumerate(self.robot.joints)
+        return [self.axis(k + 1) if k in movers and joint.is_revolute else self.chain.null for k, joint in joints]
 
     def com(self, i: int) -> PolynomialVector:
         """Centre of mass of link i in the world."""
@@ -69,17 +71,16 @@ class Kinematics:
 
     def motor_place(self, i: int) -> PolynomialVector:
         """Where the rotor of joint i sits, in the world."""
-        carrier = self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed
-        if self.robot.convention is Convention.STANDARD:
-            return carrier.position
-        along = self.domain.constant(self.robot.joints[i - 1].d)
-        return add(carrier.position, scale(along, column(carrier.rotation, 2)))
+        joint = self.chain.joints[i - 1]
+        carrier = self.joint_frame(joint.parent + 1)
+        return add(carrier.position, multiply(carrier.rotation, joint.rotor))
 
     def motor_angular_columns(self, i: int) -> list[PolynomialVector]:
         """Angular velocity of rotor i per unit of every rate: that of link i-1, and ratio*z for joint i."""
-        columns = self.angular_columns(i - 1)
+        joint = self.chain.joints[i - 1]
+        columns = self.angular_columns(joint.parent + 1)
         motor = self.robot.links[i - 1].motor or Motor()
-        z = column((self.joint_frame(i - 1) @ self.chain.joints[i - 1].fixed).rotation, 2)
+        z = column((self.joint_frame(joint.parent + 1) @ joint.fixed).rotation, 2)
         columns[i - 1] = scale(self.domain.constant(motor.ratio), z)
         return columns
 
@@ -119,12 +120,14 @@ def jacobian_columns(kinematics: Kinematics, reference: Reference) -> list[Jacob
     elif seen_from is None:
         point = kinematics.end.position
     else:
-        last, tool = _frame(robot.n), tuple(row[3] for row in robot.tool)
-        offset = constant_vector((tool[0], tool[1], tool[2]), kinematics.domain)
-        point = add(last.position, multiply(last.rotation, offset))
+        last = _frame(robot.n)
+        point = add(last.position, multiply(last.rotation, kinematics.chain.tip.position))
     columns: list[JacobianColumn] = []
     for index, joint in enumerate(robot.joints):
-        at = _frame(index + (robot.convention is Convention.MODIFIED))
+        moved = kinematics.chain.joints[index]
+        at = _frame(index + 1 if robot.convention is Convention.MODIFIED else moved.parent + 1)
+        if robot.convention is Convention.STANDARD and moved.mount is not None:
+            at = at @ moved.mount
         axis: PolynomialVector = scale(joint.sign, column(at.rotation, 2))
         linear = cross(axis, subtract(point, at.position)) if joint.is_revolute else axis
         columns.append((*linear, *(axis if joint.is_revolute else kinematics.chain.null)))

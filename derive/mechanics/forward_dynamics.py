@@ -154,10 +154,11 @@ def articulated_accelerations(
 ) -> list[F]:
     """The accelerations qdd under torques tau less friction, n entries [N m or N], by articulated bodies."""
     releases = _releases(chain, along_axes(chain, qd), along_axes(chain, torques), choices)
-    a = alpha = chain.null
+    motions = [(chain.null, chain.null)]
     qdd: list[F] = []
     for joint, release in zip(chain.joints, releases, strict=True):
         # Acceleration of the link's origin as a point of the link before, its joint still.
+        a, alpha = motions[joint.parent + 1]
         a, alpha = to_child(joint, add(a, cross(alpha, origin(joint)))), to_child(joint, alpha)
         # qdd = (tau - s . p - U . A) / D
         own = release.rest - (dot(release.upper, a) + dot(release.lower, alpha))
@@ -167,6 +168,7 @@ def articulated_accelerations(
             alpha = (alpha[0], alpha[1], alpha[2] + own)
         else:
             a = (a[0], a[1], a[2] + own)
+        motions.append((a, alpha))
     return qdd
 
 
@@ -176,9 +178,10 @@ def _releases(
     """From the tip inward, by the motions of the links without any acceleration of the joints, gravity included."""
     motions = link_motions(chain, rates, [chain.zero] * chain.n, choices)
     found: list[_Release[F]] = []
-    beyond: _Articulated[F] | None = None
+    carried: dict[int, _Articulated[F]] = {}
     for i in range(chain.n - 1, -1, -1):
-        joint, before = chain.joints[i], motions[i]
+        joint = chain.joints[i]
+        before, beyond = motions[joint.parent + 1], carried.get(i)
         wrench = body_wrench(chain.bodies[i], motions[i + 1], bool(choices) and choices[i].second_moments)
         body, m, zero = chain.bodies[i], chain.bodies[i].mass, chain.zero
         # A single rigid link: M = m 1, H = h^, I about the origin.
@@ -192,6 +195,8 @@ def _releases(
         # The spinning rotor turns with link i-1: moment c rate omega x u.
         turning = scale(joint.coupling * rates[i], cross(before.omega, axis(joint)))
         beyond = replace(beyond, moment=add(beyond.moment, turning))
+        others = carried.get(joint.parent)
+        carried[joint.parent] = beyond if others is None else others + beyond
     return found[::-1]
 
 

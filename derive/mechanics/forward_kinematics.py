@@ -41,7 +41,6 @@ Robotics, section 3.6).
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import accumulate
 from typing import Any, Protocol, Self, TypeVar
 
 from derive.mechanics.chain import Chain
@@ -52,7 +51,10 @@ from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, dot, 
 
 def joint_poses(chain: Chain[S]) -> list[Frame[S]]:
     """Joint frames 1..n in the world frame."""
-    return list(accumulate(chain.joints, advance, initial=chain.base))[1:]
+    poses = [chain.base]
+    for joint in chain.joints:
+        poses.append(advance(poses[joint.parent + 1], joint))
+    return poses[1:]
 
 
 def forward_kinematics(chain: Chain[S]) -> Frame[S]:
@@ -74,7 +76,8 @@ def jacobian(chain: Chain[S]) -> list[list[S]]:
 def jacobian_from(chain: Chain[S], k: int, *, at_end: bool) -> list[list[S]]:
     """J seen from joint frame k: in its axes, of its origin as a point of the last link unless of the end effector."""
     inner = replace(chain, base=chain.unit, joints=chain.joints[:k], tool=chain.unit).inverted
-    outer = joint_poses(replace(chain, base=chain.unit, joints=chain.joints[k:]))
+    beyond = tuple(replace(joint, parent=i - 1) for i, joint in enumerate(chain.joints[k:]))
+    outer = joint_poses(replace(chain, base=chain.unit, joints=beyond))
     end = ([chain.unit, *outer][-1] @ chain.tool).position if at_end else chain.null
     return _columns(chain, [*reversed(joint_poses(inner)), *outer], end)
 

@@ -21,14 +21,15 @@ def inertia_matrix(chain: Chain[S]) -> list[list[S]]:
     """B(q), symmetric, in the joint variables: kinetic energy is qd^T B qd / 2."""
     composites = list(chain.bodies)
     for i in range(chain.n - 1, 0, -1):
-        composites[i - 1] = composites[i - 1] + body_to_parent(chain.joints[i], composites[i])
+        if (before := chain.joints[i].parent) >= 0:
+            composites[before] = composites[before] + body_to_parent(chain.joints[i], composites[i])
     matrix = [[chain.zero] * chain.n for _ in range(chain.n)]
     for j, joint in enumerate(chain.joints):
         wrench = unit_wrench(chain, joint, composites[j])
         matrix[j][j] = generalized_force(joint, *wrench) + joint.armature
-        for i in range(j - 1, -1, -1):
-            wrench = wrench_to_parent(chain.joints[i + 1], wrench)
-            if i == j - 1:
+        for i, outer in chain.inward(j):
+            wrench = wrench_to_parent(outer, wrench)
+            if outer is joint:
                 wrench = (wrench[0], add(wrench[1], scale(joint.coupling, axis(joint))))
             entry = generalized_force(chain.joints[i], *wrench)
             matrix[i][j] = matrix[j][i] = entry if joint.sign == chain.joints[i].sign else -entry
@@ -53,13 +54,15 @@ def gravity_vector(chain: Chain[S]) -> list[S]:
     """g(q) = dU/dq, n entries [N m or N]."""
     gravities = [chain.gravity]
     for joint in chain.joints:
-        gravities.append(to_child(joint, gravities[-1]))
+        gravities.append(to_child(joint, gravities[joint.parent + 1]))
     torques: list[S] = []
-    mass, moment = chain.zero, chain.null
+    beyond = [(chain.zero, chain.null)] * (chain.n + 1)  # masses and moments that the base and each link carry
     for i in range(chain.n - 1, -1, -1):
-        joint, body, gamma = chain.joints[i], chain.bodies[i], gravities[i + 1]
+        joint, body, gamma, (mass, moment) = chain.joints[i], chain.bodies[i], gravities[i + 1], beyond[i + 1]
         mass, moment = mass + body.mass, add(moment, body.first_moment)
         torque = moment[1] * gamma[0] - moment[0] * gamma[1] if joint.revolute else -(mass * gamma[2])
         torques.append(torque if joint.sign > 0 else -torque)
-        moment = add(to_parent(joint, moment), scale(mass, origin(joint)))
+        others = beyond[joint.parent + 1]
+        moved = add(to_parent(joint, moment), scale(mass, origin(joint)))
+        beyond[joint.parent + 1] = others[0] + mass, add(others[1], moved)
     return torques[::-1]

@@ -85,7 +85,7 @@ def link_motions(
     for i, joint in enumerate(chain.joints):
         choice = choices[i] if choices else PLAIN
         step = _beyond_revolute if joint.revolute else _beyond_prismatic
-        motions.append(step(chain, joint, motions[-1], rates[i], accelerations[i], choice))
+        motions.append(step(chain, joint, motions[joint.parent + 1], rates[i], accelerations[i], choice))
     return motions
 
 
@@ -188,7 +188,8 @@ def torques_and_wrench(
     for i, wrench in carried_wrenches(chain, motions, rates, accelerations, choices):
         if i >= 0:
             joint = chain.joints[i]
-            own_rotor = joint.coupling * dot(axis(joint), motions[i].alpha) + joint.armature * accelerations[i]
+            alpha = motions[joint.parent + 1].alpha
+            own_rotor = joint.coupling * dot(axis(joint), alpha) + joint.armature * accelerations[i]
             torque = generalized_force(joint, *wrench) + own_rotor
             torques.append(torque if joint.sign > 0 else -torque)
     return torques[::-1], wrench
@@ -202,21 +203,23 @@ def carried_wrenches(
     choices: Sequence[FrameChoice],
 ) -> Iterator[tuple[int, Wrench[S]]]:
     """From the tip inward, by joint (from 0) the wrench that moves all that it carries; at -1 that on the base."""
-    force = moment = chain.null
+    carried: list[Wrench[S]] = [(chain.null, chain.null)] * (chain.n + 1)  # by the base and each link for those beyond
     for i in range(chain.n - 1, -1, -1):
         joint, motion = chain.joints[i], motions[i + 1]
         own_force, own_moment = body_wrench(chain.bodies[i], motion, (choices[i] if choices else PLAIN).second_moments)
         if chain.axial:
             own_force = (own_force[0], own_force[1], own_force[2] + chain.axial[i] * motion.acceleration[2])
+        force, moment = carried[i + 1]
         force, moment = add(force, own_force), add(moment, own_moment)
         yield i, (force, moment)
         force, moment = wrench_to_parent(joint, (force, moment))
         # What the rotor of the joint asks of the link that carries it, beyond a rigid part of that link.
-        u = axis(joint)
-        turn = cross(motions[i].omega, u)
+        u, before = axis(joint), joint.parent + 1
+        turn = cross(motions[before].omega, u)
         spin = scale(joint.coupling, add(scale(accelerations[i], u), scale(rates[i], turn)))
-        moment = add(moment, spin)
-    yield -1, (force, moment)
+        others = carried[before]
+        carried[before] = add(others[0], force), add(others[1], add(moment, spin))
+    yield -1, carried[0]
 
 
 def body_wrench(body: Body[S], motion: LinkMotion[S], second_moments: bool = False) -> Wrench[S]:

@@ -15,16 +15,16 @@ Rotors are unit bodies of their own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import accumulate
 from typing import Any, Generic
 
-from derive.mechanics.chain import Chain, ChainJoint
+from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import along_axes, axis, origin, to_child
 from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, link_motions
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, scale, transpose
+from derive.robot import tree
 from derive.robot.description import Link, Motor
 from derive.robot.expression import ONE
 from derive.robot.inertial_parameters import Parameter
@@ -48,27 +48,24 @@ class Screw(Generic[S]):
         return Screw(multiply(turned, self.angular), multiply(turned, self.at(frame.position)))
 
 
-def next_screws(chain: Chain[S], joint: ChainJoint[S], before: list[Screw[S]]) -> list[Screw[S]]:
-    """The screws of the link behind a joint."""
+Screws = Mapping[int, Screw[S]]  # of the joints that move a link, by their index from 0
+
+
+def next_screws(chain: Chain[S], i: int, before: Screws[S]) -> Screws[S]:
+    """The screws of link i from those of the link that it follows."""
     # Joints further in: the same motion, its velocity that of the new origin. The joint itself moves about or along z.
-    outward = [Screw(to_child(joint, screw.angular), to_child(joint, screw.at(origin(joint)))) for screw in before]
-    along = (chain.zero, chain.zero, chain.one)
-    return [*outward, Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)]
+    joint, along = chain.joints[i], (chain.zero, chain.zero, chain.one)
+    outward = {k: Screw(to_child(joint, s.angular), to_child(joint, s.at(origin(joint)))) for k, s in before.items()}
+    return {**outward, i: Screw(along, chain.null) if joint.revolute else Screw(chain.null, along)}
 
 
 def with_unit_rotors(robot: Robot) -> Robot:
     """The robot with nothing on it but its rotors, each of unit mass and unit inertia.
 
-    In its chain ``coupling`` is sign * ratio, ``armature`` is ratio^2, and the body of link i-1 is the rotor of joint
-    i, so that its first moment is the rotor's place.
+    In its chain ``coupling`` is sign * ratio and ``armature`` is ratio^2.
     """
     motors = (link.motor and Motor(ONE, ONE, link.motor.ratio) for link in robot.links)
-    return replace(robot, links=tuple(Link(motor=motor) for motor in motors))
-
-
-def rotor_place(chain: Chain[S], joint: int) -> Vector[S]:
-    """Where the rotor of a joint sits, in joint frame ``joint - 1``."""
-    return chain.bodies[joint - 2].first_moment
+    return replace(robot, links=tuple(Link(motor=motor) for motor in motors), fixed=tree.massless(robot.fixed))
 
 
 def coulomb_column(part: str, sign: Any) -> Any:
@@ -82,7 +79,7 @@ class _LinkView(Generic[S]):
     """A link seen from a frame on it."""
 
     motion: LinkMotion[S]  # of the link, in the frame
-    screws: Sequence[Screw[S]]  # of joints 1..k, in the frame
+    screws: Screws[S]  # of the joints that move it, in the frame
 
     def seen_from(self, frame: Frame[S]) -> _LinkView[S]:
         """The same link seen from another frame on it; U is computed anew, for turning it would cost more."""
@@ -92,7 +89,7 @@ class _LinkView(Generic[S]):
         acceleration = multiply(turned, add(before.acceleration, multiply(before.tensor, frame.position)))
         omega, alpha = multiply(turned, before.omega), multiply(turned, before.alpha)
         motion = LinkMotion(omega, alpha, angular_acceleration_tensor(omega, alpha)[0], acceleration)
-        return _LinkView(motion, [screw.seen_from(frame) for screw in self.screws])
+        return _LinkView(motion, {k: screw.seen_from(frame) for k, screw in self.screws.items()})
 
     def power(self, part: str, screw: Screw[S]) -> S:
         """What the wrench of a unit parameter does on a unit rate."""
@@ -137,9 +134,10 @@ class Regressor(Generic[S]):
         self._rates, self._accelerations = along_axes(chain, qd), along_axes(chain, qdd)
         motions = link_motions(chain, self._rates, self._accelerations)
         # Links' parameters of the file stand in DH frames, base parameters in joint frames.
-        # Of every link k the screws of joints 1..k, in joint frame k, rates counted positive along +z.
-        none: list[Screw[S]] = []
-        screws = list(accumulate(chain.joints, lambda inner, joint: next_screws(chain, joint, inner), initial=none))
+        # Of every link the screws of the joints that move it, in its joint frame, rates counted positive along +z.
+        screws: list[Screws[S]] = [{}]
+        for i, joint in enumerate(chain.joints):
+            screws.append(next_screws(chain, i, screws[joint.parent + 1]))
         self._joint_views = [_LinkView(m, s) for m, s in zip(motions[1:], screws[1:], strict=True)]
         self._views = self._joint_views
         if ends:
@@ -155,9 +153,9 @@ class Regressor(Generic[S]):
         i, part = parameter.joint - 1, parameter.part
         if parameter.of_link:
             view = self._views[i]
-            found = [view.power(part, screw) for screw in view.screws]
+            found = {k: view.power(part, screw) for k, screw in view.screws.items()}
         elif part in ("mm", "Im"):
-            found = self._of_rotor(i, part)
+            found = dict(self._of_rotor(i, part))
         else:
             if part[0] == "f":
                 assert self._sign is not None, "Coulomb friction needs a sign"
@@ -166,30 +164,29 @@ class Regressor(Generic[S]):
                 # Armature and friction act on their own joint alone.
                 own = {"Ia": self._qdd, "b": self._qd}[part][i]
             return [own if k == i else self.chain.zero for k in range(self.chain.n)]
-        joints = self.chain.joints[: len(found)]
-        # From rates about +z to the sense of the joint variables; joints beyond the link do no work on it.
-        signed = [value if joint.sign > 0 else -value for joint, value in zip(joints, found, strict=True)]
-        return signed + [self.chain.zero] * (self.chain.n - len(found))
+        # From rates about +z to the sense of the joint variables; joints that do not move the link do no work on it.
+        joints, zero = enumerate(self.chain.joints), self.chain.zero
+        return [found.get(k, zero) if joint.sign > 0 else -found.get(k, zero) for k, joint in joints]
 
-    def _of_rotor(self, i: int, part: str) -> list[S]:
+    def _of_rotor(self, i: int, part: str) -> Mapping[int, S]:
         """Per unit of a rotor's mass or inertia, counted positive along +z.
 
         Its inertia makes the rate of its momentum (omega.u + k rate) u on link i-1, and k times that about u on its
         own joint.
         """
         joint, acceleration, rate = self.chain.joints[i], self._accelerations[i], self._rates[i]
-        # The first rotor stands on the ground: its mass never moves.
-        if i == 0:
-            return [] if part == "mm" else [joint.armature * acceleration]
-        u, carrier = axis(joint), self._joint_views[i - 1]
+        # A rotor that stands on the ground: its mass never moves.
+        if joint.parent < 0:
+            return {} if part == "mm" else {i: joint.armature * acceleration}
+        u, carrier = axis(joint), self._joint_views[joint.parent]
         if part == "mm":
             # Its mass: acceleration of its place against the velocity of its place.
-            place = rotor_place(self.chain, i + 1)
-            felt = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, place))
-            return [dot(screw.at(place), felt) for screw in carrier.screws]
+            felt = add(carrier.motion.acceleration, multiply(carrier.motion.tensor, joint.rotor))
+            return {k: dot(screw.at(joint.rotor), felt) for k, screw in carrier.screws.items()}
         omega, alpha = carrier.motion.omega, carrier.motion.alpha
         # Its inertia: the spin k rate + u . omega, whose axis u turns with link i-1.
         spin_rate = dot(u, alpha) + joint.coupling * acceleration
         spin = dot(u, omega) + joint.coupling * rate
         moment = add(scale(spin_rate, u), scale(spin, cross(omega, u)))
-        return [*(dot(screw.angular, moment) for screw in carrier.screws), joint.coupling * spin_rate]
+        felt_by = {k: dot(screw.angular, moment) for k, screw in carrier.screws.items()}
+        return {**felt_by, i: joint.coupling * spin_rate}

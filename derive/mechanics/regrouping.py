@@ -36,19 +36,20 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
     ground = chain.ground
     for i in range(chain.n - 1, -1, -1):
         joint, body, rule = chain.joints[i], bodies[i], rules[i] if rules else Rule()
-        if rule.axial and i:
+        before = joint.parent
+        if rule.axial and before >= 0:
             bodies[i], moved = _massless(chain), body_to_parent(replace(joint, offset=chain.zero), body)
-            axial[i], axial[i - 1] = axial[i] + body.mass, -body.mass
+            axial[i], axial[before] = axial[i] + body.mass, axial[before] - body.mass
         elif joint.revolute:
             bodies[i], moved = _split_revolute(chain, joint, body, half if rule.second_moments else None)
-            if i:
-                axial[i], axial[i - 1] = chain.zero, axial[i]
+            if before >= 0:
+                axial[i], axial[before] = chain.zero, axial[before] + axial[i]
         else:
             still = _massless(chain)
             bodies[i] = replace(still, mass=body.mass, first_moment=body.first_moment)
             moved = replace(still, inertia=tensor_to_parent(joint, body.inertia))
-        if i:
-            bodies[i - 1] = bodies[i - 1] + moved
+        if before >= 0:
+            bodies[before] = bodies[before] + moved
         else:
             ground = ground + moved
     return replace(

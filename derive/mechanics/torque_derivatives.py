@@ -157,13 +157,14 @@ def torque_position_derivative(
         else:
             response = replace(response, moment=add(response.moment, turned))
         # Inward: d tau_i / d q_j from the wrench, and d tau_j / d q_i from the unit wrench, i < j.
-        for i in range(j - 1, -1, -1):
+        outer_rate = rates[j]
+        for i, outer in chain.inward(j):
             inner = chain.joints[i]
-            response = response.to_parent(chain.joints[i + 1], omegas[i + 1], rates[i + 1])
-            if i == j - 1:  # the rotor of joint j, on link i
+            response, outer_rate = response.to_parent(outer, omegas[i + 1], outer_rate), rates[i]
+            if outer is joint:  # the rotor of joint j, on link i
                 u = axis(joint)
                 eta = add(response.eta, scale(joint.coupling, u))
-                delta = add(response.delta, scale(half * joint.coupling, cross(omegas[j], u)))
+                delta = add(response.delta, scale(half * joint.coupling, cross(omegas[i + 1], u)))
                 response = replace(response, eta=eta, delta=delta)
             upper = generalized_force(inner, response.force, response.moment)
             lower = response.inner_derivative(inner, motions[i + 1])
@@ -185,10 +186,13 @@ def _moving_composites(
         bodies.append(_MovingBody(body, cross(omega, body.first_moment), vectors.transpose((x, y, z))))
     for i in range(chain.n - 1, 0, -1):
         # The rotor of joint i spins on link i-1: c rate/2 u^ in E.
-        joint, inner = chain.joints[i], bodies[i - 1]
+        joint = chain.joints[i]
+        if joint.parent < 0:
+            continue
+        inner, omega = bodies[joint.parent], omegas[joint.parent + 1]
         spin = vectors.hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
-        moved = bodies[i].to_parent(joint, _origin_rate(joint, omegas[i], rates[i]))
-        bodies[i - 1] = _MovingBody(
+        moved = bodies[i].to_parent(joint, _origin_rate(joint, omega, rates[i]))
+        bodies[joint.parent] = _MovingBody(
             inner.body + moved.body,
             add(inner.first_rate, moved.first_rate),
             add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin),

@@ -410,10 +410,9 @@ class DynamicModel(KinematicModel):
                 own = rate if parameter.part == "b" else coulomb_column(parameter.part, sympy.sign(rate))
                 columns.append([own if k == parameter.joint - 1 else sympy.S.Zero for k in n])
                 continue
-            gravity = [self.form.gravity(p) for p in units.gravity(parameter)]
-            gravity += [sympy.S.Zero] * (self.n - len(gravity))
+            gravity = {k: self.form.gravity(p) for k, p in units.gravity(parameter).items()}
             inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}
-            columns.append([sympy.Add(*self._inertial(inertia, k, write), gravity[k]) for k in n])
+            columns.append([sympy.Add(*self._inertial(inertia, k, write), gravity.get(k, sympy.S.Zero)) for k in n])
         return sympy.ImmutableMatrix(self.n, len(columns), lambda i, j: columns[j][i])
 
     def _inertial(

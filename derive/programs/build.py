@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +14,7 @@ from derive.programs.formulations.choice import Formulation, FormulationChoice
 from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
-from derive.programs.program import Column, Function, Inverse, InverseSearch, Program
+from derive.programs.program import Column, Function, Interface, Inverse, InverseSearch, Program
 from derive.programs.tape.build import program_cost
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -37,13 +39,16 @@ def build_program(
     # All are traced on one graph; then the cheapest formulation of each is chosen, independently of the others.
     trace = Trace(robot, effort)
     rows = [row for row in ROWS if row.interface.name in names and row.exists(robot)]
-    work: list[_Traced | _Inverse] = [_Traced.of(row, trace) for row in rows]
-    if inverse:
+    ends = [end.name for end in robot.ends if end.name] or [""]
+    work: list[_Traced | _Inverse] = []
+    work += [_Traced.of(row, trace, end) for row in rows for end in (ends if row.of_end else [""])]
+    if inverse and not robot.is_tree:
         work.append(_Inverse(trace))
     sizes = [piece.size for piece in work]
     results = list(spread(methodcaller("result"), work, sizes) if spread else [piece.result() for piece in work])
     functions = tuple(result for result in results if isinstance(result, Function))
-    found, reason = next((result for result in results if isinstance(result, tuple)), (None, ""))
+    without = "its table is a tree" if inverse and robot.is_tree else ""
+    found, reason = next((result for result in results if isinstance(result, tuple)), (None, without))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None
     return Program(functions, free_symbols(robot), closed, reason, search)
@@ -75,18 +80,23 @@ class _Traced:
     trace: Trace
     columns: tuple[Column, ...]
     formulations: tuple[Formulation, ...]
+    interface: Interface
 
     @classmethod
-    def of(cls, row: FunctionRow, trace: Trace) -> _Traced:
-        """Trace a function."""
+    def of(cls, row: FunctionRow, trace: Trace, end: str = "") -> _Traced:
+        """Trace a function, one of an end of a tree where that has a name."""
         columns = row.columns(trace) if row.columns else ()
+        interface = row.interface.at(end) if end else row.interface
         try:
-            formulations = trace.choice.near(row.formulations(trace), row.margin)
+            own, places = trace.to_end(end) if end else (trace, ())
+            formulations = trace.choice.near(row.formulations(own), row.margin)
+            if end:
+                formulations = tuple(_in_tree(f, interface, trace, places) for f in formulations)
         except QuantityError:
             if not row.may_lack_value:
                 raise
             formulations = ()
-        return cls(row, trace, columns, formulations)
+        return cls(row, trace, columns, formulations, interface)
 
     @property
     def size(self) -> int:
@@ -109,11 +119,21 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        sizes = {"n": self.trace.n, "p": len(self.columns), "m": len(task_rows(self.trace.robot))}
-        shape = tuple(sizes[size] if isinstance(size, str) else size for size in row.interface.shape)
+        sizes = {"n": self.trace.n, "p": len(self.columns)}
+        sizes |= {"m": len(task_rows(self.trace.robot))} if "m" in self.interface.shape else {}
+        interface = self.interface
+        shape = tuple(sizes[size] if isinstance(size, str) else size for size in interface.shape)
         formulation, tape = chosen
-        interface = row.interface
         if any(isinstance(link.coulomb, tuple) for link in self.trace.robot.links):
             result = interface.result.replace("coulomb*sign(qd)", "(coulomb of the direction)*sign(qd)")
             interface = replace(interface, result=result)
         return Function(interface, shape, tape, formulation.words, self.columns)
+
+
+def _in_tree(formulation: Formulation, interface: Interface, trace: Trace, places: Sequence[int]) -> Formulation:
+    """What is computed for the joints of an arm with zeros for the other joints of the tree."""
+    found = iter(formulation.trace())
+    axes = [range(trace.n) if size == "n" else range(int(size)) for size in interface.shape]
+    joints = [k for k, size in enumerate(interface.shape) if size == "n"]
+    entries = [next(found) if {entry[k] for k in joints} <= {*places} else trace.chain.zero for entry in product(*axes)]
+    return Formulation(formulation.words, partial(list, entries))

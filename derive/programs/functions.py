@@ -29,6 +29,10 @@ def _has_regressor(robot: Robot) -> bool:
     return robot.has_dynamics and has_regressor(robot)
 
 
+def _is_short_arm(robot: Robot) -> bool:
+    return robot.n <= POLICY.most_derivatives and not robot.is_tree
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRow:
     """A generated function."""
@@ -41,6 +45,7 @@ class FunctionRow:
     search: bool = True  # whether a long search for shared parts pays
     most_improved: float = inf  # nodes above which it is emitted as traced
     columns: Callable[[Trace], tuple[Column, ...]] | None = None  # names of the columns of the result
+    of_end: bool = False  # whether a tree has one for each of its ends
     is_optional: bool = False  # whether it is left out where it has no value in any configuration
     without_value: Callable[[Trace], Formulation] | None = None  # what stands for it there otherwise
 
@@ -74,6 +79,7 @@ ROWS = (
         "base A_1 ... A_n tool, a 4x4 homogeneous transform",
         kinematics.poses,
         margin=POLICY.kinematics_margin,
+        of_end=True,
     ),
     _row(
         ("T_i = link_transforms(q)", ("n", 4, 4)),
@@ -88,6 +94,7 @@ ROWS = (
         "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.jacobians,
         margin=POLICY.kinematics_margin,
+        of_end=True,
     ),
     _row(
         ("J_end = jacobian_end(q)", (6, "n")),
@@ -95,12 +102,14 @@ ROWS = (
         "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.end_jacobians,
         margin=POLICY.kinematics_margin,
+        of_end=True,
     ),
     _row(
         ("dJ/dt = jacobian_dot(q, qd)", (6, "n")),
         "Rate of change of the geometric Jacobian, in the world frame.",
         "the acceleration of the end effector is J qdd + dJ/dt qd, linear rows first",
         kinematics.jacobian_rates,
+        of_end=True,
     ),
     _row(
         ("H = jacobian_hessian(q)", (6, "n", "n")),
@@ -110,6 +119,7 @@ ROWS = (
         exists=lambda robot: robot.n <= POLICY.most_derivatives,
         margin=POLICY.kinematics_margin,
         search=False,
+        of_end=True,
     ),
     *(
         _row(
@@ -119,6 +129,7 @@ ROWS = (
             f"finite numbers where {singular} = 0",
             partial(kinematics.analytic_jacobians, kind),
             is_optional=True,
+            of_end=True,
         )
         for kind, angles, rates, singular in (
             ("rpy", "roll, pitch, yaw", "roll, pitch and yaw", "cos(pitch)"),
@@ -229,7 +240,7 @@ ROWS = (
             f"Manipulability of the {what}.",
             "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             partial(kinematics.manipulabilities, part),
-            exists=lambda robot: robot.n <= POLICY.most_derivatives,
+            exists=_is_short_arm,
             margin=1.0,
             search=False,
         )
@@ -240,7 +251,7 @@ ROWS = (
         "Gradient of the manipulability of the task.",
         "d w / d q_j; where w = 0 of an oblong J no finite numbers",
         kinematics.manipulability_gradients,
-        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        exists=_is_short_arm,
         search=False,
     ),
     *(
@@ -254,6 +265,7 @@ ROWS = (
                 partial(kinematics.wrench_torques, frame),
                 margin=POLICY.kinematics_margin,
                 search=False,
+                of_end=True,
             ),
             _row(
                 (f"dtau_h/dq = wrench_torques{suffix}_dq(q, h)", ("n", "n")),
@@ -263,6 +275,7 @@ ROWS = (
                 exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives,
                 margin=1.0,
                 search=False,
+                of_end=True,
             ),
         )
     ),
@@ -271,7 +284,7 @@ ROWS = (
         "Inertia that a force on the end effector meets in the task.",
         "(J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank",
         dynamics.task_inertias,
-        exists=lambda robot: robot.has_dynamics and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives,
+        exists=lambda robot: robot.has_dynamics and _is_short_arm(robot) and len(task_rows(robot)) <= robot.n,
         search=False,
         most_improved=POLICY.most_eliminated,
         without_value=dynamics.no_task_inertia,

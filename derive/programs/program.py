@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import TYPE_CHECKING
 
@@ -48,6 +48,11 @@ class Interface:
     symbol: str  # how the notes write the result
     summary: str  # one line
     result: str  # what the entries of the result are, with their units
+
+    def at(self, end: str) -> Interface:
+        """The same for an end of a tree."""
+        summary, result = (text.replace("the end effector", f"end {end}") for text in (self.summary, self.result))
+        return replace(self, name=f"{self.name}_{end}", summary=summary, result=result)
 
 
 @dataclass(frozen=True, slots=True)

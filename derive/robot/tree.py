@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from derive.errors import QuantityError, listed, near_miss
-from derive.robot.description import BASE, IDENTITY, Description, End, FixedRow, Joint, JointType, Root, RootType, Stand
-from derive.robot.expression import ONE, ZERO
+from derive.robot.description import (
+    BASE,
+    IDENTITY,
+    INERTIA,
+    Description,
+    End,
+    FixedRow,
+    Joint,
+    JointType,
+    Root,
+    RootType,
+    Stand,
+)
+from derive.robot.expression import ONE, ZERO, Expression
 
 Some = TypeVar("Some", bound=Description)
 # Moves the axes on in a cycle, z to x: what slides along z behind it slides along x of the frame before.
@@ -90,13 +102,46 @@ def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
     serial = replace(
         robot,
         joints=tuple(robot.joints[place] for place in places),
-        fixed=tuple(replace(row, link=None) for row in robot.fixed if row.name in on_way),
+        fixed=massless(tuple(row for row in robot.fixed if row.name in on_way)),
         ends=(replace(end, name=""),),
         tool=end.tool,
         links=(),
         root=None,
     )
     return serial, places
+
+
+def mapped_stand(stand: Stand, put: Callable[[Expression], Expression]) -> Stand:
+    """Where a row stands, with other cells."""
+    mount = tuple(tuple(put(cell) for cell in cells) for cells in stand.mount)
+    return replace(stand, mount=mount, gamma=put(stand.gamma), b=put(stand.b))
+
+
+def mapped_row(row: FixedRow, put: Callable[[Expression], Expression]) -> FixedRow:
+    """A row without motion with other cells; its body stays."""
+    theta, d, a, alpha = map(put, (row.theta, row.d, row.a, row.alpha))
+    return replace(row, stand=mapped_stand(row.stand, put), theta=theta, d=d, a=a, alpha=alpha)
+
+
+def stands(robot: Description) -> list[Stand]:
+    """Where rows of the table stand that do not simply follow the one above."""
+    return [joint.stand for joint in robot.joints if joint.stand] + [row.stand for row in robot.fixed]
+
+
+def constant_cells(robot: Description) -> tuple[list[Expression], list[Expression]]:
+    """What stands between the rows of a tree, on its rows without motion and on its ends: values, and angles [rad]."""
+    between = stands(robot)
+    matrices = [*(stand.mount for stand in between), *(end.tool for end in robot.ends)]
+    values = [cell for matrix in matrices for row in matrix for cell in row]
+    values += [cell for row in robot.fixed for cell in (row.a, row.d)] + [stand.b for stand in between]
+    for link in (row.link for row in robot.fixed if row.link):
+        values += (link.mass, *link.com, *(getattr(link.inertia, key) for key in INERTIA))
+    return values, [stand.gamma for stand in between] + [a for row in robot.fixed for a in (row.theta, row.alpha)]
+
+
+def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:
+    """Rows without motion, without their bodies."""
+    return tuple(replace(row, link=None) for row in rows)
 
 
 def root_rows(root: Root) -> tuple[tuple[Joint, ...], FixedRow]:

@@ -32,6 +32,7 @@ from derive.errors import DeriveError, ExpressionError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
 from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.robot import tree
 from derive.robot.description import IDENTITY, Link, Motor
 from derive.robot.expression import ZERO, Expression, substitute
 from derive.robot.inertial_parameters import FRICTION_PARTS, JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
@@ -86,7 +87,7 @@ class ColumnSolver:
 
     def _column(self, parameter: Parameter) -> RegressorColumn:
         entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self._units.inertia(parameter).items()}
-        entries |= dict(enumerate(self._units.gravity(parameter)))
+        entries |= {i: value for i, value in self._units.gravity(parameter).items()}
         ring = self.domain.ring
         return {
             (place, monomial): coefficient
@@ -203,7 +204,7 @@ def _independent(
     for j, parameter in enumerate(candidates):
         for pair, value in units.inertia(parameter).items():
             matrix[:, place[pair], j] = value.values[:, 0]
-        for i, value in enumerate(units.gravity(parameter)):
+        for i, value in units.gravity(parameter).items():
             matrix[:, len(place) + i, j] = value.values[:, 0]
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     return residues, pivots, reduced
@@ -234,7 +235,10 @@ def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     for joint in robot.joints:
         # B's rank does not depend on where joint variables are counted from.
         theta, d = (ZERO, _put(joint.d)) if joint.is_revolute else (_put(joint.theta), ZERO)
-        joints.append(replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None))
+        stand = joint.stand and tree.mapped_stand(joint.stand, _put)
+        joints.append(
+            replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None, stand=stand)
+        )
     motors = (link.motor and Motor(ratio=_put(link.motor.ratio)) for link in robot.links)
     return replace(
         robot,
@@ -243,4 +247,6 @@ def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
         tool=IDENTITY,
         gravity=robot.gravity and (_put(robot.gravity[0]), _put(robot.gravity[1]), _put(robot.gravity[2])),
         links=tuple(Link(motor=motor) if motor else link for motor, link in zip(motors, robot.links, strict=True)),
+        fixed=tree.massless(tuple(tree.mapped_row(row, _put) for row in robot.fixed)),
+        ends=tuple(replace(end, tool=IDENTITY) for end in robot.ends),
     )

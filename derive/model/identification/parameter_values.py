@@ -9,7 +9,7 @@ from dataclasses import replace
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.quotients import Quotient
 from derive.errors import ExpressionError
-from derive.mechanics.chain import Body, Domain, build_chain, central_inertia, constant_vector
+from derive.mechanics.chain import Body, Domain, body_in, build_chain, central_inertia, constant_vector, fixed_bodies
 from derive.mechanics.joint_motion import axis
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.vectors import S, axial_tensor, scale, steiner
@@ -28,6 +28,9 @@ def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domai
     for link in robot.links:
         mass, r = domain.constant(link.mass), constant_vector(link.com, domain)
         bodies.append(Body(mass, scale(mass, r), central_inertia(link, domain) + steiner(mass, r)))
+    for i, frame, link in fixed_bodies(robot, domain):
+        if i >= 0:
+            bodies[i] = bodies[i] + body_in(frame, link, domain)
     return [_value(p, robot, bodies, domain) for p in parameters]
 
 
@@ -56,9 +59,9 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
         armatures[Parameter(i, "Ia")] = (ratio * ratio - ratio) * inertia
         turning = axial_tensor(ratio * inertia, (z, z, chain.one))
         bodies[i - 1] = bodies[i - 1] + Body(z, chain.null, turning)
-        if i > 1:
+        if (before := chain.joints[i - 1].parent) >= 0:
             turning = axial_tensor(inertia - ratio * inertia, axis(chain.joints[i - 1]))
-            bodies[i - 2] = bodies[i - 2] + Body(z, chain.null, turning)
+            bodies[before] = bodies[before] + Body(z, chain.null, turning)
     grouped = regroup(replace(chain, bodies=tuple(bodies))).bodies
     everything = (*base.parameters, *(relation.parameter for relation in base.relations))
     values = {p: _value(p, robot, grouped, domain) for p in everything}

@@ -4,18 +4,18 @@ With w_a, v_a the screw of joint a in a frame of link k, a body with mass m, fir
 
     B_ab = m v_a.v_b + h.(v_a x w_b + v_b x w_a) + w_a.I w_b,    g_a = -m gamma.v_a - h.(gamma x w_a),
 
-gamma being the acceleration of gravity; the rotor of joint i, on link i-1, adds its inertia times (w_a.u + k e_a)
-(w_b.u + k e_b), with u its axis and k its ratio for its own joint (e_i = 1). Both are linear in the parameters.
+gamma being the acceleration of gravity; the rotor of joint i, on the link before, adds its inertia times (w_a.u + k
+e_a) (w_b.u + k e_b), with u its axis and k its ratio for its own joint (e_i = 1). Both are linear in the parameters.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from operator import mul
 from typing import Any, Generic
 
 from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, to_child
-from derive.mechanics.regressor import Screw, next_screws, rotor_place
+from derive.mechanics.regressor import Screw, Screws, next_screws
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
 from derive.robot.inertial_parameters import Parameter
 
@@ -30,8 +30,8 @@ class UnitDynamics(Generic[S]):
     def __init__(self, chain: Chain[S], ends: bool) -> None:
         self.chain = chain
         self.ends = ends
-        self._carried: dict[int, tuple[list[Screw[S]], Vector[S]]] = {}
-        self._known: list[tuple[list[Screw[S]], Vector[S]]] = [([], chain.gravity)]
+        self._carried: dict[int, tuple[Screws[S], Vector[S]]] = {}
+        self._known: dict[int, tuple[Screws[S], Vector[S]]] = {-1: ({}, chain.gravity)}
 
     def inertia(self, parameter: Parameter) -> Pairs[S]:
         """B per unit of a parameter; of friction none."""
@@ -40,51 +40,53 @@ class UnitDynamics(Generic[S]):
             return {(i, i): self.chain.one}
         # what each joint does to the body, and the entry of two of them
         entry: Callable[[Any, Any], S] = dot
-        moved: Sequence[Any] = ()
+        moved: Mapping[int, Any] = {}
         if part == "Im":
-            u = axis(self.chain.joints[i])
-            moved = [*(dot(screw.angular, u) for screw in self._before(i)[0]), self.chain.joints[i].coupling]
-            entry = mul
+            joint = self.chain.joints[i]
+            turned = {k: dot(screw.angular, axis(joint)) for k, screw in self._at(joint.parent)[0].items()}
+            moved, entry = {**turned, i: joint.coupling}, mul
         elif part == "mm":
             moved = self._rotor_velocities(i)
         elif parameter.of_link:
             moved, entry = self._link(i)[0], partial(_body_entry, part)
         # B_ab is bilinear in what joints a and b do to the body; a reversed joint changes the sign.
-        pairs = ((a, b) for a in range(len(moved)) for b in range(a, len(moved)))
-        found = {(a, b): entry(moved[a], moved[b]) for a, b in pairs}
+        found = {(a, b): entry(moved[a], moved[b]) for a in moved for b in moved if a <= b}
         return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
 
-    def gravity(self, parameter: Parameter) -> list[S]:
-        """g per unit of a parameter."""
+    def gravity(self, parameter: Parameter) -> Mapping[int, S]:
+        """g per unit of a parameter, by joints from 0; what is missing is zero."""
         i, part = parameter.joint - 1, parameter.part
-        along_z: list[S] = []
+        along_z: dict[int, S] = {}
         if part == "mm":
-            along_z = [-dot(self._before(i)[1], velocity) for velocity in self._rotor_velocities(i)]
+            gamma = self._at(self.chain.joints[i].parent)[1]
+            along_z = {k: -dot(gamma, velocity) for k, velocity in self._rotor_velocities(i).items()}
         elif part in ("m", "mx", "my", "mz"):
             screws, gamma = self._link(i)
             if part == "m":
-                along_z = [-dot(gamma, screw.linear) for screw in screws]
+                along_z = {k: -dot(gamma, screw.linear) for k, screw in screws.items()}
             else:
-                along_z = [-cross(gamma, screw.angular)[_AXES[part[1]]] for screw in screws]
-        return [value if joint.sign > 0 else -value for joint, value in zip(self.chain.joints, along_z, strict=False)]
+                along_z = {k: -cross(gamma, screw.angular)[_AXES[part[1]]] for k, screw in screws.items()}
+        return {k: value if self.chain.joints[k].sign > 0 else -value for k, value in along_z.items()}
 
-    def _rotor_velocities(self, i: int) -> list[Vector[S]]:
-        return [screw.at(rotor_place(self.chain, i + 1)) for screw in self._before(i)[0]] if i else []
+    def _rotor_velocities(self, i: int) -> dict[int, Vector[S]]:
+        joint = self.chain.joints[i]
+        return {k: screw.at(joint.rotor) for k, screw in self._at(joint.parent)[0].items()}
 
-    def _before(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
-        """Screws and gravity in frame i; only as far out as needed, for further out they may be too long to write."""
-        while len(self._known) <= i:
-            joint, (screws, gamma) = self.chain.joints[len(self._known) - 1], self._known[-1]
-            self._known.append((next_screws(self.chain, joint, screws), to_child(joint, gamma)))
+    def _at(self, i: int) -> tuple[Screws[S], Vector[S]]:
+        """Screws and gravity in joint frame i; no further out than needed, where they may be too long to write."""
+        if i not in self._known:
+            joint = self.chain.joints[i]
+            screws, gamma = self._at(joint.parent)
+            self._known[i] = next_screws(self.chain, i, screws), to_child(joint, gamma)
         return self._known[i]
 
-    def _link(self, i: int) -> tuple[list[Screw[S]], Vector[S]]:
+    def _link(self, i: int) -> tuple[Screws[S], Vector[S]]:
         """Screws and gravity in the frame of a link's parameters."""
         if i not in self._carried:
-            screws, gamma = self._before(i + 1)
+            screws, gamma = self._at(i)
             if self.ends:
                 end: Frame[S] = self.chain.ends[i]
-                screws = [screw.seen_from(end) for screw in screws]
+                screws = {k: screw.seen_from(end) for k, screw in screws.items()}
                 gamma = multiply(transpose(end.rotation), gamma)
             self._carried[i] = (screws, gamma)
         return self._carried[i]

@@ -52,22 +52,21 @@ def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
     found = [Place.AFTER]
     if joint.revolute and joint.offset.ref != ZERO:
         found.append(Place.BEFORE)
-    if joint.revolute and i + 1 < chain.n:
-        after = chain.joints[i + 1]
+    followers = [chain.joints[k] for k in chain.followers(i)]
+    if joint.revolute and len(followers) == 1:
+        after = followers[0]
         if after.revolute and _direction(after) and after.offset.ref != ZERO:
             found.append(Place.BEYOND)
     return tuple(found)
 
 
 def holdable(chain: Chain[Value], i: int) -> bool:
-    """Whether the axes of a link may stay behind its joint: nothing but a parallel axis may follow."""
+    """Whether the axes of a link may stay behind its joint: nothing but parallel axes may follow."""
     joint = chain.joints[i]
     if not (joint.revolute or _is_unturned(joint)):
         return False
-    if i + 1 == chain.n:
-        return True
-    after = chain.joints[i + 1]
-    return _direction(after) != 0 and (after.revolute or _is_unturned(after))
+    followers = (chain.joints[k] for k in chain.followers(i))
+    return all(_direction(after) != 0 and (after.revolute or _is_unturned(after)) for after in followers)
 
 
 def _is_unturned(joint: ChainJoint[Value]) -> bool:
@@ -81,10 +80,10 @@ def _direction(joint: ChainJoint[Value]) -> int:
 
 def _slides_along_all(chain: Chain[Value], i: int) -> bool:
     """Whether joint i slides along the axis about which, or along which, all joints before it move."""
-    joints = chain.joints[: i + 1]
-    if i == 0 or joints[i].revolute:
+    joints = [chain.joints[i], *(chain.joints[k] for k, _ in chain.inward(i))]
+    if len(joints) == 1 or joints[0].revolute:
         return False
-    return all(map(_direction, joints[1:])) and all(joint.revolute or _is_unturned(joint) for joint in joints)
+    return all(map(_direction, joints[:-1])) and all(joint.revolute or _is_unturned(joint) for joint in joints)
 
 
 def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]:
@@ -97,16 +96,17 @@ def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]
         if choice.place is Place.BEFORE:
             back = joints[i].offset
         else:
-            back = -joints[i + 1].offset if _direction(joints[i + 1]) > 0 else joints[i + 1].offset
+            after = joints[chain.followers(i)[0]]
+            back = -after.offset if _direction(after) > 0 else after.offset
         joints[i] = replace(joints[i], offset=joints[i].offset - back)
         # Seen from there all places have `back` more along z: h + m p, and the tensor by Steiner.
         lever, body = (chain.zero, chain.zero, back), bodies[i]
         moment = add(body.first_moment, scale(body.mass, lever))
         bodies[i] = Body(body.mass, moment, shift(body.mass, body.first_moment, body.inertia, lever))
-        if i + 1 < chain.n:
-            fixed = joints[i + 1].fixed
+        for k in chain.followers(i):
+            fixed = joints[k].fixed
             # The next joint's constant frame starts at the new origin.
-            joints[i + 1] = replace(joints[i + 1], fixed=Frame(fixed.rotation, add(fixed.position, lever)))
+            joints[k] = replace(joints[k], fixed=Frame(fixed.rotation, add(fixed.position, lever)))
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
 
 
@@ -127,8 +127,9 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
     """Links held in the axes before their joints; K lets their turn through, as it leaves z where it is."""
     joints: list[ChainJoint[Value]] = []
     bodies: list[Body[Value]] = []
-    before: _Lag | None = None
+    lags: list[_Lag | None] = []
     for i, (joint, body, choice) in enumerate(zip(chain.joints, chain.bodies, choices, strict=True)):
+        before = lags[joint.parent] if joint.parent >= 0 else None
         turns = (Turn(i, 1),) if joint.revolute else ()
         # Where the link before is held, its turn passes through: about the same axis or the opposite one, angles add.
         if before is None:
@@ -145,7 +146,7 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
         if choice.held:
             body = Body(body.mass, lag.turned(body.first_moment), turn_about_z(lag.cosine, lag.sine, body.inertia))
         bodies.append(body)
-        before = lag if choice.held else None
+        lags.append(lag if choice.held else None)
     return replace(chain, joints=tuple(joints), bodies=tuple(bodies))
 
 
@@ -223,5 +224,5 @@ def starting_choices(chain: Chain[Value]) -> tuple[FrameChoices, ...]:
     """Where the search for frame choices starts."""
     n = chain.n
     can = [holdable(chain, i) for i in range(n)]
-    held = (can, [can[i] and i == n - 1 for i in range(n)], [False] * n)
+    held = (can, [can[i] and not chain.followers(i) for i in range(n)], [False] * n)
     return tuple(tuple(FrameChoice(held=h, second_moments=True) for h in row) for row in held)

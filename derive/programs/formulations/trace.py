@@ -5,6 +5,8 @@ inertial parameters vanish, they cost less than a recursion once common parts ar
 bounds, so only short ones are offered.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
@@ -34,6 +36,7 @@ from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
 from derive.programs.tape.value import Value
+from derive.robot import tree
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.options.style import Contraction
@@ -135,12 +138,14 @@ class ClosedForm:
 
 
 def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
-    """Whether base and tool, in a file perhaps to six decimals, are rotations to rounding for any free symbols."""
+    """Whether constant transforms, perhaps to six decimals in a file, are rotations to rounding for any symbols."""
     numbers = dict(robot.parameters)
     fixed = {name: evaluate(numbers[name], {}) for name in robot_symbols(robot) if name in numbers}
+    mounts = (stand.mount for stand in tree.stands(robot))
+    matrices = (robot.base, robot.tool, *mounts, *(end.tool for end in robot.ends))
     for first in _TRIALS:
         values = fixed | {name: first + 0.071 * k for k, name in enumerate(free_symbols(robot))}
-        for matrix in (robot.base, robot.tool):
+        for matrix in matrices:
             try:
                 rows = [[evaluate(cell, values) for cell in row[:3]] for row in matrix[:3]]
             except ArithmeticError:
@@ -152,16 +157,23 @@ def has_exact_rotations(robot: Robot, tolerance: float = _TOLERANCE) -> bool:
 
 
 class Trace:
-    """The graph of one robot and its chain of tape values, shared by all functions."""
+    """The graph of one robot and its chain of tape values, shared by all functions.
 
-    def __init__(self, robot: Robot, effort: Effort = Effort.FULL) -> None:
+    With ``whole`` it is that of the arm which leads to an end of a tree, on the graph of the tree, and ``places`` are
+    the arm's joints in the tree.
+    """
+
+    def __init__(
+        self, robot: Robot, effort: Effort = Effort.FULL, whole: Trace | None = None, places: Sequence[int] = ()
+    ) -> None:
         self.robot = robot
         self.n = robot.n
         self.effort = effort
-        self.graph = Graph()
-        self.domain = TapeDomain(robot, self.graph)
+        self.graph: Graph = whole.graph if whole else Graph()
+        self.domain = TapeDomain(whole.robot, self.graph, places) if whole else TapeDomain(robot, self.graph)
         self.chain: Chain[Value] = build_chain(robot, self.domain)
-        self.choice = FormulationChoice(robot, self.graph, effort)
+        self.choice: FormulationChoice = whole.choice if whole else FormulationChoice(robot, self.graph, effort)
+        self._to_ends: dict[str, tuple[Trace, tuple[int, ...]]] = {}
         self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
         self._arranged: dict[tuple[FrameChoices, bool], Chain[Value]] = {}
 
@@ -170,6 +182,13 @@ class Trace:
         """1/2."""
         return self.domain.number(Fraction(1, 2))
 
+    def to_end(self, name: str) -> tuple[Trace, tuple[int, ...]]:
+        """The trace of the arm that leads to an end, and the indices of its joints."""
+        if name not in self._to_ends:
+            arm, places = tree.arm(self.robot, name)
+            self._to_ends[name] = Trace(arm, self.effort, self, places), places
+        return self._to_ends[name]
+
     @cached_property
     def runs(self) -> tuple[ParallelRun, ...]:
         """The joints in runs of parallel axes, with the sums of their angles."""
@@ -177,12 +196,12 @@ class Trace:
 
     @cached_property
     def stations(self) -> Stations | None:
-        """Where vectors come from on their way to the world; None where base or tool is a rotation only nearly."""
-        return Stations(self.chain, self.runs) if has_exact_rotations(self.robot) else None
+        """Where vectors come from on their way to the world; None in a tree, or if a rotation is one only nearly."""
+        return Stations(self.chain, self.runs) if self.chain.is_serial and has_exact_rotations(self.robot) else None
 
     @cached_property
     def end_stations(self) -> Stations | None:
-        """The same on their way to the end effector; None where base or tool is a rotation only nearly."""
+        """The same on their way to the end effector."""
         if self.stations is None:
             return None
         inverted, total = self.chain.inverted, self.domain.cosine_sine_of_sum
@@ -202,7 +221,8 @@ class Trace:
     @cached_property
     def closed_forms(self) -> tuple[ClosedForm, ...]:
         """Closed forms in each choice of angles."""
-        choices = (False, True) if any(len(run.placements) > 1 for run in self.runs) else (False,)
+        has_sums = not self.chain.is_serial or any(len(run.placements) > 1 for run in self.runs)
+        choices = (False, True) if has_sums else (False,)
         return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)
 
     def arranged(self, choices: FrameChoices, *, axial: bool = False) -> Chain[Value]:

@@ -24,19 +24,23 @@ Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
 
 
 class TapeDomain:
-    """A `derive.mechanics.chain.Domain` on a graph, whose run-time parameter k is ``robot_symbols(robot)[k]``."""
+    """A `derive.mechanics.chain.Domain` on a graph, whose run-time parameter k is ``robot_symbols(robot)[k]``.
 
-    def __init__(self, robot: Robot, graph: Graph) -> None:
+    With ``places`` it is that of the arm whose joints are these joints of the robot.
+    """
+
+    def __init__(self, robot: Robot, graph: Graph, places: Sequence[int] | None = None) -> None:
         self.graph = graph
-        self._joints = robot.joints
+        self._places = range(robot.n) if places is None else places
+        self._joints = [robot.joints[place] for place in self._places]
         self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
         self._known: dict[Expression, Value] = {
             Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(robot_symbols(robot))
         }
 
     def argument(self, kind: str, index: int) -> Value:
-        """One entry of an argument."""
-        return Value(self.graph, self.graph.input(kind, index))
+        """One entry of an argument, of the joint with that index in the arm."""
+        return Value(self.graph, self.graph.input(kind, index if kind == WRENCH else self._places[index]))
 
     def number(self, value: int | Fraction) -> Value:
         """A rational."""
