@@ -21,6 +21,7 @@ from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
 Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
+_OF_JOINTS = frozenset({Q, QD, QDD, TAU})  # those with one entry per joint
 
 
 class TapeDomain:
@@ -40,7 +41,7 @@ class TapeDomain:
 
     def argument(self, kind: str, index: int) -> Value:
         """One entry of an argument, of the joint with that index in the arm."""
-        return Value(self.graph, self.graph.input(kind, index if kind == WRENCH else self._places[index]))
+        return Value(self.graph, self.graph.input(kind, self._places[index] if kind in _OF_JOINTS else index))
 
     def number(self, value: int | Fraction) -> Value:
         """A rational."""
