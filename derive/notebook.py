@@ -76,8 +76,10 @@ class Model(ClosedForms):
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *(name for name, row in REGISTRY.items() if row.is_of(self.robot))})
 
-    def _repr_latex_(self) -> str:
-        """T, J and, where the robot has links, B and g, in the notation of the handout."""
+    def _repr_latex_(self) -> str | None:
+        """T, J and, where the robot has links, B and g, in the notation of the handout; None of a tree."""
+        if self.robot.is_tree:
+            return None
         robot = replace(self.robot, style=self.style)
         context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
         letter = context.symbols.inertia_letter

@@ -21,14 +21,15 @@ MOST_COLUMNS = 400
 
 
 def gallery() -> None:
-    """Write the page of every robot, and the page that lists them."""
+    """Write the page of every robot of one chain, and the page that lists them."""
     PAGES.mkdir(parents=True, exist_ok=True)
+    names = [name for name in catalogue_names() if not Robot.load(name).is_tree]  # trees have no figure yet
     with ProcessPoolExecutor(2) as pool:
-        entries = list(pool.map(entry, catalogue_names()))
+        entries = list(pool.map(entry, names))
     listed = "\n".join(entries)
     (GALLERY / "index.md").write_text(
         "# Gallery\n\nThe built-in robots, drawn and derived by `derive` itself.\n\n"
-        f"{listed}\n\n```{{toctree}}\n:hidden:\n\n" + "\n".join(catalogue_names()) + "\n```\n",
+        f"{listed}\n\n```{{toctree}}\n:hidden:\n\n" + "\n".join(names) + "\n```\n",
         encoding="utf-8",
     )
 

@@ -407,8 +407,14 @@ def catalogue() -> Mapping[str, Robot]:
     return {name: Robot.load(name) for name in catalogue_names()}
 
 
+@cache
+def chains() -> tuple[str, ...]:
+    """Names of the built-in robots of one chain, for what takes no trees."""
+    return tuple(name for name, robot in catalogue().items() if not robot.is_tree)
+
+
 def swept_catalogue(most_joints: int = 64, usual: tuple[str, ...] = ()) -> list[Any]:
-    """The built-in robots: those for every run of the tests, those of the sweep, the others before a release."""
-    names = (name for name, robot in catalogue().items() if robot.n <= most_joints)
+    """`chains`: those for every run of the tests, those of the sweep, the others before a release."""
+    names = (name for name in chains() if catalogue()[name].n <= most_joints)
     rest = {name: [pytest.mark.sweep if name in SWEPT else pytest.mark.release] for name in names}
     return [pytest.param(name, marks=[] if name in usual else marks) for name, marks in rest.items()]

@@ -146,6 +146,8 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     except TargetError as error:
         return ImportCheck(str(path), promised, None, lack=f"{error.found} ({error.remedy})")
     robot = Robot.from_text(text, str(file))
+    if robot.is_tree:
+        return ImportCheck(str(path), promised, None, lack="its arm has become a tree")
     with exactly():
         arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
     ours, theirs = (

@@ -247,7 +247,7 @@ def _list(robot: Robot, form: str) -> None:
 
     known = [row for row in REGISTRY.values() if row.is_of(robot)]
     rows = {row.call: (row.symbol, row.shape_of(robot), row.unit, row.summary) for row in known}
-    rows |= {name: ("", "", "", text) for name, text in DESCRIBED.items()}
+    rows |= {} if robot.is_tree else {name: ("", "", "", text) for name, text in DESCRIBED.items()}
     if form == "json":
         keys = ("symbol", "shape", "unit", "summary")
         found = {name: dict(zip(keys, row, strict=True)) for name, row in rows.items()}

@@ -19,6 +19,7 @@ from derive.model.identification.possible import possible, wants_possible, with_
 from derive.model.identification.witness import NoSuchBodies
 from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot
+from derive.robot.tree import require_chain
 from derive.verification.oracle.functions import Oracle
 from derive.version import __version__
 
@@ -182,6 +183,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     if to not in FORMS:
         allowed = f"allowed: {', '.join(FORMS)}"
         raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
+    require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")

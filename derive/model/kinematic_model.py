@@ -25,6 +25,7 @@ from derive.robot.options.inverse import POSE
 from derive.robot.options.style import Contraction, Style, choice_named
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
+from derive.robot.tree import require_chain
 
 if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
     from derive.inverse.words.reach import Reach
@@ -400,6 +401,7 @@ class KinematicModel:
         With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
         3.3).
         """
+        require_chain(self.robot, "the singularities")
         from derive.model.singularities.determinant import find_singularities
 
         return find_singularities(self.robot, self.style)
@@ -407,6 +409,7 @@ class KinematicModel:
     @cached_property
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
+        require_chain(self.robot, "the inverse kinematics")
         from derive.inverse.words.solutions import inverse_kinematics
 
         return inverse_kinematics(self.robot, self.style)
@@ -414,6 +417,7 @@ class KinematicModel:
     @cached_property
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
+        require_chain(self.robot, "the workspace")
         from derive.inverse.words.reach import find_reach
 
         return find_reach(self.robot, self.style, self.inverse)
@@ -421,6 +425,7 @@ class KinematicModel:
     @cached_property
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
+        require_chain(self.robot, "the aspects")
         from derive.inverse.numeric.in_numbers import parameter_numbers
         from derive.model.singularities.aspects import find_aspects
 

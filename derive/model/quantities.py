@@ -10,6 +10,7 @@ from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
 
+OF_CHAINS = ("singularities", "inverse")  # what a tree has not; nor has it what `DESCRIBED` describes
 ANY = range(1, FILE_LIMITS.joints + 1)  # any number of joints
 
 
@@ -53,7 +54,8 @@ class Quantity:
 
     def is_of(self, robot: Robot) -> bool:
         """Whether a robot has it."""
-        return robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
+        is_known = not (robot.is_tree and self.name in OF_CHAINS)
+        return is_known and robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
         """The quantity of a model."""

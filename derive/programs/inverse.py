@@ -187,6 +187,8 @@ class TapeField:
 def solved(trace: Trace) -> Solved:
     """Inverse kinematics as the file asks for it: a program, what takes its place, or None and the reason."""
     robot = trace.robot
+    if robot.is_tree:
+        return None, "the table is a tree"
     if not has_exact_rotations(robot):
         reason = "base or tool is a rotation only to the digits that the file gives"
         if not has_exact_rotations(robot, NEARLY_EXACT):

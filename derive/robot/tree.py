@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from derive.errors import QuantityError, listed, near_miss
+from derive.errors import Location, QuantityError, listed, near_miss
 from derive.robot.description import (
     BASE,
     IDENTITY,
@@ -142,6 +142,20 @@ def constant_cells(robot: Description) -> tuple[list[Expression], list[Expressio
 def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:
     """Rows without motion, without their bodies."""
     return tuple(replace(row, link=None) for row in rows)
+
+
+def require_chain(robot: Description, what: str, location: Location | None = None) -> None:
+    """Refuse a tree for what is made of one chain alone: ``what`` as in "the handout"."""
+    if not robot.is_tree:
+        return
+    names = [end.name for end in robot.ends if end.name]
+    to = f"to one of {listed(names)}" if len(names) > 1 else "to its end"
+    raise QuantityError(
+        f"{what} of {robot.name}, whose table is a tree",
+        allowed="allowed: robots of one chain",
+        remedy=f"derive show and derive build take trees; for the rest write a robot file of the serial arm {to}",
+        location=location,
+    )
 
 
 def root_rows(root: Root) -> tuple[tuple[Joint, ...], FixedRow]:

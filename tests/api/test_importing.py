@@ -13,7 +13,9 @@ from derive.api.importing import import_all, import_urdf, verify_import
 from derive.errors import DeriveError, RobotFileError, VerificationError
 from derive.exchange.from_urdf import snap_of
 from derive.model.identification.witness import NoSuchBodies
+from derive.robot.description import End
 from derive.robot.expression import ZERO, to_text
+from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import HALF, J, Reading, body, pose, urdf
 
@@ -196,6 +198,20 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     check = verify_import(path)
     assert check.found is None
     assert "not tested" in str(check)
+
+
+def test_an_arm_that_has_become_a_tree_is_not_tested(
+    torso: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "left.yaml"
+    path.write_text(import_urdf(torso, tip="left_hand", folder=tmp_path).text)
+    robot = Robot.load(path)
+    tree = replace(robot, ends=(End("hand", robot.joints[-1].label, robot.tool),))
+    monkeypatch.setattr(Robot, "from_text", lambda text, source: tree)
+    check = verify_import(path)
+    assert check is not None
+    assert check.found is None
+    assert "its arm has become a tree, so the promised pose error was not tested" in str(check)
 
 
 def test_the_promise_holds_for_the_table_in_the_other_convention(torso: Path, tmp_path: Path) -> None:

@@ -15,11 +15,11 @@ from derive.api.build import build
 from derive.api.robots import load
 from derive.model.quantities import REGISTRY
 from derive.notebook import MOST_LINES
-from derive.robot.load import catalogue_names
 from derive.verification.octave_model import OPTIONS, find_octave
 from tests.docs.console import Command, agrees, blocks, commands, environment, run
 from tests.docs.errata import PAGE, TITLES, page, section
 from tests.places import ROOT
+from tests.random_robots import chains
 from tests.targets.generated_models import needs_octave
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs" / "decisions").glob("*.md"))]
@@ -225,7 +225,7 @@ def test_the_tour_is_a_valid_notebook_without_traces_of_a_machine() -> None:
     assert str(Path.home()) not in json.dumps(text)
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_every_robot_and_model_shows_itself(name: str) -> None:
     robot = Robot.load(name)
     table = robot._repr_html_()

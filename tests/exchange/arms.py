@@ -10,15 +10,15 @@ import pytest
 from derive.exchange.numeric import with_numbers
 from derive.robot.description import Inertia, Link, Motor
 from derive.robot.expression import Expression, multiply, number
-from derive.robot.load import catalogue_names
 from derive.robot.names import limit_symbols, robot_symbols
 from derive.robot.robot import Robot
 from tests.exchange.urdfs import HALF, PI, J, body, urdf
+from tests.random_robots import chains
 
 FEW = ("scara-matlab", "skeleton-modified", "stanford-deluca", "puma560-corke")
 """Slides, parallel axes, reversed variables, a base, both conventions."""
 
-EVERY = catalogue_names()
+EVERY = chains()
 
 SWEEP = [pytest.param(name, marks=[] if name in FEW else pytest.mark.sweep) for name in EVERY]
 """The few in every run of the tests, the others in the sweep."""

@@ -10,11 +10,10 @@ from derive.exchange.derivation import derivation_text
 from derive.mechanics.convention import convert, has_equal_poses
 from derive.robot.description import Convention
 from derive.robot.expression import ONE
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
+from tests.random_robots import chains, swept, swept_catalogue
 from tests.random_robots import robot_text as random_text
-from tests.random_robots import swept, swept_catalogue
 from tests.robot.test_writer import differing
 
 ARM = """\
@@ -53,7 +52,7 @@ def without_comments(text: str) -> str:
     return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_there_and_back_is_the_same_file_for_every_built_in_robot(name: str) -> None:
     robot = Robot.load(name)
     there = converted(robot, OTHER[robot.convention])

@@ -19,11 +19,11 @@ from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import number
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import numeric, random_chain
 from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf
+from tests.random_robots import chains
 
 SNAP = Fraction(1, 10**6)
 
@@ -282,7 +282,7 @@ def test_tables_of_books_come_back(name: str) -> None:
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_every_built_in_arm_comes_back(name: str) -> None:
     """With the same poses, in both conventions."""
     robot = numeric(name)

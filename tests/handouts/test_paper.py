@@ -14,7 +14,6 @@ from derive.handouts.exercise import exercise, solutions
 from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, SheetFormula, Table
 from derive.handouts.sheet.language import ENGLISH, Text, languages
 from derive.handouts.sheet.latex_writer import latex
-from derive.robot.load import catalogue_names
 from derive.robot.options.handout import (
     AngleLetter,
     Derivation,
@@ -27,7 +26,7 @@ from derive.robot.options.handout import (
 )
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_clean, run_latex
-from tests.random_robots import robot_text, sampled, seeds, swept_catalogue
+from tests.random_robots import chains, robot_text, sampled, seeds, swept_catalogue
 
 pytestmark = [pytest.mark.slow, pytest.mark.first(1)]
 
@@ -38,7 +37,7 @@ where no page breaks between a sentence and its table."""
 
 LANGUAGES = languages()
 RANDOM_ROBOTS = 35
-USUAL = catalogue_names()[::3]
+USUAL = chains()[::3]
 WIDEST = NotationOptions(
     AngleLetter.VARTHETA, SliderLetter.Q, Functions.FULL, frames=FrameIndices.LEFT, inertia=InertiaLetter.M
 )
@@ -61,13 +60,13 @@ def assert_is_clean(
         assert 1 <= run_clean(latex(sheet, context.text), folder).pages <= most
 
 
-@pytest.mark.parametrize(("number", "name"), list(enumerate(catalogue_names())))
+@pytest.mark.parametrize(("number", "name"), list(enumerate(chains())))
 def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp_path: Path) -> None:
     robot = Robot.load(name)
     assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
 
 
-@pytest.mark.parametrize("name", sampled(catalogue_names(), USUAL))
+@pytest.mark.parametrize("name", sampled(chains(), USUAL))
 def test_the_catalogue_in_the_widest_notation_is_clean(name: str, tmp_path: Path) -> None:
     language = random.Random(name).choice(["it", "pt"])
     assert_is_clean(Robot.load(name), HandoutOptions(language=language, notation=WIDEST), tmp_path)

@@ -19,7 +19,6 @@ from derive.model.dynamic_form import only_body
 from derive.model.long_chain import LongChain, nested_kinematics
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle import rates
@@ -28,7 +27,7 @@ from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import link_jacobians, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
-from tests.random_robots import robot_text
+from tests.random_robots import chains, robot_text
 
 
 class Numbers:
@@ -97,9 +96,7 @@ def check(n: Numbers) -> None:
         close(n.value(model.Jv_motor(i)), rotors[0][i - 1])
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.sweep] * (n == "human-body")) for n in catalogue_names()]
-)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.sweep] * (n == "human-body")) for n in chains()])
 def test_every_built_in_robot_agrees_with_the_oracle(name: str) -> None:
     check(Numbers(Robot.load(name), seed=7))
 

@@ -9,9 +9,9 @@ import pytest
 from derive.exchange.formats import exported
 from derive.motion.motion import Motion
 from derive.robot.expression import number
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.exchange.arms import dressed
+from tests.random_robots import chains
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -46,6 +46,6 @@ def test_puma_moves_for_ten_seconds_as_in_mujoco() -> None:
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_every_robot_moves_as_in_mujoco(name: str) -> None:
     motions_agree(dressed(name, calm=True), "given")

@@ -26,6 +26,7 @@ from derive.robot.reading.structure import model_of
 from derive.robot.robot import Robot
 from tests.motion.plans import PICK_AND_PLACE, REACH
 from tests.motion.wrong_plans import RIGHT, WRONG
+from tests.random_robots import chains
 
 PATH = "path: [a, {to: b, time: 1}]\n"
 BARE = """\
@@ -183,7 +184,7 @@ def test_what_is_neither_a_file_nor_a_plan_is_named_with_what_was_meant() -> Non
     assert {"scara-pick-and-place", "skeleton-reach"} <= set(plan_names())
 
 
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_a_new_plan_of_any_robot_is_a_plan_within_its_limits(name: str) -> None:
     plan = plan_from_bytes(new_plan_text("mine", Robot.load(name), name).encode(), "mine.yaml")
     assert len(plan.steps) == 2

@@ -9,7 +9,7 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.task_rows import PARTS, task_rows
 from derive.verification.oracle import frames
-from tests.random_robots import catalogue, random_robot
+from tests.random_robots import chains, random_robot
 
 NATURAL = {
     "planar-2r-perugia": (0, 1),
@@ -33,7 +33,8 @@ def test_a_natural_task_is_what_moves_or_the_position(name: str) -> None:
 def test_rows_are_those_of_the_oracle_which_looks_at_axes_at_random() -> None:
     drawn = [random_robot(random.Random(seed), 1 + seed % 4, dynamics=False) for seed in range(150)]
     arms = [(Robot.from_text(robot.text), robot.values) for robot in drawn]
-    arms += [(robot, dict.fromkeys(free_symbols(robot), 0.7)) for robot in catalogue().values()]
+    built_in = map(Robot.load, chains())
+    arms += [(robot, dict.fromkeys(free_symbols(robot), 0.7)) for robot in built_in]
     for (robot, values), part in product(arms, ("all", *PARTS)):
         assert list(task_rows(robot, part)) == frames.task_rows(frames.numeric_arm(robot, values), part), robot.name
 

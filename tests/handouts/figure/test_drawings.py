@@ -22,7 +22,6 @@ from derive.handouts.notation.printer import DataPrinter
 from derive.handouts.parts.plan import COLORS, Panel, Panels
 from derive.robot.description import Convention
 from derive.robot.expression import Number
-from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.options.handout import FigureOptions
 from derive.robot.robot import Robot
@@ -30,7 +29,7 @@ from derive.verification.oracle.frames import chain_frames, forward_kinematics, 
 from derive.workspace.poses import RobotPoses
 from derive.workspace.views import find_workspace
 from tests.handouts.latex_runner import overfull, run_latex
-from tests.random_robots import robot_text
+from tests.random_robots import chains, robot_text
 
 
 def drawn(robot: Robot | str, q: list[float] | None = None, title: str = "an arm") -> Drawing:
@@ -88,7 +87,7 @@ def test_lengths_are_named_where_they_are_not_zero() -> None:
 
 @pytest.mark.first(6)
 @pytest.mark.slow
-@pytest.mark.parametrize("key", [*catalogue_names(), *range(20)])
+@pytest.mark.parametrize("key", [*chains(), *range(20)])
 def test_every_robot_is_drawn_inside_its_canvas(key: str | int) -> None:
     robot = Robot.load(key) if isinstance(key, str) else Robot.from_text(robot_text(random.Random(key), 1 + key % 7))
     rng = random.Random(robot.n)

@@ -8,9 +8,9 @@ import pytest
 from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint, plane_normal, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
 from derive.handouts.figure.solids import LINK, Faces, Sizes, joint_centers, prism, shade, solid_faces
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
+from tests.random_robots import chains
 
 VIEWS = [View(a, e, up) for a in (-2.0, 0.3) for e in (0.1, 1.2) for up in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))]
 
@@ -55,7 +55,7 @@ def normal_of(robot: Robot) -> np.ndarray | None:
 
 
 def test_which_built_in_robots_are_planar() -> None:
-    assert {name for name in catalogue_names() if normal_of(Robot.load(name)) is not None} == PLANAR
+    assert {name for name in chains() if normal_of(Robot.load(name)) is not None} == PLANAR
 
 
 def test_slides_alone_have_a_plane_and_one_slide_has_none() -> None:

@@ -31,12 +31,12 @@ from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, 
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import bare_context, changed, document_of, words
-from tests.random_robots import catalogue, robot_text, sampled
+from tests.random_robots import catalogue, chains, robot_text, sampled
 
 Array = npt.NDArray[np.float64]
 
 DYNAMICS = PARTS[PARTS.index("link-jacobians") : PARTS.index("example")]
-WITH_LINKS = [name for name, robot in catalogue().items() if robot.has_dynamics]
+WITH_LINKS = [name for name in chains() if catalogue()[name].has_dynamics]
 SHORT = [name for name in WITH_LINKS if catalogue()[name].n <= 7]
 SEEDS = range(10)
 

@@ -24,7 +24,6 @@ from derive.inverse.words.postures import Word
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
 from derive.robot.evaluate import parameter_values
-from derive.robot.load import catalogue_names
 from derive.robot.names import free_symbols
 from derive.robot.options.handout import FrameIndices, NotationOptions, PoseEntries
 from derive.robot.options.inverse import InverseOptions
@@ -33,7 +32,7 @@ from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import lines, part, words
 from tests.inverse.arms import PUBLISHED, ArmCase
-from tests.random_robots import robot_text
+from tests.random_robots import chains, robot_text
 
 KINDS = ("planar-2r-perugia", "planar-3r", "scara-perugia", "spherical-arm", "spherical-wrist", "thumb")
 LARGE = ("puma560-corke", "stanford-laschi", "kuka-lwr4", "anthropomorphic-wrist")
@@ -139,7 +138,7 @@ def test_an_exercise_asks_for_each_unknown_and_shows_no_answer() -> None:
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.parametrize("name", chains())
 def test_every_robot_of_the_catalogue_has_the_part(name: str) -> None:
     assert part(name, "inverse").blocks
 

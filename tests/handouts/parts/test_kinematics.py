@@ -28,7 +28,6 @@ from derive.plans.hermite import TIME, Piece
 from derive.plans.profile import AnyPiece, Curve
 from derive.plans.segments import Load, Peak, Segment, SegmentPeaks
 from derive.robot.expression import Number, Pi, Product
-from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.options.handout import FrameIndices, NotationOptions
 from derive.robot.robot import Robot
@@ -37,7 +36,7 @@ from derive.workspace.poses import RobotPoses
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import REACHED, bare_context, document_of, lines, part, words
-from tests.random_robots import random_robot, robot_text, sampled, seeds
+from tests.random_robots import chains, random_robot, robot_text, sampled, seeds
 
 TENTH = Fraction(1, 10)
 
@@ -60,7 +59,7 @@ def assert_compiles(robot: Robot, folder: Path, **options: Any) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sampled(catalogue_names(), catalogue_names()[1::4]))
+@pytest.mark.parametrize("name", sampled(chains(), chains()[1::4]))
 def test_the_kinematics_of_the_catalogue_compiles(name: str, tmp_path: Path) -> None:
     assert_compiles(numbered(Robot.load(name)), tmp_path)
 

@@ -33,12 +33,11 @@ from derive.handouts.sheet.document import Block, Figure, Paragraph, Section, Sh
 from derive.handouts.sheet.language import ENGLISH, languages
 from derive.robot.description import Matrix
 from derive.robot.expression import Number, names
-from derive.robot.load import catalogue_names
 from derive.robot.options.handout import Derivation, FigureOptions, HandoutOptions
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from tests.handouts.reading import REACHED, changed, lines, part, words
-from tests.random_robots import random_robot
+from tests.random_robots import chains, random_robot
 
 KINEMATICS = {
     part.__name__: part
@@ -212,7 +211,7 @@ def test_the_texts_are_translated() -> None:
     assert "\\text{(polso)}" in "".join(lines(found.blocks))
 
 
-@pytest.mark.parametrize("key", [*catalogue_names(), *range(20)])
+@pytest.mark.parametrize("key", [*chains(), *range(20)])
 def test_every_robot_has_the_part(key: str | int) -> None:
     robot = key if isinstance(key, str) else random_robot(random.Random(key), dynamics=False).text
     for block in blocks_of(part(robot, "singularities", steps=True)):
@@ -337,7 +336,7 @@ def test_a_joint_whose_limits_exclude_zero_is_drawn_in_their_middle() -> None:
 
 
 def test_the_zero_configuration_is_within_the_limits_of_the_catalogue() -> None:
-    for name in catalogue_names():
+    for name in chains():
         robot = Robot.load(name)
         poses = RobotPoses(robot)
         for joint, value, bounds in zip(robot.joints, poses.zero, poses.limits, strict=True):

@@ -20,11 +20,11 @@ from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.model.model import Model
-from derive.robot.load import catalogue_names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED, arm_of, random_arm
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
+from tests.random_robots import chains
 
 
 @cache
@@ -114,10 +114,10 @@ USUAL = ("planar-3r", "scara-perugia", "spherical-wrist", "stanford-deluca")
 
 @pytest.mark.parametrize(
     "name",
-    [*USUAL, "scara-wrist", *(pytest.param(n, marks=pytest.mark.sweep) for n in catalogue_names() if n not in USUAL)],
+    [*USUAL, "scara-wrist", *(pytest.param(n, marks=pytest.mark.sweep) for n in chains() if n not in USUAL)],
 )
 def test_printed_solutions_stand_in_the_order_of_the_graph_under_its_names(name: str) -> None:
-    found = None if name in catalogue_names() else next(case.robot() for case in PUBLISHED if case.name == name)
+    found = None if name in chains() else next(case.robot() for case in PUBLISHED if case.name == name)
     robot = found or Robot.load(name)
     inverse = inverse_kinematics(robot, robot.style)
     if len(inverse.solutions) < 2:

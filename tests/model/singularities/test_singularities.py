@@ -19,12 +19,11 @@ from derive.model.singularities.determinant import find_singularities
 from derive.model.singularities.rank import rank_loss
 from derive.model.singularities.real_zeros import RealZeros
 from derive.model.singularities.singularities import Outcome, Posture, statement
-from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.model.singularities.singular_arms import SingularArm, arm_text
-from tests.random_robots import random_robot
+from tests.random_robots import chains, random_robot
 
-CATALOGUE = catalogue_names()
+CATALOGUE = chains()
 ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", "puma560-usp", "puma560-laschi"]
 
 

@@ -1,0 +1,90 @@
+"""What is made of one chain alone refuses a tree in one message, and writes nothing; what takes trees does not."""
+
+import shlex
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from textwrap import indent
+from typing import Any
+
+import pytest
+
+import derive as api
+from derive.errors import DeriveError
+from derive.publish.atomic_folder import write_files
+from derive.robot import robot as reading
+from derive.robot.description import Description, End, FixedRow, Link, Stand
+from derive.robot.load import robot_file_bytes
+from tests.cli.command import accepted, contents, refused
+from tests.targets.generated_models import needs_compiler
+
+MESSAGE = " of torso, whose table is a tree; allowed: robots of one chain; derive show and derive build take trees; "
+PLAN = "robot: torso.yaml\npoints: {home: [0, 0], away: [1, 1]}\npath: [home, {to: away, time: 1}]\n"
+REFUSED = [
+    *(f"handout torso.yaml {option}" for option in ("", "--exercise", "--html", "--pdf", "--fragment B")),
+    *(f"export torso.yaml --format {to}" for to in ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")),
+    *(f"show torso.yaml {name}" for name in ("inverse", "singularities", "workspace", "aspects", "ik")),
+    *(f"plot torso.yaml {option} -o arm.svg" for option in ("", "--workspace")),
+    *(f"build torso.yaml --target {targets}" for targets in ("numpy,latex", "latex --only --check")),
+    *(f"check torso.yaml --quantity {of} --expression 'q1 = 0'" for of in ("T[1,4]", "inverse")),
+    "check torso.yaml --latex 'T_{14} = a_1 c_1' -o page.html",
+    "check scara-perugia torso.yaml --latex notes.tex",
+    "check printed.yaml",
+    *(f"style {file} --example 'T[1,4] = a1*c1 + a2*c12'" for file in ("torso.yaml", "printed.yaml")),
+    *(f"move plan.yaml {options}" for options in ("--csv rows.csv --plot rows.svg", "--simulate --gif arm.gif")),
+    *("new motion --plan torso.yaml", "convert torso.yaml -o other.yaml"),
+]
+CALLS: dict[str, Callable[[Any], object]] = {
+    "Robot.convert": lambda robot: robot.convert("modified"),
+    "Robot.to_urdf": lambda robot: robot.to_urdf(),
+    "possible": api.possible,
+    "fragment": lambda robot: api.fragment(robot, "T"),
+    "Motion": lambda robot: api.Motion(replace(api.Motion.load("scara-pick-and-place").plan, robot=robot)),
+    "inverse": lambda robot: api.Model(robot).ik,
+    "singularities": lambda robot: api.Model(robot, assumptions=True).singularities,
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    read = reading.description_from_bytes
+    monkeypatch.setattr(reading, "description_from_bytes", lambda data, source: branched(read(data, source)))
+    text = robot_file_bytes("planar-2r-perugia").decode().replace("planar-2r-perugia", "torso", 1)
+    printed = f"robot:\n{indent(text, '  ')}\nexpected: [{{quantity: 'T[1,4]', latex: 'a_1 c_1'}}]\n"
+    files = {"torso.yaml": text, "printed.yaml": printed, "plan.yaml": PLAN, "notes.tex": "$$T_{14} = a_1 c_1$$\n"}
+    write_files({tmp_path / name: written.encode() for name, written in files.items()}, force=False)
+    return tmp_path
+
+
+def branched(robot: Description) -> Description:
+    """The torso with a second end, on a fixed row behind its first joint; other robots as they are."""
+    ends = (End("left", robot.joints[-1].label), End("right", "stub"))
+    stub = FixedRow("stub", Stand(robot.joints[0].label), link=Link())
+    return replace(robot, fixed=(stub,), ends=ends) if robot.name == "torso" else robot
+
+
+@pytest.mark.parametrize("command", REFUSED)
+def test_commands_refuse_a_tree(command: str, folder: Path) -> None:
+    before = contents(folder)
+    outcome = refused(*shlex.split(command), folder=folder)
+    assert (MESSAGE in outcome.stderr, outcome.stdout, contents(folder)) == (True, "", before)
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS)
+def test_python_refuses_a_tree(call: Callable[[Any], object], folder: Path) -> None:
+    with pytest.raises(DeriveError, match=MESSAGE):
+        call(api.load(folder / "torso.yaml"))
+
+
+@needs_compiler
+def test_a_tree_is_listed_copied_built_and_verified_without_sheet_and_inverse(folder: Path) -> None:
+    listed = accepted("show", "torso.yaml", folder=folder).stdout
+    assert {"inverse", "singularities", "workspace", "aspects"}.isdisjoint(listed.split())
+    accepted("new", "copy", "--from", "torso.yaml", folder=folder)
+    accepted("build", "torso.yaml", "--target", "all", folder=folder)
+    built = {path.name: path for path in (folder / "generated" / "torso").iterdir()}
+    assert ("sheet.tex" in built, "model_native.py" in built) == (False, True)
+    assert "There is no function: the table is a tree." in built["README.md"].read_text(encoding="utf-8")
+    accepted("verify", "torso.yaml", folder=folder)
+    accepted("build", "torso.yaml", "--check", folder=folder)
+    assert api.Model(api.load(folder / "torso.yaml"))._repr_latex_() is None
