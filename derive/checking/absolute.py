@@ -48,7 +48,7 @@ class AbsoluteModel(Model):
         value = value if quantity.shape else value.expand()
         return value if entry is None else value[tuple(index - 1 for index in entry)]
 
-    def frame(self, i: int) -> Matrix:
+    def frame(self, i: int | str) -> Matrix:
         """DH frame i in the world."""
         return self._relative.frame(i).xreplace(self._meanings)
 

@@ -106,10 +106,11 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
     """The quantities with their names; for dynamics, also which links are physically inconsistent."""
     from derive.api.robots import tell
     from derive.model.quantities import DESCRIBED
-    from derive.model.quantity_names import parse
+    from derive.model.quantity_names import by_ends, parse
 
     shown: list[tuple[str, Any]] = []
-    for name in dict.fromkeys(_wanted(model, arguments)):
+    wanted = (n for name in _wanted(model, arguments) for n in ([name] if name in DESCRIBED else by_ends(model, name)))
+    for name in dict.fromkeys(wanted):
         if name in DESCRIBED:
             if with_numbers or arguments.abbreviate is not None:
                 option = "--abbreviate" if arguments.abbreviate else "--at"

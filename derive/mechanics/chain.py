@@ -209,6 +209,12 @@ def _mount(robot: Robot, stand: Stand | None, way: tree.Way, domain: Domain[S]) 
     return found
 
 
+def way_frame(robot: Robot, label: str, domain: Domain[S]) -> tuple[int, Frame[S] | None]:
+    """The joint that carries a row, -1 for the base, and the row's frame in its DH frame; None where they are one."""
+    way = tree.way_to(robot, label)
+    return way.joint, reduce(matmul, [_fixed_frame(robot, row, domain) for row in way.rows]) if way.rows else None
+
+
 def _stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
     """Mount Rot(z, gamma) Trans(z, b)."""
     return constant_frame(stand.mount, domain) @ _about_z(stand.gamma, stand.b, domain)
@@ -294,9 +300,9 @@ def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S
     Each comes with its own frame in the DH frame of that link.
     """
     for row in robot.fixed:
-        if row.link is not None:
-            way = tree.way_to(robot, row.name)
-            yield way.joint, reduce(matmul, [_fixed_frame(robot, part, domain) for part in way.rows]), row.link
+        joint, frame = way_frame(robot, row.name, domain)
+        if row.link is not None and frame is not None:
+            yield joint, frame, row.link
 
 
 def _bodies(

@@ -5,7 +5,7 @@ from functools import cache, cached_property
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
-from derive.mechanics.chain import Chain, build_chain, constant_vector
+from derive.mechanics.chain import Chain, build_chain, constant_vector, way_frame
 from derive.mechanics.energy import potential_energy
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, subtract
 from derive.robot import tree
@@ -32,6 +32,16 @@ class Kinematics:
             return self.transform(j, i).inverse if i > j else self.chain.unit
         before = self.chain.joints[j - 1].parent + 1
         return self.transform(i, before) @ self.chain.row(j, self.robot.convention)
+
+    def row(self, i: int) -> PolynomialFrame:
+        """A_i, from the frame that row i follows."""
+        return self.transform(self.chain.joints[i - 1].parent + 1, i)
+
+    def between(self, one: str, other: str) -> PolynomialFrame:
+        """The frame of a row of a tree in that of another one, both by their labels."""
+        (i, start), (j, end) = (way_frame(self.robot, label, self.domain) for label in (one, other))
+        frame = self.transform(i + 1, j + 1)
+        return (frame if start is None else start.inverse @ frame) @ (self.chain.unit if end is None else end)
 
     def frame(self, i: int) -> PolynomialFrame:
         """DH frame i in the world: base A_1 ... A_i."""

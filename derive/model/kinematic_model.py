@@ -18,6 +18,7 @@ from derive.lecture.form import MOST_SHORT_TERMS, LectureForm, SymbolRoles
 from derive.lecture.sympy_conversion import Expr, Matrix, columns_matrix, frame_matrix
 from derive.mechanics.exact_kinematics import Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import Vector, multiply, transpose
+from derive.model.ends import OfEnds, TreeModel, of_each_end, of_each_end_by_joints
 from derive.model.long_chain import LongChain
 from derive.robot.description import Convention
 from derive.robot.names import acceleration_name, velocity_name
@@ -42,7 +43,7 @@ ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")  # attributes of every mo
 SHORT_ROOT = 4  # most terms under the roots of the orientation angles that are worth simplifying
 
 
-class KinematicModel:
+class KinematicModel(TreeModel):
     """Closed-form kinematics of one robot; arguments and attributes as in `derive.model.model.Model`."""
 
     _alike: Self | None = None  # a model of the same robot in another style, whose exact layer this one has, too
@@ -121,14 +122,10 @@ class KinematicModel:
     def _is_long(self) -> bool:
         return self.long_chain.is_long(0, self.n)
 
-    def _require_index(self, i: int, first: int) -> None:
-        if not first <= i <= self.n:
-            raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {self.n} for {self.robot.name}")
-
     # -- frames
 
     def A(self, i: int) -> Matrix:
-        """A_i: DH frame i in DH frame i-1.
+        """A_i: DH frame i in DH frame i-1, in a tree in that of the row that it follows.
 
         Standard: A_i = Rot(z, theta_i) Trans(z, d_i) Trans(x, a_i) Rot(x, alpha_i) (Siciliano et al., Robotics,
         section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
@@ -144,14 +141,14 @@ class KinematicModel:
             QuantityError: No such row.
         """
         self._require_index(i, 1)
-        return frame_matrix(self.kinematics.transform(i - 1, i), self.form.kinematic)
+        return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
-    def transform(self, i: int, j: int) -> Matrix:
+    def transform(self, i: int | str, j: int | str) -> Matrix:
         """T_j^i = A_{i+1} ... A_j: DH frame j in DH frame i, without base and tool.
 
         Args:
-            i: The reference frame, from 0 to n.
-            j: The frame, from 0 to n; before i it is the inverse transform.
+            i: The reference frame, from 0 to n; in a tree also a row by its name.
+            j: The frame, from 0 to n, or a row; before i it is the inverse transform.
 
         Returns:
             4x4.
@@ -159,17 +156,18 @@ class KinematicModel:
         Raises:
             QuantityError: No such frame.
         """
-        self._require_index(i, 0)
-        self._require_index(j, 0)
+        if self.robot.is_tree:
+            return frame_matrix(self.kinematics.between(self._label(i), self._label(j)), self.form.kinematic)
+        i, j = self._index(i), self._index(j)
         if self.long_chain.is_long(i, j):
             return self.long_chain.transform(i, j)
         return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
-    def frame(self, i: int) -> Matrix:
+    def frame(self, i: int | str) -> Matrix:
         """T_i = base A_1 ... A_i: DH frame i in the world.
 
         Args:
-            i: The frame, from 0 to n.
+            i: The frame, from 0 to n; in a tree also a row by its name.
 
         Returns:
             4x4.
@@ -177,12 +175,16 @@ class KinematicModel:
         Raises:
             QuantityError: No such frame.
         """
-        self._require_index(i, 0)
+        if self.robot.is_tree:
+            at, label = self.kinematics.chain.base, self._label(i)
+            return frame_matrix(at @ self.kinematics.between("", label), self.form.kinematic)
+        i = self._index(i)
         if self.long_chain.is_long(0, i):
             return self.long_chain.frame(i)
         return frame_matrix(self.kinematics.frame(i), self.form.kinematic)
 
     @cached_property
+    @of_each_end
     def T(self) -> Matrix:
         """T = base A_1 ... A_n tool, 4x4: the end effector in the world."""
         if self._is_long:
@@ -190,16 +192,19 @@ class KinematicModel:
         return frame_matrix(self.kinematics.end, self.form.kinematic)
 
     @property
+    @of_each_end
     def p(self) -> Matrix:
         """Position of the end effector in the world, 3x1 [m]."""
         return self.T[:3, 3]
 
     @property
+    @of_each_end
     def R(self) -> Matrix:
         """Orientation of the end effector in the world, 3x3."""
         return self.T[:3, :3]
 
     @cached_property
+    @of_each_end
     def rpy(self) -> Matrix:
         """Roll, pitch, yaw, 3x1 [rad]: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), pitch in (-pi/2, pi/2).
 
@@ -214,6 +219,7 @@ class KinematicModel:
         return sympy.ImmutableMatrix(angles)
 
     @cached_property
+    @of_each_end
     def euler_zyz(self) -> Matrix:
         """Euler angles phi, theta, psi, 3x1 [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
 
@@ -246,6 +252,7 @@ class KinematicModel:
     # -- Jacobians
 
     @cached_property
+    @of_each_end_by_joints
     def J(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn: (v, omega) = J qd, linear rows first, world frame.
 
@@ -257,6 +264,7 @@ class KinematicModel:
         return columns_matrix(*self.jacobian_columns, write=self.form.kinematic)
 
     @cached_property
+    @of_each_end_by_joints
     def J_end(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn, linear rows first, in the axes of the end effector.
 
@@ -282,6 +290,7 @@ class KinematicModel:
         return k.linear_columns(k.end.position), k.angular_columns(self.n)
 
     @cached_property
+    @of_each_end_by_joints
     def J_dot(self) -> Matrix:
         """dJ/dt(q, qd), 6xn: rate of change of the geometric Jacobian J, world frame.
 
@@ -303,11 +312,14 @@ class KinematicModel:
             QuantityError: No such joint.
         """
         self._require_index(k, 1)
+        if isinstance(every := self.J, OfEnds):
+            return every.each(lambda matrix: sympy.ImmutableMatrix(matrix.diff(self.q[k - 1])))
         if self._is_long:
             return sympy.ImmutableMatrix(self.J.diff(self.q[k - 1]))
         slope = self.domain.derivative
         return columns_matrix(*self.jacobian_columns, write=lambda entry: self.form.kinematic(slope(entry, k - 1)))
 
+    @of_each_end_by_joints
     def J_analytic(self, kind: str) -> Matrix:
         """Analytic Jacobian: derivative of position and of orientation angles.
 
@@ -343,6 +355,7 @@ class KinematicModel:
             rates.append([about, across, turn] if kind == "rpy" else [turn, across, about])
         return sympy.ImmutableMatrix(sympy.Matrix.vstack(sympy.Matrix(self.J[:3, :]), sympy.Matrix(rates).T))
 
+    @of_each_end
     def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
         """Determinant of a square block of J.
 

@@ -1,11 +1,13 @@
 """The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
 from derive.model.dynamic_model import DynamicModel
+from derive.model.ends import OfEnds
 from derive.model.equality import verdict
 from derive.model.quantities import DESCRIBED
 from derive.model.quantity_names import evaluate, parse
@@ -102,7 +104,8 @@ class Model(DynamicModel):
         found = evaluate(self, quantity)
         if "inverse" in vars(self) and found is self.inverse:
             return found.at(point)
-        return at_point(found, point, name=quantity, exact=exact, digits=digits)
+        put_in = partial(at_point, values=point, name=quantity, exact=exact, digits=digits)
+        return found.each(put_in) if isinstance(found, OfEnds) else put_in(found)
 
     def equal(self, quantity: str, expression: object) -> bool:
         """Whether an expression equals a scalar quantity identically.

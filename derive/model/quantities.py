@@ -9,8 +9,16 @@ from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
+from derive.robot.tree import require_chain
 
-OF_CHAINS = ("singularities", "inverse")  # what a tree has not; nor has it what `DESCRIBED` describes
+_BLOCKS = ("J_rows", "J_11", "J_11_reduced", "J_12", "J_21", "J_22")
+_DETERMINANTS = ("detJ", "detJv", "detJxy", "detJ_11", "detJ_22", "detJ_rows")
+# What a tree has not; nor has it what `DESCRIBED` describes.
+OF_CHAINS = frozenset(("singularities", "inverse", "manipulability", *_BLOCKS, *_DETERMINANTS))
+# What a tree has for each of its ends; T only where no frame is named.
+OF_ENDS = frozenset(
+    {"T", "p", "R", "rpy", "euler_zyz", "J", "J_end", "J_dot", "hessian", "J_rpy", "J_zyz", "Jv", "Jw", "Jxy"}
+)
 ANY = range(1, FILE_LIMITS.joints + 1)  # any number of joints
 
 
@@ -58,7 +66,9 @@ class Quantity:
         return is_known and robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
-        """The quantity of a model."""
+        """The quantity of a model; of a tree with named ends that of each end."""
+        if self.name in OF_CHAINS:
+            require_chain(model.robot, self.name)
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]
             count = f"{first}" if first == last else f"{first} or more" if last == ANY[-1] else f"{first} to {last}"

@@ -10,7 +10,8 @@ import re
 from derive.errors import QuantityError, listed, quoted
 from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
-from derive.model.quantities import REGISTRY, Quantity
+from derive.model.ends import OfEnds
+from derive.model.quantities import OF_ENDS, REGISTRY, Quantity
 
 _ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
 
@@ -21,13 +22,40 @@ def evaluate(model: DynamicModel, text: str) -> Expr:
     ``T[2]`` is frame 2; ``T[1,4]`` is the entry in row 1, column 4 where j = 4 is no frame of this robot, and frame 4
     in frame 1 where it is: an entry is always meant by a second bracket, ``T[][1,4]`` or ``T[0,2][1,4]``.
     """
-    quantity, indices, entry = parse(model, text)
+    end, (quantity, indices, entry) = _end_and_rest(model, text)[0], parse(model, text)
     value = quantity.value(model, *indices)
-    return value if entry is None else pick(value, entry, text)
+    if end:
+        value = value[end]
+    if entry is None:
+        return value
+    return value.each(lambda one: pick(one, entry, text)) if isinstance(value, OfEnds) else pick(value, entry, text)
+
+
+def _end_and_rest(model: DynamicModel, text: str) -> tuple[str, str]:
+    """The end of a tree that a name asks for, empty for none, and the name without it: ``T[left][1,4]``."""
+    match = re.fullmatch(r"\s*([^\[\]]*?)\s*\[\s*(\w+)\s*(?:,([^\]]*))?\](.*)", text)
+    if match is None or match[2] not in [end.name for end in model.robot.ends]:
+        return "", text
+    rest = (f"[{match[3]}]" if match[3] else "") + match[4]
+    return match[2], match[1] + ("[]" if match[1] == "T" and rest else "") + rest
+
+
+def by_ends(model: DynamicModel, text: str) -> list[str]:
+    """A name, or where it asks for a quantity of all ends of a tree, one for each end: ``T[left]``, ``T[right]``."""
+    names = [end.name for end in model.robot.ends if end.name]
+    quantity, indices, _ = parse(model, text)
+    of_ends = quantity.name in OF_ENDS and not (quantity.name == "T" and indices)
+    if not (names and of_ends) or _end_and_rest(model, text)[0]:
+        return [text]
+    word, bracket, rest = text.partition("[")
+    return [f"{word.strip()}[{name}]{bracket}{rest}" for name in names]
 
 
 def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
-    """What a name with indices asks for."""
+    """What a name with indices asks for, the end of a tree left out; T has names of a tree's rows for indices, too."""
+    text = _end_and_rest(model, text)[1]
+    if (frames := _frames(model, text)) is not None:
+        return REGISTRY["T"], frames, None
     written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
     match = _ASKED.fullmatch(written)
     if match is None or not match[1]:
@@ -53,6 +81,15 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     raise QuantityError(
         f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
     )
+
+
+def _frames(model: DynamicModel, text: str) -> tuple[int, ...] | None:
+    """The frames in ``T[waist]`` and ``T[base,head]``; None where no row of a tree is named."""
+    match = re.fullmatch(r"\s*T\s*\[([^\]]*)\]\s*", text)
+    words = [word.strip() for word in match[1].split(",")] if match and model.robot.is_tree else []
+    if len(words) not in (1, 2) or all(word.isdigit() for word in words) or not all(words):
+        return None
+    return tuple(int(word) if word.isdigit() else model.frame_number(word) for word in words)
 
 
 def _key(word: str) -> str:

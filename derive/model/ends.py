@@ -1,0 +1,160 @@
+"""Quantities of the ends of a tree: each is that of the serial arm which leads to the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, lru_cache, wraps
+from typing import Any, Self, TypeVar, cast
+
+import sympy
+
+from derive.errors import QuantityError, listed, near_miss
+from derive.lecture.sympy_conversion import Matrix
+from derive.robot import tree
+from derive.robot.description import BASE
+from derive.robot.options.style import Style
+from derive.robot.robot import Robot
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+class TreeModel:
+    """What a model knows of the tree that its robot may be."""
+
+    robot: Robot
+    style: Style
+
+    def arm(self, end: str) -> tuple[Self, tuple[int, ...]]:
+        """The model of the serial arm that leads to an end of a tree, without bodies.
+
+        Args:
+            end: Name of the end.
+
+        Returns:
+            The model, and the indices of its joints in the tree, from 0.
+
+        Raises:
+            QuantityError: There is no such end.
+        """
+        kind: Any = type(self)
+        return cast("tuple[Self, tuple[int, ...]]", _arm(kind, self.robot, self.style, end))
+
+    def _require_index(self, i: int, first: int) -> None:
+        if not first <= i <= self.robot.n:
+            raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {self.robot.n} for {self.robot.name}")
+
+    def _index(self, i: int | str) -> int:
+        """The number of a frame of a chain."""
+        if isinstance(i, str):
+            raise QuantityError(f"frame {i!r} of {self.robot.name}", allowed="allowed: numbers, for it is no tree")
+        self._require_index(i, 0)
+        return i
+
+    @property
+    def _labels(self) -> list[str]:
+        """The rows of a tree as its frames are numbered: frame 0, the joints, the rows without motion."""
+        return ["", *(joint.label for joint in self.robot.joints), *(row.name for row in self.robot.fixed)]
+
+    def frame_number(self, row: str) -> int:
+        """The number of a frame of a tree: that of its joint, and behind these those of the rows without motion.
+
+        Args:
+            row: Name of the row; ``base`` for frame 0, or for what stands on a root that moves.
+
+        Raises:
+            QuantityError: There is no such row.
+        """
+        labels = self._labels
+        if row not in labels and row != BASE:
+            found, allowed = f"row {row!r} of {self.robot.name}", f"allowed: {listed([BASE, *labels[1:]])}"
+            raise QuantityError(found, allowed=allowed, remedy=near_miss(row, labels))
+        return labels.index(row) if row in labels else 0
+
+    def _label(self, i: int | str) -> str:
+        """The label of a row of a tree."""
+        number, labels = self.frame_number(i) if isinstance(i, str) else i, self._labels
+        if not 0 <= number < len(labels):
+            raise QuantityError(f"frame {number} of {self.robot.name}", allowed=f"allowed: 0 to {len(labels) - 1}")
+        return labels[number]
+
+
+@lru_cache(64)
+def _arm(kind: Callable[[Robot, Style], Any], robot: Robot, style: Style, end: str) -> tuple[Any, tuple[int, ...]]:
+    arm, places = tree.arm(robot, end)
+    return kind(arm, style), places
+
+
+class OfEnds(Mapping[str, Any]):
+    """A quantity of each end, by the end's name: ``T["left"]``, or ``T("left")``.
+
+    Args:
+        names: The ends.
+        value: The quantity of an end.
+    """
+
+    def __init__(self, names: Sequence[str], value: Callable[[str], Any]) -> None:
+        self._names, self._value = tuple(names), cache(value)
+
+    def __getitem__(self, name: Any) -> Any:
+        # a row and a column, or slices of them, are those of each end
+        return self._value(name) if isinstance(name, str) else self.each(lambda value: value[name])
+
+    def __call__(self, name: str) -> Any:
+        """The quantity of an end.
+
+        Args:
+            name: The end.
+
+        Raises:
+            QuantityError: There is no such end.
+        """
+        return self._value(name)
+
+    def each(self, change: Callable[[Any], Any]) -> OfEnds:
+        """What follows from it, of each end.
+
+        Args:
+            change: Gives that from the quantity of an end.
+        """
+        return OfEnds(self._names, lambda name: change(self[name]))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name}: {self[name]!r}" for name in self)
+
+
+def of_each_end(function: Method) -> Method:
+    """Of a tree with named ends the quantity of each end."""
+    return _of_each_end(function, lambda value, places, n: value)
+
+
+def of_each_end_by_joints(function: Method) -> Method:
+    """The same of a matrix with a column for each joint: those of joints that do not move the end are zero."""
+    return _of_each_end(function, spread)
+
+
+def _of_each_end(function: Method, finish: Callable[[Any, Sequence[int], int], Any]) -> Method:
+    @wraps(function)
+    def _value(model: Any, *arguments: Any) -> Any:
+        names = [end.name for end in model.robot.ends if end.name]
+        if not names:
+            return function(model, *arguments)
+
+        def _of(name: str) -> Any:
+            arm, places = model.arm(name)
+            return finish(function(arm, *arguments), places, model.n)
+
+        return OfEnds(names, _of)
+
+    return cast("Method", _value)
+
+
+def spread(matrix: Matrix, places: Sequence[int], n: int) -> Matrix:
+    """A matrix with a column for each joint of an arm, with one for each joint of the tree."""
+    columns, zero = dict(zip(places, range(len(places)), strict=True)), sympy.zeros(matrix.shape[0], 1)
+    return sympy.ImmutableMatrix.hstack(*(matrix[:, columns[k]] if k in columns else zero for k in range(n)))
