@@ -26,7 +26,7 @@ from derive.robot.options.inverse import POSE
 from derive.robot.options.style import Contraction, Style, choice_named
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_arm, require_chain
 
 if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
     from derive.inverse.words.reach import Reach
@@ -420,9 +420,10 @@ class KinematicModel(TreeModel):
         return find_singularities(self.robot, self.style)
 
     @cached_property
+    @of_each_end
     def inverse(self) -> InverseKinematics:
         """How the joint variables follow from the pose, every branch, for the task of the robot file."""
-        require_chain(self.robot, "the inverse kinematics")
+        require_arm(self.robot, "the inverse kinematics")
         from derive.inverse.words.solutions import inverse_kinematics
 
         return inverse_kinematics(self.robot, self.style)

@@ -14,11 +14,10 @@ from derive.robot.tree import require_chain
 _BLOCKS = ("J_rows", "J_11", "J_11_reduced", "J_12", "J_21", "J_22")
 _DETERMINANTS = ("detJ", "detJv", "detJxy", "detJ_11", "detJ_22", "detJ_rows")
 # What a tree has not; nor has it what `DESCRIBED` describes.
-OF_CHAINS = frozenset(("singularities", "inverse", "manipulability", *_BLOCKS, *_DETERMINANTS))
+OF_CHAINS = frozenset(("singularities", "manipulability", *_BLOCKS, *_DETERMINANTS))
 # What a tree has for each of its ends; T only where no frame is named.
-OF_ENDS = frozenset(
-    {"T", "p", "R", "rpy", "euler_zyz", "J", "J_end", "J_dot", "hessian", "J_rpy", "J_zyz", "Jv", "Jw", "Jxy"}
-)
+_POSES = ("T", "p", "R", "rpy", "euler_zyz", "inverse")
+OF_ENDS = frozenset((*_POSES, "J", "J_end", "J_dot", "hessian", "J_rpy", "J_zyz", "Jv", "Jw", "Jxy"))
 ANY = range(1, FILE_LIMITS.joints + 1)  # any number of joints
 
 

@@ -19,6 +19,7 @@ from derive.programs.tape.build import program_cost
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
+from derive.robot.tree import is_arm
 
 if TYPE_CHECKING:
     from derive.programs.inverse import Solved
@@ -42,12 +43,12 @@ def build_program(
     ends = [end.name for end in robot.ends if end.name] or [""]
     work: list[_Traced | _Inverse] = []
     work += [_Traced.of(row, trace, end) for row in rows for end in (ends if row.of_end else [""])]
-    if inverse and not robot.is_tree:
+    if inverse and is_arm(robot):
         work.append(_Inverse(trace))
     sizes = [piece.size for piece in work]
     results = list(spread(methodcaller("result"), work, sizes) if spread else [piece.result() for piece in work])
     functions = tuple(result for result in results if isinstance(result, Function))
-    without = "its table is a tree" if inverse and robot.is_tree else ""
+    without = "its table is a tree" if inverse and not is_arm(robot) else ""
     found, reason = next((result for result in results if isinstance(result, tuple)), (None, without))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None

@@ -48,11 +48,17 @@ class Interface:
     symbol: str  # how the notes write the result
     summary: str  # one line
     result: str  # what the entries of the result are, with their units
+    end: str = ""  # the end of a tree that it is of; empty for none
+
+    @property
+    def any_end(self) -> str:
+        """Its name without that of its end."""
+        return self.name.removesuffix(f"_{self.end}") if self.end else self.name
 
     def at(self, end: str) -> Interface:
         """The same for an end of a tree."""
         summary, result = (text.replace("the end effector", f"end {end}") for text in (self.summary, self.result))
-        return replace(self, name=f"{self.name}_{end}", summary=summary, result=result)
+        return replace(self, name=f"{self.name}_{end}", summary=summary, result=result, end=end)
 
 
 @dataclass(frozen=True, slots=True)

@@ -123,9 +123,24 @@ def mapped_row(row: FixedRow, put: Callable[[Expression], Expression]) -> FixedR
     return replace(row, stand=mapped_stand(row.stand, put), theta=theta, d=d, a=a, alpha=alpha)
 
 
+def mapped(robot: Some, put: Callable[[Expression], Expression]) -> Some:
+    """The robot with other cells between the rows, on rows without motion and on ends."""
+    joints = (replace(j, stand=mapped_stand(j.stand, put)) if j.stand else j for j in robot.joints)
+    ends = (replace(end, tool=tuple(tuple(map(put, row)) for row in end.tool)) for end in robot.ends)
+    fixed = (mapped_row(row, put) for row in robot.fixed)
+    return replace(robot, joints=tuple(joints), fixed=tuple(fixed), ends=tuple(ends))
+
+
 def stands(robot: Description) -> list[Stand]:
     """Where rows of the table stand that do not simply follow the one above."""
     return [joint.stand for joint in robot.joints if joint.stand] + [row.stand for row in robot.fixed]
+
+
+def lengths(robot: Description) -> list[Expression]:
+    """The lengths between the rows of a tree, on its rows without motion and on its ends."""
+    places = [*(stand.mount for stand in stands(robot)), *(end.tool for end in robot.ends)]
+    cells = [row[3] for matrix in places for row in matrix[:3]] + [stand.b for stand in stands(robot)]
+    return cells + [cell for row in robot.fixed for cell in (row.a, row.d)]
 
 
 def constant_cells(robot: Description) -> tuple[list[Expression], list[Expression]]:
@@ -142,6 +157,18 @@ def constant_cells(robot: Description) -> tuple[list[Expression], list[Expressio
 def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:
     """Rows without motion, without their bodies."""
     return tuple(replace(row, link=None) for row in rows)
+
+
+def is_arm(robot: Description) -> bool:
+    """Whether its joints follow each other to one end without a name, whatever is constant between them."""
+    return not (robot.root or (robot.ends and robot.ends[0].name)) and parents(robot) == tuple(range(-1, robot.n - 1))
+
+
+def require_arm(robot: Description, what: str) -> None:
+    """Refuse a root that moves, and rows that branch, for what is made of one arm."""
+    if not is_arm(robot):
+        found = f"{what} of {robot.name}, {'whose root moves' if robot.root else 'whose table branches'}"
+        raise QuantityError(found, allowed="allowed: arms that stand, and their ends by name")
 
 
 def require_chain(robot: Description, what: str, location: Location | None = None) -> None:

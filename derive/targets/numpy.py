@@ -55,6 +55,8 @@ def python_context(source: Source) -> dict[str, object]:
         base = program["base_parameters"].columns
         tables["BASE_PARAMETERS"] = [python_string(column.name) for column in base]
         tables["BASE_FORMULAS"] = [python_string(column.formula) for column in base]
+    ends = [python_string(end.name) for end in robot.ends if end.name]
+    tables |= {"ENDS": ends} if ends else {}
     constants: dict[str, Sequence[str]] = {
         "JOINT_NAMES": [python_string(joint.label) for joint in robot.joints],
         "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
@@ -79,7 +81,15 @@ def python_context(source: Source) -> dict[str, object]:
         "nearest_is_compiled": False,
         "functions": [_python_function(each, program.parameters, robot.n, felt.get(each.name, ())) for each in program],
         "has_felt": bool(felt),
+        "functions_of_ends": _functions_of_ends(program),
+        "ends": [end.name for end in robot.ends],
     }
+
+
+def _functions_of_ends(program: Program) -> list[dict[str, str]]:
+    """The functions that take an end of a tree by its name, with their arguments."""
+    found = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
+    return [{"name": name, "arguments": arguments} for name, arguments in found.items()]
 
 
 def _python_function(

@@ -21,6 +21,7 @@ from derive.algebra.generators import Generator, Kind
 from derive.algebra.ring import Polynomial, Ring
 from derive.inverse.closed.nodes import Unknown
 from derive.mechanics.vectors import Scalar
+from derive.robot import tree as between_rows
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression, Name, Number, Pi, add, multiply, names, substitute
 from derive.robot.options.style import Contraction
@@ -105,7 +106,7 @@ class InverseDomain(PolynomialDomain):
     @cached_property
     def square_reach(self) -> Polynomial:
         """The squares of all lengths of the table, 1 m where it has none, and of the position."""
-        cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)]
+        cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)] + between_rows.lengths(self.robot)
         cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix[:3]]
         lengths = [length for length in map(self.constant, cells) if length] or [self.ring.one]
         lengths += [self.ring.generator(f"T[{k},4]") for k in (1, 2, 3)]
@@ -256,7 +257,8 @@ def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     joints = tuple(
         replace(j, theta=_cell(j.theta), d=_cell(j.d), a=_cell(j.a), alpha=_cell(j.alpha)) for j in robot.joints
     )
-    return replace(robot, joints=joints, base=base, tool=tool, links=(), gravity=None)
+    mapped = between_rows.mapped(replace(robot, joints=joints), _cell)
+    return replace(mapped, base=base, tool=tool, links=(), fixed=between_rows.massless(mapped.fixed), gravity=None)
 
 
 def turned(a: Sequence[S], b: Sequence[S], sign: int = 1) -> tuple[S, S]:

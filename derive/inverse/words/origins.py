@@ -47,6 +47,8 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
     """The origin of an equation."""
     name, places = source.entry, tuple(map(int, re.findall(r"\d", source.entry)))
     in_world = from_base and source.first == 1
+    # What is constant between the rows is no part of a matrix of the table: then no entry of a product is named.
+    has_table = not robot.is_tree
     match name[0]:
         case "R":
             found, (row, column) = Origin(OriginForm.DIRECTIONS, source.first, source.last, (places,)), places
@@ -54,7 +56,7 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
                 row = _turned(robot.joints[source.first - 1].alpha, row)
             elif robot.convention is Convention.STANDARD and not (to_end and source.last == robot.n):
                 column = _turned(robot.joints[source.last - 1].alpha, column)
-            if row and column:
+            if row and column and has_table:
                 found = replace(found, form=OriginForm.ENTRY, entries=((row, column),))
         case "m" | "k":
             found = Origin(OriginForm.MOMENT, source.first, source.last, (places,))
@@ -63,7 +65,7 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
             found = Origin(form, source.first, source.last, (places,), inverse=kind != "p")
             asked = robot, source, places, in_world
             seen = _position(*asked, to_end) if kind == "p" else _back(*asked)
-            if seen is not None and all(seen[1]):
+            if seen is not None and all(seen[1]) and has_table:
                 form = OriginForm.ENTRY if places else OriginForm.SQUARES
                 found = replace(found, form=form, last=seen[0], entries=tuple((row, 4) for row in seen[1]))
     return replace(found, has_base=in_world, has_tool=to_end and source.last == robot.n)

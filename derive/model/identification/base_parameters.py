@@ -235,18 +235,13 @@ def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     for joint in robot.joints:
         # B's rank does not depend on where joint variables are counted from.
         theta, d = (ZERO, _put(joint.d)) if joint.is_revolute else (_put(joint.theta), ZERO)
-        stand = joint.stand and tree.mapped_stand(joint.stand, _put)
-        joints.append(
-            replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None, stand=stand)
-        )
+        joints.append(replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None))
     motors = (link.motor and Motor(ratio=_put(link.motor.ratio)) for link in robot.links)
     return replace(
-        robot,
-        joints=tuple(joints),
+        tree.mapped(replace(robot, joints=tuple(joints)), _put),
         base=tuple(tuple(_put(cell) for cell in cells) for cells in robot.base),
         tool=IDENTITY,
         gravity=robot.gravity and (_put(robot.gravity[0]), _put(robot.gravity[1]), _put(robot.gravity[2])),
         links=tuple(Link(motor=motor) if motor else link for motor, link in zip(motors, robot.links, strict=True)),
-        fixed=tree.massless(tuple(tree.mapped_row(row, _put) for row in robot.fixed)),
-        ends=tuple(replace(end, tool=IDENTITY) for end in robot.ends),
+        fixed=tree.massless(tree.mapped(robot, _put).fixed),
     )
