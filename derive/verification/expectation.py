@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.verification.oracle.frames import Array
-from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
 from derive.verification.oracle.identification import fitting_states
 from derive.verification.oracle.rates import distance_from_singularity, task_mobility
 from derive.verification.samples import SampleSet
@@ -102,7 +102,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     oracle = sample_set.oracle
     if not arguments:
         return _base_parameters(oracle)
-    limits = Bounds(oracle, arguments[0])
+    limits, known = Bounds(oracle, arguments[0], function), stem(function)
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
@@ -114,19 +114,19 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         regular = np.asarray(_eigenvalues(mobility).min(axis=-1) * of_inertia > CONDITION)
         regular &= (rows > NEAR**2 * rows.max()).all(axis=-1)  # a row of rounding alone is dependent, too
         return Expectation(oracle, arguments, value, root[..., None] * root[..., None, :], regular)
-    if FUNCTIONS[function].identifies:
+    if FUNCTIONS[known].identifies:
         assert oracle.identification is not None, "only robots with regressors have these functions"
         natural = regressor_size(limits, oracle.identification, function, arguments[1:])
     else:
         natural = limits.natural_size(function, arguments)
     yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
-    if function in ANGLES:  # near singular ones rates grow with 1/distance, what rounding leaves with its square
-        distance = distance_from_singularity(oracle.arm, ANGLES[function], arguments[0])
+    if known in ANGLES:  # near singular ones rates grow with 1/distance, what rounding leaves with its square
+        distance = distance_from_singularity(oracle.seen(function), ANGLES[known], arguments[0])
         regular = distance > NEAR
         near = np.where(regular, distance, 1.0)[..., None, None]
         return Expectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
     if function.startswith("manipulability"):  # what rounding leaves of w^2 is large in w, and in its slope, near zero
-        name = function.removesuffix("_dq")
+        name = known.removesuffix("_dq") + function.removeprefix(known)
         volume = value if name == function else oracle.evaluate(name, *arguments)
         share = volume / np.maximum(volume.max(), FLOOR * limits.natural_size(name, arguments))
         regular, axes = share > NEAR, tuple(range(volume.ndim, value.ndim))

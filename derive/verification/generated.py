@@ -20,7 +20,7 @@ from derive.interrupts import TemporaryFolder
 from derive.targets.compiler import Command, compile_shared
 from derive.verification.c_model import load_c_model
 from derive.verification.oracle.frames import Array
-from derive.verification.oracle.functions import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
 
 CASADI_OPTIONS = ("-O0",)
@@ -116,7 +116,7 @@ class CasadiModel:
         value = mapped(*columns) if columns else mapped()[handle.name_out(0)]
         stacked = np.asarray(value.full())
         blocks: Array = stacked.reshape(stacked.shape[0], count, handle.size2_out(0)).transpose(1, 0, 2)
-        axes = FUNCTIONS[function].axes
+        axes = FUNCTIONS[stem(function)].axes
         if axes == 3:
             size = blocks.shape[1]
             blocks = blocks.reshape(count, size, -1, size).transpose(0, 2, 1, 3)

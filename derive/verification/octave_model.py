@@ -16,13 +16,13 @@ from derive.errors import VerificationError
 from derive.interrupts import TemporaryFolder, uninterrupted
 from derive.targets.compiler import Command, find_command
 from derive.verification.oracle.frames import Array
-from derive.verification.oracle.functions import FUNCTIONS
+from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
 
 NAMES = ("octave-cli", "octave")  # looked for in this order where ``$OCTAVE`` is not set
 OPTIONS = ("--norc", "--no-history", "--quiet", "--no-gui")  # nobody's settings, no trace, no window
 SECONDS = 600  # longest call
-FIRST_FILE = "forward_kinematics.m"  # every package of ours has it
+FIRST_FILE = "link_transforms.m"  # every package of ours has it
 # Reads a name, arguments and how many results are wanted, and writes a message and the results, all as doubles.
 SERVER = """
 1;
@@ -112,7 +112,7 @@ class OctaveModel:
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function; configurations are columns there, and the last axis of the result counts them."""
         columns = [np.atleast_2d(argument).T for argument in arguments]
-        count, axes = columns[0].shape[1] if columns else 1, FUNCTIONS[function].axes
+        count, axes = columns[0].shape[1] if columns else 1, FUNCTIONS[stem(function)].axes
         (value,) = self.results(function, [*columns, *self._numbers(parameters)], 1)
         if axes == 0:
             value = value.reshape(value.size)

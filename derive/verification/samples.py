@@ -70,7 +70,7 @@ def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple
 def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict[str, float]:
     """Positive numbers, the file's own in the first set, at which the robot is finite and if possible physical."""
     free = free_symbols(robot)
-    tensors = [link.inertia for link in robot.links]
+    tensors = [link.inertia for link in (*robot.links, *(row.link for row in robot.fixed)) if link]
     products = {name for tensor in tensors for cell in (tensor.xy, tensor.xz, tensor.yz) for name in names(cell)}
     known = {name: value for name, value in parameter_values(robot).items() if name in free}
     fallback: dict[str, float] | None = None

@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from derive.verification.oracle.frames import Array, task_rows
-from derive.verification.oracle.functions import ANGLES, Oracle
+from derive.verification.oracle.frames import Array, NumericArm, task_rows
+from derive.verification.oracle.functions import ANGLES, Oracle, stem
 from derive.verification.oracle.identification import Identification
 
 # Largest relative error of a generated function; rounding leaves about 1e-14, a wrong term 1e-3 and more.
@@ -39,25 +39,27 @@ def largest(argument: Array) -> Array:
 
 
 class Bounds:
-    """Bounds of an arm's quantities over a set of configurations."""
+    """Bounds of an arm's quantities over a set of configurations, those of a function of an end at that end."""
 
-    def __init__(self, oracle: Oracle, q: Array) -> None:
-        arm = oracle.arm
+    def __init__(self, oracle: Oracle, q: Array, function: str = "") -> None:
+        arm = oracle.seen(function)
         # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest mass.
         travel = np.where(arm.revolute, 0.0, largest(q))
         lengths = np.abs(arm.a) + np.abs(arm.d) + travel
-        com = np.linalg.norm(arm.com, axis=-1)
-        reach = np.array([lengths[i:].sum() + com[i:].max() for i in range(arm.n)])
-        lever = np.maximum(reach, FAR * reach[0])
+        if arm.start is not None:
+            lengths = lengths + np.linalg.norm(arm.start[:, :3, 3], axis=-1)
+        com, beyond = np.linalg.norm(arm.com, axis=-1), arm.moves.T
+        reach = np.array([lengths[row[:-1]].sum() + com[row[arm.carrier]].max() for row in beyond])
+        farthest = lengths.sum() + com.max()
+        lever = np.maximum(reach, FAR * farthest)
         # What joint i carries, and its weight; its own rotor sits on the link before.
-        mass = _carried(arm.mass) + _carried(arm.rotor_mass) - arm.rotor_mass
+        mass = _carried(arm, arm.mass) + _carried(arm, arm.rotor_mass) - arm.rotor_mass
         whole, weight = np.abs(arm.mass).sum() + np.abs(arm.rotor_mass).sum(), np.linalg.norm(arm.gravity)
         tensors = np.linalg.norm(arm.inertia, axis=(1, 2))
         # B_ii <= sum m r^2 + tensors; one r is at least the share of the whole reach whose rounding it carries.
-        turning = mass * reach * lever + _carried(tensors) + _carried(arm.rotor_inertia)
+        turning = mass * reach * lever + _carried(arm, tensors) + _carried(arm, arm.rotor_inertia)
         own = arm.ratio**2 * arm.rotor_inertia + np.abs(arm.armature)
-        farthest = reach[0] + np.linalg.norm(arm.base[:3, 3])
-        self.reach = float(reach[0])  # from frame 0 to anything on the arm [m]
+        self.reach = float(farthest)  # from frame 0 to anything on the arm [m]
         # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
@@ -65,14 +67,15 @@ class Bounds:
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
         self.gravity: Array = np.where(arm.revolute, mass * weight * lever, mass * weight)  # (n,) bound of g_i
-        self.potential: Array = whole * weight * farthest  # () bound of U
+        self.potential: Array = whole * weight * (farthest + np.linalg.norm(arm.base[:3, 3]))  # () bound of U
         # (2, n) viscous and Coulomb coefficients, absolute values
         self.friction = np.abs([arm.viscous, np.abs(arm.coulomb).max(axis=0)])
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
         rates = [largest(argument) for argument in arguments[1:]]
-        match function:
+        name = stem(function)
+        match name:
             case "forward_kinematics" | "link_transforms":
                 size = np.ones((4, 4))
                 size[:3, 3] = self.extent
@@ -85,9 +88,9 @@ class Bounds:
                 return self.jacobian[..., None] * self.steepness
             case "manipulability" | "manipulability_position" | "manipulability_orientation" | "manipulability_dq":
                 # the product of the lengths of as many rows as there are
-                rows = self.rows(function.partition("_")[2].removeprefix("dq") or "all")
+                rows = self.rows(name.partition("_")[2].removeprefix("dq") or "all")
                 lengths = np.linalg.norm(self.jacobian[rows], axis=1)
-                return np.asarray(np.prod(lengths) * (self.steepness if function == "manipulability_dq" else 1.0))
+                return np.asarray(np.prod(lengths) * (self.steepness if name == "manipulability_dq" else 1.0))
             case "wrench_torques" | "wrench_torques_end":
                 return np.asarray(rates[0] @ self.jacobian)
             case "wrench_torques_dq" | "wrench_torques_end_dq":
@@ -152,12 +155,16 @@ class Bounds:
         of_eight = ("jacobian_end", "jacobian_dot", "jacobian_hessian", *ANGLES)
         of_eight += tuple(f"wrench_torques{kind}" for kind in ("", "_dq", "_end", "_end_dq"))
         steps = {"jacobian": 4.0, **dict.fromkeys(of_eight, 8.0)}
-        return steps.get(function, 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
+        return steps.get(stem(function), 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
 
-def _carried(values: Array) -> Array:
-    """Sums over the links from i to the end, of absolute values."""
-    return np.cumsum(np.abs(values)[::-1])[::-1]
+def _carried(arm: NumericArm, values: Array) -> Array:
+    """Sums over what joint i carries of absolute values of the bodies, or of the rotors as if they were bodies."""
+    total = np.zeros(arm.n + 1)
+    np.add.at(total, arm.carrier[: len(values)], np.abs(values))
+    for i in reversed(range(arm.n)):
+        total[arm.parent[i]] += total[i]
+    return total[:-1]
 
 
 def regressor_size(limits: Bounds, known: Identification, function: str, motion: Sequence[Array]) -> Array:

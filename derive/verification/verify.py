@@ -19,7 +19,7 @@ from derive.verification.expectation import Expectation, expectation
 from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array, together
-from derive.verification.oracle.functions import ANGLES, FUNCTIONS
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, stem
 from derive.verification.samples import Parameters, SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE
 
@@ -87,15 +87,16 @@ def verify(
     left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
     left_out |= {package} if package and not octave else set()
     sets = sample_sets(robot, samples, np.random.default_rng(seed))
-    wanted = sets[0].oracle.functions
+    names, wanted = sets[0].oracle.names, sets[0].oracle.functions
     rows: list[VerifiedFunction] = []
     models: list[GeneratedModel] = []
     answers: _Answers = {}
     for model in _models(folder, compiler, octave, libraries):
         models.append(model)
         _check_interface(robot, folder, model)
-        rare = {name for name in ANGLES if name in model.constants}  # Jacobians that may hardly ever have a value
-        for function in FUNCTIONS:
+        # Jacobians that may hardly ever have a value
+        rare = {name for name in names if stem(name) in ANGLES and name in model.constants}
+        for function in names:
             if function in wanted or function in rare:
                 rows.append(_row(model, function, trials(model, function, sets), answers))
         if inverse.FUNCTION in model.constants:
@@ -130,7 +131,8 @@ def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: 
         called += expected.regular.size
         compared += int(expected.regular.sum())
         worst = max(worst, _worst_error(f"{function} of {model.file}", function, trial, expected))
-    singular = "angles" if function in ANGLES else "inertia matrix" if "dynamics" in function else "Jacobian"
+    known = stem(function)
+    singular = "angles" if known in ANGLES else "inertia matrix" if "dynamics" in known else "Jacobian"
     note = f"{called - compared} of {called} left out: singular {singular}" if compared < called else ""
     return VerifiedFunction(model.target, function, compared, worst, note)
 
@@ -168,7 +170,7 @@ def _difference(function: str, trial: Trial, expected: Expectation, got: Array, 
     place = np.unravel_index(int(np.argmax(errors)), errors.shape)
     entry = ",".join(str(int(k) + 1) for k in place[batch:])
     values = []
-    for name, argument in zip(FUNCTIONS[function].arguments, expected.arguments, strict=True):
+    for name, argument in zip(FUNCTIONS[stem(function)].arguments, expected.arguments, strict=True):
         numbers = ", ".join(f"{value:.17g}" for value in argument[place[:batch]])
         values.append(f"{name} = [{numbers}]")
     values += [f"{name} = {value:.17g}" for name, value in trial.sample_set.parameters.items()]
@@ -271,7 +273,7 @@ def _arguments(function: str, sample_set: SampleSet) -> tuple[Array, ...]:
     count, n = sample_set.arguments["q"].shape
     if function == "coriolis_matrix":
         count = min(count, max(2, CHRISTOFFEL_BUDGET // n**4))
-    return tuple(sample_set.arguments[name][:count] for name in FUNCTIONS[function].arguments)
+    return tuple(sample_set.arguments[name][:count] for name in FUNCTIONS[stem(function)].arguments)
 
 
 def _trial(
@@ -303,9 +305,9 @@ def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ..
         try:
             values.append(model.call(function, read_only(row), numbers))
         except (ArithmeticError, np.linalg.LinAlgError):
-            if function not in UNDETERMINED:
+            if stem(function) not in UNDETERMINED:
                 raise
-            values.append(np.full((6, len(row[0])) if function in ANGLES else row[0].shape, np.nan))
+            values.append(np.full((6, len(row[0])) if stem(function) in ANGLES else row[0].shape, np.nan))
     return np.stack(values)
 
 

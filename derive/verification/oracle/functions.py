@@ -74,9 +74,16 @@ FUNCTIONS: Mapping[str, Definition] = {
     "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
 }
 
+# How names of functions of one end begin; a tree has them for each of its ends, ``jacobian_end_left``.
+OF_AN_END = ("forward_kinematics", "jacobian", "analytic_jacobian", "manipulability", "wrench_torques")
 # Functions that an arm lacks if its orientation angles are singular in every configuration.
 ANGLES: Mapping[str, str] = {f"analytic_jacobian_{kind}": kind for kind in rates.TILTED}
 SINGULAR = 1e-9  # distance from singular angles that is rounding
+
+
+def stem(name: str) -> str:
+    """The function of a name, without the end of a tree: ``jacobian_end`` of ``jacobian_end_left``."""
+    return max((known for known in FUNCTIONS if f"{name}_".startswith(f"{known}_")), key=len, default=name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,6 +92,7 @@ class Oracle:
 
     arm: NumericArm  # the robot's numbers
     dynamic: bool  # whether the robot has link parameters
+    is_tree: bool = False  # whether it is more than one chain of rows
     # Which parameters the regressors' columns belong to; None without regressors.
     identification: Identification | None = None
 
@@ -95,27 +103,41 @@ class Oracle:
         """The oracle of ``robot``."""
         arm = numeric_arm(robot, parameters)
         known = None if base is None else Identification(arm, standard_parameters(robot), base)
-        return cls(arm, robot.has_dynamics, known)
+        return cls(arm, robot.has_dynamics, robot.is_tree, known)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all functions, in order, those of an end for each end."""
+        ends = [f"_{end}" if end else "" for end in self.arm.ends]
+        return tuple(name + end for name in FUNCTIONS for end in (ends if name.startswith(OF_AN_END) else ("",)))
+
+    def seen(self, name: str) -> NumericArm:
+        """The numbers, seen from the end in the name of a function."""
+        end = name.removeprefix(stem(name))[1:]
+        return self.arm.at(end) if end else self.arm
 
     @property
     def functions(self) -> tuple[str, ...]:
         """Names of the functions that this robot has."""
         names = []
-        for name, definition in FUNCTIONS.items():
-            if name in ANGLES:
+        for name in self.names:
+            function, arm = stem(name), self.seen(name)
+            definition = FUNCTIONS[function]
+            if function in ANGLES:
                 # whether the end effector's angles are regular in some configuration
                 q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
-                present = bool((rates.distance_from_singularity(self.arm, ANGLES[name], q) > SINGULAR).any())
+                present = bool((rates.distance_from_singularity(arm, ANGLES[function], q) > SINGULAR).any())
             elif definition.identifies:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
-                present &= name != "task_inertia" or len(frames.task_rows(self.arm)) <= self.arm.n
+                has_task = not self.is_tree and len(frames.task_rows(arm)) <= arm.n
+                present &= name != "task_inertia" or has_task
             names += [name] * present
         return tuple(names)
 
     def evaluate(self, name: str, *arguments: npt.ArrayLike) -> Array:
         """The value of a generated function."""
         arrays = together([np.asarray(argument, dtype=float) for argument in arguments])
-        definition = FUNCTIONS[name]
-        return definition.function(self.identification if definition.identifies else self.arm, *arrays)
+        definition = FUNCTIONS[stem(name)]
+        return definition.function(self.identification if definition.identifies else self.seen(name), *arrays)

@@ -84,15 +84,17 @@ class _Columns:
             c, s, one, zero = np.cos(arm.alpha), np.sin(arm.alpha), np.ones(arm.n), np.zeros(arm.n)
             rows = [[one, zero, zero, -arm.a], [zero, c, s, zero], [zero, -s, c, zero], [zero, zero, zero, one]]
             seen = seen @ np.moveaxis(np.array(rows), -1, 0)
-        axis, _ = joint_axes(arm, frames)
-        links = np.arange(1, arm.n + 1)
+        links = arm.moves[:-1]
         self.arm, self.arguments = arm, (q, qd, qdd)
-        self.motions, self.places = link_motions(arm, frames, axis, qd, qdd), rotor_places(arm, frames)
+        self.motions, self.places = (
+            link_motions(arm, frames, joint_axes(arm, frames), qd, qdd),
+            rotor_places(arm, frames),
+        )
         # Jacobians of the frames' origins, along whose rows the unit wrenches work.
         self.rotations, self.origins = seen[..., :3, :3], seen[..., :3, 3]
         self.linear = point_jacobian(arm, frames, self.origins, links)
         self.angular = angular_jacobian(arm, frames, links)
-        self.rotor_linear = point_jacobian(arm, frames, self.places, links - 1)
+        self.rotor_linear = point_jacobian(arm, frames, self.places, arm.moves[arm.parent])
 
     def of(self, parameters: tuple[Parameter, ...]) -> Array:
         """A column for each parameter."""
@@ -106,12 +108,13 @@ class _Columns:
             return _work(self.linear[..., i, :, :], force) + _work(self.angular[..., i, :, :], moment)
         # tau = Jv^T (a - g0) at the rotor's place, for unit mass
         if parameter.part == "mm":
-            lifted = self.motions[i].acceleration_at(self.places[..., i, :]) - self.arm.gravity_in_frame_0
+            carrier = self.motions[self.arm.parent[i] + 1]
+            lifted = carrier.acceleration_at(self.places[..., i, :]) - self.arm.gravity_in_frame_0
             return _work(self.rotor_linear[..., i, :, :], lifted)
         if parameter.part == "Im":  # the whole arm with nothing on it but one rotor of unit inertia and no mass
             zero = np.zeros(self.arm.n)
             tensors, rotor = np.zeros_like(self.arm.inertia), (np.arange(self.arm.n) == i) * 1.0
-            alone = replace(self.arm, mass=zero, inertia=tensors, rotor_mass=zero, rotor_inertia=rotor)
+            alone = replace(self.arm, mass=0.0 * self.arm.mass, inertia=tensors, rotor_mass=zero, rotor_inertia=rotor)
             alone = replace(alone, armature=zero, viscous=zero, coulomb=np.zeros((2, self.arm.n)))
             return inverse_dynamics(alone, *self.arguments)
         _, qd, qdd = self.arguments

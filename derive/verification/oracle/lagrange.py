@@ -21,15 +21,15 @@ CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
 def inertia_matrix(arm: NumericArm, q: Array) -> Array:
-    """B = sum m Jv'Jv + Jw' R I R' Jw over the links, the same over the rotors, and the armatures.
+    """B = sum m Jv'Jv + Jw' R I R' Jw over the bodies, the same over the rotors, and the armatures.
 
     Of a rotor only the inertia about its axis counts.
     """
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
     linear, angular = link_jacobians(arm, frames)
-    # Angular Jacobian in the axes of each link, where its tensor is constant: R^T Jw.
-    in_link = _transpose(frames[..., 1:, :3, :3]) @ angular
+    # Angular Jacobian in the axes of each body's link, where its tensor is constant: R^T Jw.
+    in_link = _transpose(frames[..., arm.carrier + 1, :3, :3]) @ angular
     moving = _transpose(linear) @ (arm.mass[:, None, None] * linear)
     links = (moving + _transpose(in_link) @ (arm.inertia @ in_link)).sum(axis=-3)
     linear, angular = rotor_jacobians(arm, frames)
@@ -65,7 +65,7 @@ def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
 
 
 def gravity_vector(arm: NumericArm, q: Array) -> Array:
-    """The gradient dU/dq with U = -sum m g0' p over links and rotors, (..., n) [N m, N]."""
+    """The gradient dU/dq with U = -sum m g0' p over bodies and rotors, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
     links, _ = link_jacobians(arm, frames)
     rotors, _ = rotor_jacobians(arm, frames)
@@ -77,7 +77,7 @@ def gravity_vector(arm: NumericArm, q: Array) -> Array:
 
 
 def potential_energy(arm: NumericArm, q: Array) -> Array:
-    """U = -sum m g0' p over links and rotors, with p in the world."""
+    """U = -sum m g0' p over bodies and rotors, with p in the world."""
     frames = chain_frames(arm, q)
     # Places in the world, since U is zero at its origin
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
@@ -92,25 +92,25 @@ def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
 
 
 def link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
-    """Linear and angular Jacobians of the links' centres of mass, as the frames are seen, (..., n, 3, n) both."""
-    carriers = np.arange(1, arm.n + 1)
-    linear = point_jacobian(arm, frames, _mass_centres(arm, frames), carriers)
-    return linear, angular_jacobian(arm, frames, carriers)
+    """Linear and angular Jacobians of the bodies' centres of mass, as the frames are seen, (..., k, 3, n) both."""
+    moves = arm.moves[arm.carrier]
+    linear = point_jacobian(arm, frames, _mass_centres(arm, frames), moves)
+    return linear, angular_jacobian(arm, frames, moves)
 
 
 def rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
-    """Those of the rotors, (..., n, 3, n): rotor i moves with link i-1 and spins about z by ratio * qd_i more."""
-    carriers = np.arange(arm.n)
-    linear = point_jacobian(arm, frames, rotor_places(arm, frames), carriers)
+    """Those of the rotors, (..., n, 3, n): each moves with the link before and spins about z by ratio * qd_i more."""
+    moves = arm.moves[arm.parent]
+    linear = point_jacobian(arm, frames, rotor_places(arm, frames), moves)
     axis, _ = joint_axes(arm, frames)
     # ratio z qd_i on top of the rotation of the link that carries it
     spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
-    return linear, angular_jacobian(arm, frames, carriers) + spin
+    return linear, angular_jacobian(arm, frames, moves) + spin
 
 
 def _mass_centres(arm: NumericArm, frames: Array) -> Array:
-    """(..., n, 3) in frame 0."""
-    links = frames[..., 1:, :, :]
+    """(..., k, 3) in frame 0."""
+    links = frames[..., arm.carrier + 1, :, :]
     return np.asarray(links[..., :3, 3] + np.einsum("...kab,kb->...ka", links[..., :3, :3], arm.com))
 
 

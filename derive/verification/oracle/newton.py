@@ -1,7 +1,7 @@
 """Inverse dynamics of an arm of numbers by Newton's and Euler's laws, written in frame 0.
 
 Motion goes outwards link by link; forces and their moments about the origin of frame 0 are summed inwards. Rotor i is a
-body on link i-1 with mass, with inertia about its own axis only, and with a spin of its own.
+body on the link that joint i follows with mass, with inertia about its own axis only, and with a spin of its own.
 """
 
 from __future__ import annotations
@@ -43,30 +43,33 @@ class Wrench:
 def inverse_dynamics(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
     """Joint torques tau = B qdd + C qd + g + armature qdd + viscous qd + Coulomb friction, (..., n) [N m, N]."""
     frames = chain_frames(arm, q)
-    axis, on_axis = joint_axes(arm, frames)
+    axis, on_axis = axes = joint_axes(arm, frames)
     places = rotor_places(arm, frames)
-    motions = link_motions(arm, frames, axis, qd, qdd)
+    motions = link_motions(arm, frames, axes, qd, qdd)
     zero = np.zeros_like(q[..., :1] + axis[..., 0, :])
-    wrench = Wrench(zero, zero)
+    # What each link carries: its own bodies, and everything beyond it once that is known; the last is that of the base.
+    carried = [Wrench(zero, zero)] * (arm.n + 1)
+    for k, i in enumerate(arm.carrier):
+        carried[i] = carried[i] + _body_wrench(arm, k, frames[..., i + 1, :, :], motions[i + 1])
     torques: list[Array] = []
     for i in reversed(range(arm.n)):
-        z, carrier = axis[..., i, :], motions[i]
-        # All that joint i carries: link i and, from before, everything beyond it.
-        wrench = wrench + _link_wrench(arm, i, frames[..., i + 1, :, :], motions[i + 1])
+        z, wrench, parent = axis[..., i, :], carried[i], arm.parent[i]
+        carrier = motions[parent + 1]
         # The rotor's acceleration about its axis: its own, and that of the link on which it sits.
         spin_rate = arm.ratio[i] * qdd[..., i] + dot(z, carrier.alpha)
         # From the origin of frame 0 to a point of the axis: n - r x f.
         moment = wrench.moment - cross(on_axis[..., i, :], wrench.force)
-        carried = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # what the joint's actuator carries
+        held = dot(z, moment) if arm.revolute[i] else dot(z, wrench.force)  # by the joint's actuator
         # In the sense of q; the motor turns ratio times as fast, so its torque counts ratio times.
-        torques.append(arm.sign[i] * carried + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
-        # The rotor itself is carried by link i-1, so it counts from here inward: m (a - g0) at its place.
+        torques.append(arm.sign[i] * held + arm.ratio[i] * arm.rotor_inertia[i] * spin_rate)
+        # The rotor itself is carried by the link before, so it counts from here inward: m (a - g0) at its place.
         place = places[..., i, :]
         force = arm.rotor_mass[i] * (carrier.acceleration_at(place) - arm.gravity_in_frame_0)
-        # d/dt (I spin z) = I (spin' z + spin omega x z), z turning with link i-1
+        # d/dt (I spin z) = I (spin' z + spin omega x z), z turning with that link
         spin = arm.ratio[i] * qd[..., i] + dot(z, carrier.omega)
         turning = spin_rate[..., None] * z + spin[..., None] * cross(carrier.omega, z)
         wrench = wrench + Wrench(force, cross(place, force) + arm.rotor_inertia[i] * turning)
+        carried[parent] = carried[parent] + wrench
     rigid = np.stack(torques[::-1], axis=-1)
     ahead, back = arm.coulomb
     dry = np.where(qd.real > 0, ahead, 0.0) - np.where(qd.real < 0, back, 0.0)
@@ -79,20 +82,21 @@ def dot(u: Array, v: Array) -> Array:
     return np.asarray((u * v).sum(axis=-1))
 
 
-def link_motions(arm: NumericArm, frames: Array, axis: Array, qd: Array, qdd: Array) -> list[Motion]:
-    """Motions of links 0 to n; link 0 is at rest."""
+def link_motions(arm: NumericArm, frames: Array, axes: tuple[Array, Array], qd: Array, qdd: Array) -> list[Motion]:
+    """Motions of links 0 to n, by the joints' axes; link 0 is at rest."""
+    axis, on_axis = axes
     zero = np.zeros_like(axis[..., 0, :])
     motions = [Motion(zero, zero, zero, zero)]
     for i in range(arm.n):
         u = arm.sign[i] * axis[..., i, :]
         rate, acceleration = qd[..., i, None], qdd[..., i, None]
-        before, origin = motions[-1], frames[..., i + 1, :3, 3]
-        if arm.revolute[i]:  # the links share the points of the axis, o_{i-1} (standard) or o_i (modified)
+        before, origin = motions[arm.parent[i] + 1], frames[..., i + 1, :3, 3]
+        if arm.revolute[i]:  # the links share the points of the axis
             # omega_i = omega_{i-1} + u qd; alpha gains u qdd + omega_{i-1} x u qd
             omega = before.omega + u * rate
             alpha = before.alpha + u * acceleration + cross(before.omega, u) * rate
             # Over a point of the axis, which belongs to both links, to the origin of frame i.
-            shared = before.point if arm.standard else origin
+            shared = on_axis[..., i, :]
             hinge = Motion(omega, alpha, shared, before.acceleration_at(shared))
             motions.append(Motion(omega, alpha, origin, hinge.acceleration_at(origin)))
         else:  # carried along, plus Coriolis and relative acceleration
@@ -102,12 +106,12 @@ def link_motions(arm: NumericArm, frames: Array, axis: Array, qd: Array, qdd: Ar
     return motions
 
 
-def _link_wrench(arm: NumericArm, i: int, frame: Array, motion: Motion) -> Wrench:
-    """What moves link i: m (a - g0) at its centre of mass and d/dt (I omega)."""
-    rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[i]
+def _body_wrench(arm: NumericArm, k: int, frame: Array, motion: Motion) -> Wrench:
+    """What moves body k: m (a - g0) at its centre of mass and d/dt (I omega)."""
+    rotation, com = frame[..., :3, :3], frame[..., :3, 3] + frame[..., :3, :3] @ arm.com[k]
     # R I R^T in frame 0; d/dt (I omega) = I alpha + omega x I omega
-    inertia = rotation @ arm.inertia[i] @ np.swapaxes(rotation, -1, -2)
-    force = arm.mass[i] * (motion.acceleration_at(com) - arm.gravity_in_frame_0)
+    inertia = rotation @ arm.inertia[k] @ np.swapaxes(rotation, -1, -2)
+    force = arm.mass[k] * (motion.acceleration_at(com) - arm.gravity_in_frame_0)
     momentum = np.einsum("...ab,...b->...a", inertia, motion.omega)
     moment = np.einsum("...ab,...b->...a", inertia, motion.alpha) + cross(motion.omega, momentum)
     return Wrench(force, cross(com, force) + moment)

@@ -52,10 +52,12 @@ def task_mobility(arm: NumericArm, q: Array) -> Array:
 
 
 def gram_determinant(arm: NumericArm, q: Array, part: str = "all") -> Array:
-    """det(J J^T) of a part of J, or det(J^T J) of more rows than joints."""
+    """det(J J^T) of a part of J, or det(J^T J) of more rows than joints that move the end."""
     rows = task_jacobian(arm, q, part)
     turned = np.swapaxes(rows, -1, -2)
-    product = rows @ turned if rows.shape[-2] <= arm.n else turned @ rows
+    # Joints that do not move the end have columns of zeros, which with a 1 on the diagonal change no determinant.
+    is_wide = rows.shape[-2] <= arm.on_way.sum()
+    product = rows @ turned if is_wide else turned @ rows + np.diag(1.0 * ~arm.on_way)
     return np.asarray(np.linalg.det(product) * (rows.shape[-2] > 0))
 
 

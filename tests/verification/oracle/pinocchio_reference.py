@@ -1,22 +1,25 @@
-"""Pinocchio models of the same arms, built from their plain numbers and not from the robot file.
+"""Pinocchio models of the same arms and trees, built from their plain numbers and not from the robot file.
 
 A Pinocchio joint stands where joint i's motion ends (after Rot(z, theta) Trans(z, d)); DH frame i of the standard
 convention lies Trans(x, a) Rot(x, alpha) further out on the same body. A rotor is an extra revolute joint on the body
 before, with the coordinate ratio*q_i; the arm's own quantities then follow from the constant map G of velocities:
-B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own.
+B = G' B_ext G, tau = G' tau_ext. Armature is Pinocchio's own. The root of a tree moves along x,
+y and z and turns about z, y and x by Pinocchio's own joints.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from derive.robot.description import RootType
 from derive.robot.robot import Robot
 from derive.robot.task_rows import PARTS, task_rows
 from tests.random_robots import JointNumbers, LinkNumbers, RandomRobot
+from tests.random_trees import RandomTree, TreeRow
 
 Array = npt.NDArray[np.float64]
 
@@ -42,6 +45,8 @@ class Reference:
     coulomb: Array
     task_rows: Mapping[str, tuple[int, ...]]  # rows of J, by part
     level: Array  # axes of the base before joint 1
+    held: float = 0.0  # potential energy of bodies on the ground
+    way: int = 64  # joints that move the end effector
 
     @property
     def data(self) -> Any:
@@ -75,7 +80,7 @@ class Reference:
         return np.array(links + rates @ (self.model.armature * rates) / 2)
 
     def potential_energy(self, q: Array) -> Array:
-        return np.array(pin.computePotentialEnergy(self.model, self.data, self.map @ q))
+        return np.array(pin.computePotentialEnergy(self.model, self.data, self.map @ q) + self.held)
 
     def inertia_matrix(self, q: Array) -> Array:
         data = self.data
@@ -128,7 +133,7 @@ class Reference:
 
     def manipulability(self, q: Array, part: str = "all") -> Array:
         """The product of the singular values, 0 where no row moves."""
-        lengths = np.linalg.svd(self.rows(part, self.jacobian(q)), compute_uv=False)
+        lengths = np.linalg.svd(self.rows(part, self.jacobian(q)), compute_uv=False)[: self.way]
         return np.array(np.prod(lengths) if len(lengths) else 0.0)
 
     def manipulability_position(self, q: Array) -> Array:
@@ -225,27 +230,35 @@ class _Builder:
         self.rotors: list[tuple[int, int]] = []
 
     def build(self) -> Reference:
-        robot, joints = self.robot, []
-        for i in range(robot.n):
+        joints: list[int] = []
+        for i in range(self.robot.n):
             joints.append(self.add_joint(i, joints[-1] if joints else 0))
-        mapping, armature = np.zeros((self.model.nv, robot.n)), np.zeros(self.model.nv)
-        for i, joint in enumerate(joints):
+        found = {part: task_rows(Robot.from_text(self.robot.text), part) for part in ("all", *PARTS)}
+        return self.reference(joints, 0, task_rows=found, level=self.axis(0).rotation)
+
+    def reference(self, joints: list[int], before: int, **others: Any) -> Reference:
+        """With so many coordinates before those of the joints."""
+        robot = self.robot
+        mapping, armature = np.eye(self.model.nv, before + robot.n), np.zeros(self.model.nv)
+        mapping[:, before:] = 0.0
+        for i, joint in enumerate(joints, before):
             mapping[self.model.joints[joint].idx_v, i] = 1.0
         for i, joint in self.rotors:
-            mapping[self.model.joints[joint].idx_v, i] = robot.links[i].ratio
+            mapping[self.model.joints[joint].idx_v, before + i] = robot.links[i].ratio
         for link, joint in zip(robot.links, joints, strict=False):
             armature[self.model.joints[joint].idx_v] = link.armature
         self.model.armature = armature
+        friction = [(0.0, 0.0)] * before + [(link.viscous, link.coulomb) for link in robot.links]
+        viscous, coulomb = np.array(friction).reshape(-1, 2).T
         return Reference(
             model=self.model,
             ends=tuple(self.end(row) for row in robot.joints),
             tool=pin.SE3(robot.tool),
             joints=tuple(joints),
             map=mapping,
-            viscous=np.array([link.viscous for link in robot.links]),
-            coulomb=np.array([link.coulomb for link in robot.links]),
-            task_rows={part: task_rows(Robot.from_text(robot.text), part) for part in ("all", *PARTS)},
-            level=self.axis(0).rotation,
+            viscous=viscous,
+            coulomb=coulomb,
+            **others,
         )
 
     def end(self, row: JointNumbers) -> Any:
@@ -282,3 +295,65 @@ class _Builder:
         body = pin.Inertia(link.rotor_mass, np.zeros(3), np.diag([0.0, 0.0, link.rotor_inertia]))
         self.model.appendBodyToJoint(joint, body, pin.SE3.Identity())
         self.rotors.append((i, joint))
+
+
+class TreeBuilder(_Builder):
+    """Of a tree; its ends come after it has been built."""
+
+    def __init__(self, tree: RandomTree) -> None:
+        super().__init__(tree.table)
+        self.tree, self.held = tree, 0.0
+        self.moving = [k for k, row in enumerate(tree.rows) if not row.fixed]
+        joint, at = 0, pin.SE3(tree.table.base)
+        for kind in {None: (), RootType.PLANAR: ("PX", "PY", "RZ")}.get(
+            tree.root, ("PX", "PY", "PZ", "RZ", "RY", "RX")
+        ):
+            joint = int(self.model.addJoint(joint, getattr(pin, f"JointModel{kind}")(), at, f"root{joint}"))
+            at = pin.SE3.Identity()
+        self.before = joint
+        # Of each row and the base the joint that carries it, its frame in that, and the number of joints on the way.
+        self.places: dict[int, tuple[int, Any, int]] = {-1: (joint, at, joint)}
+        if tree.root:
+            self.add_body(-1, tree.body)
+
+    def build(self) -> Reference:
+        rows, found = self.tree.rows, dict[int, int]()
+        paths: dict[int, tuple[int, ...]] = {-1: ()}
+        for k, row in enumerate(rows):
+            paths[k] = (*paths[row.after], k)
+        for k in sorted(range(len(rows)), key=paths.__getitem__):  # Pinocchio wants branch after branch
+            row, (carrier, _, way) = rows[k], self.places[rows[k].after]
+            if row.fixed:
+                frame = self.start(row) * about("z", row.theta) * along(0, 0, row.d) * self.end(row)
+                self.places[k] = carrier, frame, way
+                self.add_body(k, row.link)
+            else:
+                found[k] = self.add_joint(self.moving.index(k), carrier)
+                self.places[k] = found[k], self.end(row), way + 1
+        return self.reference(
+            [found[k] for k in self.moving], self.before, held=self.held, task_rows={}, level=np.eye(3)
+        )
+
+    def start(self, row: TreeRow) -> Any:
+        """From the joint that carries a row to its own axis, or that of what would move it."""
+        frame = self.places[row.after][1] * pin.SE3(row.mount) * about("z", row.gamma) * along(0, 0, row.b)
+        return frame if self.robot.standard else frame * about("x", row.alpha) * along(row.a, 0, 0)
+
+    def axis(self, i: int) -> Any:
+        return self.start(self.tree.rows[self.moving[i]])
+
+    def add_body(self, k: int, link: LinkNumbers) -> None:
+        joint, frame, _ = self.places[k]
+        self.model.appendBodyToJoint(joint, pin.Inertia(link.mass, np.array(link.com), link.tensor), frame)
+        self.held -= link.mass * (frame.act(np.array(link.com)) @ self.robot.gravity) * (joint == 0)
+
+    def at(self, built: Reference, end: str, rows: Mapping[str, tuple[int, ...]]) -> Reference:
+        """What was built, seen from an end, whose task has these rows of J by part."""
+        k, tool = self.tree.ends[end]
+        joint, frame, way = self.places[k]
+        ended = replace(built, joints=(joint,), ends=(frame,), tool=pin.SE3(tool), way=way, task_rows=rows)
+        while k >= 0:
+            row = self.tree.rows[k]
+            ended = ended if row.fixed else replace(ended, level=self.start(row).rotation)
+            k = row.after
+        return ended

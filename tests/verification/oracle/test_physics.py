@@ -201,8 +201,7 @@ def test_accelerations_of_the_last_link_are_second_differences_of_its_frame(robo
     arm, (q, qd, qdd) = oracle_of(robot).arm, state(robot.n)
     places = [frames.chain_frames(arm, q + qd * t + 0.5 * qdd * t * t)[-1, :3, 3] for t in (-1e-4, 0.0, 1e-4)]
     chain = frames.chain_frames(arm, q)
-    axis, _ = frames.joint_axes(arm, chain)
-    last = newton.link_motions(arm, chain, axis, qd, qdd)[-1]
+    last = newton.link_motions(arm, chain, frames.joint_axes(arm, chain), qd, qdd)[-1]
     measured = (places[0] - 2 * places[1] + places[2]) / 1e-8
     assert np.allclose(last.acceleration_at(places[1]), measured, rtol=1e-5, atol=1e-5)
 

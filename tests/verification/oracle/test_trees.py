@@ -1,0 +1,101 @@
+"""The oracle of trees against Pinocchio, and against the serial arms to their ends."""
+
+import random
+
+import numpy as np
+import pytest
+
+from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters
+from derive.robot.task_rows import PARTS
+from derive.robot.tree import arm
+from derive.verification.expectation import expectation
+from derive.verification.oracle import functions
+from derive.verification.oracle.frames import task_rows
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
+from derive.verification.oracle.rates import distance_from_singularity
+from derive.verification.samples import SampleSet
+from derive.verification.tolerance import Bounds
+from tests.random_robots import configurations, seeds
+from tests.random_trees import random_tree
+from tests.verification.oracle.pinocchio_reference import Array, TreeBuilder
+from tests.verification.test_trials import NOT_BOUNDED
+
+TOLERANCE = 1e-10
+
+
+def motion(n: int, seed: int) -> dict[str, Array]:
+    q, qd, qdd, tau = configurations(random.Random(seed), n, 4)
+    return {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau, "h": configurations(random.Random(seed), 6)[0]}
+
+
+def error(got: Array, wanted: Array) -> float:
+    assert got.shape == wanted.shape
+    return float(np.abs(got - wanted).max() / max(1.0, np.abs(wanted).max()))
+
+
+@pytest.mark.parametrize("seed", seeds(200, 25, 200))
+def test_every_function_agrees_with_pinocchio(seed: int) -> None:
+    drawn = random_tree(random.Random(seed))
+    oracle, builder = Oracle.of(drawn.robot), TreeBuilder(drawn)
+    whole, arguments = builder.build(), motion(drawn.robot.n, seed)
+    for name in oracle.functions:
+        function, numbers, outside = stem(name), oracle.seen(name), whole
+        given = [arguments[argument] for argument in FUNCTIONS[function].arguments]
+        if function.startswith((*functions.OF_AN_END, "task")):
+            rows = {part: tuple(task_rows(numbers, part)) for part in ("all", *PARTS)}
+            outside = builder.at(whole, name.removeprefix(function)[1:], rows)
+        got, wanted = oracle.evaluate(name, *given), getattr(outside, function)(*given)
+        got = got[builder.before :] if function == "link_transforms" else got
+        near = distance_from_singularity(numbers, ANGLES[function], given[0]) if function in ANGLES else 1.0
+        if outside.determines(function, given[0]):
+            assert error(got, wanted) * near < TOLERANCE, name
+            batch = tuple(argument[None] for argument in given)
+            if function != "link_transforms":  # entry by entry, as generated code is compared
+                assert expectation(name, SampleSet({}, oracle, {}), batch).errors(wanted[None]).max() < 1e-9, name
+
+
+@pytest.mark.parametrize("seed", seeds(40, 6, 20))
+def test_functions_of_an_end_are_those_of_the_serial_arm_to_it(seed: int) -> None:
+    """Joints off the way have columns of zeros."""
+    drawn = random_tree(random.Random(seed))
+    oracle, q = Oracle.of(drawn.robot), configurations(random.Random(seed), drawn.robot.n)[0]
+    for end in drawn.ends:
+        robot, places = arm(drawn.robot, end)
+        serial, suffix = Oracle.of(robot), f"_{end}" if end else ""
+        for name in ("forward_kinematics", "manipulability", "manipulability_position", "manipulability_orientation"):
+            assert error(oracle.evaluate(name + suffix, q), serial.evaluate(name, q[list(places)])) < TOLERANCE
+        wanted = np.zeros((6, len(q)))
+        wanted[:, list(places)] = serial.evaluate("jacobian_end", q[list(places)])
+        assert error(oracle.evaluate(f"jacobian_end{suffix}", q), wanted) < TOLERANCE
+
+
+@pytest.mark.parametrize("seed", seeds(40, 6, 20))
+def test_the_regressor_of_a_link_and_of_what_is_fixed_on_it_gives_the_torques(seed: int) -> None:
+    robot = random_tree(random.Random(seed), 1 + seed % 6).robot
+    oracle, (q, qd, qdd, *_) = Oracle.of(robot, base=()), motion(robot.n, seed).values()
+    numbers = oracle.arm
+    values = dict[Parameter, float]()
+    for parameter in standard_parameters(robot):
+        i, part = parameter.joint - 1, parameter.part
+        joint = {"mm": "rotor_mass", "Im": "rotor_inertia", "Ia": "armature", "b": "viscous"}.get(part)
+        values[parameter] = getattr(numbers, joint)[i] if joint else numbers.coulomb[0, i] if part == "f" else 0.0
+    for i, mass, com, tensor in zip(numbers.carrier, numbers.mass, numbers.com, numbers.inertia, strict=True):
+        about_origin = tensor + mass * (com @ com * np.eye(3) - np.outer(com, com))
+        of_body = [mass, *(mass * com), *about_origin[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]]
+        for part, value in zip(LINK_PARTS, of_body if i >= 0 else (), strict=False):
+            values[Parameter(i + 1, part)] += value
+    found = oracle.evaluate("regressor", q, qd, qdd) @ np.array(list(values.values()))
+    assert error(found, oracle.evaluate("inverse_dynamics", q, qd, qdd)) < TOLERANCE
+
+
+@pytest.mark.parametrize("seed", seeds(40, 6, 20))
+def test_values_of_trees_keep_within_their_natural_size(seed: int) -> None:
+    oracle = Oracle.of(random_tree(random.Random(seed)).robot)
+    arguments = motion(oracle.arm.n, seed)
+    for name in oracle.functions:
+        given = tuple(arguments[argument] for argument in FUNCTIONS[stem(name)].arguments)
+        if stem(name) not in NOT_BOUNDED | {"manipulability_dq"}:
+            limits = Bounds(oracle, given[0], name)
+            # Of slides' derivatives they count the reach of bodies, of positions that of frames.
+            size = limits.natural_size(name, given) * max(1.0, limits.reach / limits.extent)
+            assert (np.abs(oracle.evaluate(name, *given)) <= size * (1 + 1e-12)).all(), name
