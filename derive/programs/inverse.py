@@ -45,6 +45,7 @@ from derive.programs.tape.value import Value
 from derive.robot.expression import Pi
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.options.solution_policy import POLICY
+from derive.robot.tree import is_arm
 
 DOUBTFUL, FREE = 4, 8
 """Codes of branches that are to be checked: a status and `DOUBTFUL`, which alone is a branch that does not exist by its
@@ -187,7 +188,7 @@ class TapeField:
 def solved(trace: Trace) -> Solved:
     """Inverse kinematics as the file asks for it: a program, what takes its place, or None and the reason."""
     robot = trace.robot
-    if robot.is_tree:
+    if not is_arm(robot):
         return None, "the table is a tree"
     if not has_exact_rotations(robot):
         reason = "base or tool is a rotation only to the digits that the file gives"
