@@ -102,7 +102,7 @@ class RobotFileWarning(UserWarning):
         super().__init__(text)
 
 
-_LISTS_OF_ROWS = ("joints", "links", "base", "tool")
+_LISTS_OF_ROWS = ("joints", "links", "base", "tool", "mount")
 
 
 def quoted(text: str, length: int = 40) -> str:

@@ -23,7 +23,7 @@ from derive.robot.load import catalogue_names
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.reading.schema import check_structure
-from derive.robot.remarks import REMEDY, impossible_links, lack_of, too_large
+from derive.robot.remarks import REMEDY, impossible_links, lack_of, numbered, too_large
 from derive.robot.robot import Robot
 
 OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path
@@ -377,8 +377,7 @@ def remarks_on_loads(
         values |= {name: evaluate(value, values) for name, value in given.items()}
         lacks = impossible_links(robot, values)
         if given and lacks and lacks != told:
-            links = ", ".join(str(index + 1) for index in lacks)
-            found = f"with these {key} links {links}, inertia: {too_large(lacks.values())}"
+            found = f"with these {key} links {numbered(lacks)}, inertia: {too_large(lacks.values())}"
             yield Remark(document.location((key,)), found, REMEDY, is_of_bodies=True)
             told = lacks
     for path, payload in payloads.items():

@@ -21,6 +21,7 @@ Matrix = tuple[tuple[Expression, ...], ...]  # rows of cells; a homogeneous tran
 # The transform that changes nothing.
 IDENTITY: Matrix = tuple(tuple(ONE if i == j else ZERO for j in range(4)) for i in range(4))
 BASE = "base"  # what rows of a tree that stand on the base, or on a root that moves, are said to follow
+FIXED = "fixed"  # the type of rows without motion
 
 
 class Convention(StrEnum):
@@ -206,6 +207,15 @@ class FixedRow:
     alpha: Expression = ZERO  # link twist [rad]
     link: Link | None = None  # its body, in its own frame; None without dynamics
     row: int | None = None  # its place in the table of the file, from 0; None of a root that moves
+
+    @property
+    def label(self) -> str:
+        """What the row is called, as a joint is."""
+        return self.name
+
+    def written(self, write: Callable[[Expression], str]) -> dict[str, str]:
+        """The cells as a joint has them."""
+        return {key: write(getattr(self, key)) for key in ("theta", "d", "a", "alpha")}
 
 
 @dataclass(frozen=True, slots=True)

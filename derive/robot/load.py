@@ -14,14 +14,14 @@ from pathlib import Path
 
 from derive.errors import Location, RobotFileError, UnknownRobotError, near_miss, quoted
 from derive.robot.cells import Cells, check_symbol, inert_text
-from derive.robot.description import Convention, Description, FileUnits
+from derive.robot.description import Description, FileUnits
 from derive.robot.expression import Expression
 from derive.robot.presentation import read_figure, read_handout, read_inverse, read_style
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.reading.schema import check_structure
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.remarks import remarks_on, remarks_on_bodies
-from derive.robot.table import read_frame, read_gravity, read_joints, read_links
+from derive.robot.tree_table import read_table
 from derive.robot.validate import validate
 
 _CATALOGUE = "robot/catalogue"
@@ -101,30 +101,22 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         parameters=document.text("units", "parameters") == "file",
     )
     cells = Cells(document, units)
-    joints = read_joints(document, cells)
-    base, tool = read_frame(document, cells, "base"), read_frame(document, cells, "tool")
-    links = read_links(document, cells, len(joints))
-    gravity = read_gravity(document, cells)
+    table = read_table(document, cells)
     name, parameters = _name(document), _parameters(document)
     runtime = tuple(document.text("runtime", index) for index in range(document.length(("runtime",))))
     for index, symbol in enumerate(runtime):
         check_symbol(document, ("runtime", index), symbol)
     head = takewhile(lambda line: line.startswith("#"), data.decode("utf-8-sig").splitlines())
-    robot = Description(
+    robot = replace(
+        table,
         name=name,
         title=inert_text(document, ("title",), "\n\t") or name,
-        convention=Convention(document.text("convention")),
-        joints=joints,
-        base=base,
-        tool=tool,
-        gravity=gravity,
-        links=links,
         parameters=parameters,
         runtime=runtime,
         style=read_style(document),
         handout=read_handout(document),
-        figure=read_figure(document, cells, joints, parameters),
-        inverse=read_inverse(document, joints),
+        figure=read_figure(document, cells, table.joints, parameters),
+        inverse=read_inverse(document, table.joints),
         units=units,
         digest=document.digest,
         source=document.source,

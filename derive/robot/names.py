@@ -34,10 +34,10 @@ def joint_labels(robot: Description) -> dict[str, str]:
 
 
 def expressions(robot: Description) -> Iterator[Expression]:
-    """Every expression that enters a quantity, from the base to the tool, then gravity and links; limits enter none."""
+    """Every expression that enters a quantity, from the base to the tools, then gravity and links; no limits."""
     located = list(located_expressions(robot))
-    for blocks in (("base",), ("joints",), ("tool",), ("gravity", "links")):
-        yield from (cell for path, cell in located if path[0] in blocks and "limits" not in path)
+    for blocks in (("base",), ("joints",), ("tool", "ends"), ("gravity", "links", "root")):
+        yield from (cell for path, cell in located if path[0] in blocks and path[2:3] != ("limits",))
 
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:

@@ -116,7 +116,8 @@ def read_figure(
         count = document.length(where)
         if count != len(joints):
             found, allowed = "1 entry" if count == 1 else f"{count} entries", f"allowed: exactly {len(joints)}"
-            raise document.error(where, found, allowed, "write one number per joint, in the order of the table")
+            order = "in the order of the table" if document.find(("root",)) is None else "those of the root first"
+            raise document.error(where, found, allowed, f"write one number per joint, {order}")
         reads = (own.angle if joint.is_revolute else own.length for joint in joints)
         q = tuple(_number(own, (*where, row), read) for row, read in enumerate(reads))
     block = document.find(("figure", "values"))

@@ -11,13 +11,14 @@ from contextlib import suppress
 from fractions import Fraction
 from math import acos, cos, pi, sqrt, tau
 
-from derive.errors import ExpressionError, path_text
+from derive.errors import ExpressionError, listed, path_text
 from derive.robot import expression as tree
 from derive.robot.cells import Cells
 from derive.robot.description import INERTIA, Description, FileUnits, Remark
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression, Name, is_constant, names
 from derive.robot.reading.document import Document, KeyPath
+from derive.robot.tree import located_links
 from derive.robot.units import Unit, cell_unit, located_expressions, symbolic_factors, turned_angles
 
 NEAR = 1e-3  # relative distance (absolute below 1) within which a number is taken for a rounded multiple of pi/12
@@ -91,7 +92,7 @@ def _sizes(robot: Description) -> Iterator[tuple[KeyPath, tuple[str, str]]]:
 
 def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str] | None:
     """What is found and what to write, where the plain number in an angle is hardly meant as it stands."""
-    parameter, motion = path[-2] in ("parameters", "values"), "limits" in path or path[:2] == ("figure", "q")
+    parameter, motion = path[-2] in ("parameters", "values"), path[2:3] == ("limits",) or path[:2] == ("figure", "q")
     known = ((c, term) for c, term in tree.linear_terms(angle) if is_constant(term) and not tree.contains_pi(term))
     plain = (tree.multiply(tree.number(c), term) for c, term in known)
     try:
@@ -131,10 +132,14 @@ def remarks_on_bodies(document: Document, robot: Description) -> tuple[Remark, .
         return ()
     if not lacks:
         return ()
-    path: KeyPath = ("links", min(lacks), "inertia")
-    where = f"links {'entries' if len(lacks) > 1 else 'entry'} {', '.join(str(index + 1) for index in lacks)}"
-    found = f"{where}, inertia: {too_large(lacks.values())}"
+    path: KeyPath = (*next(iter(lacks)), "inertia")
+    found = f"links {'entries' if len(lacks) > 1 else 'entry'} {numbered(lacks)}, inertia: {too_large(lacks.values())}"
     return (Remark(document.location(path), found, REMEDY, is_of_bodies=True),)
+
+
+def numbered(links: Iterable[KeyPath]) -> str:
+    """Places of links as numbers."""
+    return listed(str(at + 1) if isinstance(at := place[1], int) else "of the root" for place in links)
 
 
 def too_large(lacks: Iterable[float]) -> str:
@@ -143,10 +148,10 @@ def too_large(lacks: Iterable[float]) -> str:
     return f"physically inconsistent: one principal moment exceeds the sum of the other two by {amounts} kg m^2"
 
 
-def impossible_links(robot: Description, values: Mapping[str, Fraction | float]) -> dict[int, float]:
-    """By link what `lack_of` its tensor is, where it has numbers and is physically inconsistent."""
-    lacks = {}
-    for index, link in enumerate(robot.links):
+def impossible_links(robot: Description, values: Mapping[str, Fraction | float]) -> dict[KeyPath, float]:
+    """By place of a link what `lack_of` its tensor is, where it has numbers and is physically inconsistent."""
+    lacks: dict[KeyPath, float] = {}
+    for place, link in located_links(robot):
         cells = [getattr(link.inertia, key) for key in INERTIA]
         if any(name not in values for cell in cells for name in names(cell)):
             continue
@@ -155,7 +160,7 @@ def impossible_links(robot: Description, values: Mapping[str, Fraction | float])
         except ArithmeticError:
             continue
         if lack := lack_of((xx, yy, zz, xy, xz, yz)):
-            lacks[index] = lack
+            lacks[place] = lack
     return lacks
 
 

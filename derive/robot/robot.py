@@ -5,16 +5,17 @@ from html import escape
 from pathlib import Path
 from typing import Self
 
-from derive.robot.description import Convention, Description
+from derive.robot.description import FIXED, IDENTITY, Convention, Description, Joint
 from derive.robot.expression import to_text
 from derive.robot.load import description_from_bytes, robot_file_bytes
 from derive.robot.names import free_symbols
-from derive.robot.units import joint_in_file_units
+from derive.robot.tree import explicit, table
+from derive.robot.units import row_in_file_units
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Robot(Description):
-    """A serial arm: the Denavit-Hartenberg table, the frames around it and, if given, its dynamics.
+    """An arm or a tree: the Denavit-Hartenberg table, the frames around it and, if given, its dynamics.
 
     `load` and `from_text` make one; it shows itself as its table. All cells are exact, in SI units and radians.
 
@@ -22,7 +23,7 @@ class Robot(Description):
         name: ``[a-z0-9-]+``.
         title: Free text for people.
         convention: Standard or modified.
-        joints: One row of the table per joint.
+        joints: One row of the table per joint, those of a root that moves first.
         base: Constant 4x4 transform from the world frame to frame 0.
         tool: Constant 4x4 transform from frame n to the end effector.
         gravity: Acceleration of gravity in the world frame [m/s^2]; None where the file gives none.
@@ -36,6 +37,9 @@ class Robot(Description):
         units: Units of plain numbers in the file.
         digest: SHA-256 of the robot file's bytes, hexadecimal.
         source: File name or catalogue name, for messages.
+        fixed: Rows without motion.
+        ends: The ends of a tree by name; empty for one end behind the last row.
+        root: How the root of a tree moves; None where it stands.
         remarks: What the file says and hardly means, such as 90 rad, each with its place.
         comments: Comments before the first line of the file.
     """
@@ -46,11 +50,13 @@ class Robot(Description):
         return [remark.as_dict() for remark in self.remarks]
 
     def __repr__(self) -> str:
-        standard = self.convention is Convention.STANDARD
-        names = ("theta", "d", "a", "alpha") if standard else ("alpha[i-1]", "a[i-1]", "theta", "d")
-        table = [("i", "joint", *names, "limits"), *self._table()]
-        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
+        before = "" if self.is_tree else "[i-1]"
+        names = {"alpha": f"alpha{before}", "a": f"a{before}"} if self.convention is Convention.MODIFIED else {}
+        rows = [tuple(names.get(column, column) for column in self._columns), *self._table()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        named = ", ".join(f"{end.name} on {end.after}" for end in self.ends if end.name)
+        lines += [f"ends: {named}"] if named else []
         free = ", ".join(free_symbols(self)) or "none"
         gravity = ", ".join(map(to_text, self.gravity or ()))
         dynamics = f"{len(self.links)} links, gravity [{gravity}]" if self.links else "none"
@@ -60,23 +66,39 @@ class Robot(Description):
 
     def _repr_html_(self) -> str:
         """The DH table for notebooks, in the units of the file; every text of the user's escaped."""
-        names = ("&theta;", "d", "a", "&alpha;")
-        if self.convention is not Convention.STANDARD:
-            names = ("&alpha;<sub>i&minus;1</sub>", "a<sub>i&minus;1</sub>", "&theta;", "d")
-        head = "".join(f"<th>{name}</th>" for name in ("i", "joint", *names, "limits"))
+        before = "" if self.is_tree or self.convention is Convention.STANDARD else "<sub>i&minus;1</sub>"
+        names = {"theta": "&theta;", "alpha": f"&alpha;{before}", "a": f"a{before}", "gamma": "&gamma;"}
+        head = "".join(f"<th>{names.get(column, column)}</th>" for column in self._columns)
         rows = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in self._table())
         body = "".join(f"<tr>{row}</tr>" for row in rows)
         caption = f"{escape(self.title)} {self._heading}"
         return f"<table><caption>{caption}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
     def _table(self) -> list[tuple[str, ...]]:
-        """Number, type, the four cells in the order of the convention, and limits of each joint, as text."""
-        order = ("theta", "d", "a", "alpha") if self.convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
-        rows = []
-        for i, joint in enumerate((joint_in_file_units(joint, self.units) for joint in self.joints), 1):
-            limits = " to ".join(map(to_text, joint.limits or ()))
-            rows.append((str(i), joint.type.value, *map(joint.row.__getitem__, order), limits))
+        """By `_columns` the cells of all rows as text, those of a root that moves first."""
+        roots = self.root.variables if self.root else ()
+        rows, number, whole = [], 0, explicit(self)
+        for row in (*whole.joints[: len(roots)], *table(whole)):
+            row = row_in_file_units(row, self.units)
+            cells = row.written(to_text) | {"i": "", "joint": FIXED, "name": row.label, "limits": ""}
+            if isinstance(row, Joint):
+                number += 1
+                limits = " to ".join(map(to_text, row.limits or ()))
+                cells |= {"i": str(number), "joint": row.type.value, "limits": limits}
+            if stand := row.stand:
+                after = stand.after + " + mount" * (stand.mount != IDENTITY)
+                cells |= {"after": "root" if row.label in roots else after}
+                cells |= {"gamma": to_text(stand.gamma), "b": to_text(stand.b)}
+            rows.append(tuple(map(cells.__getitem__, self._columns)))
         return rows
+
+    @property
+    def _columns(self) -> tuple[str, ...]:
+        order = ("theta", "d", "a", "alpha") if self.convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
+        if not self.is_tree:
+            return ("i", "joint", *order, "limits")
+        khalil = ("gamma", "b") if self.convention is Convention.MODIFIED else ()
+        return ("i", "joint", "name", "after", *khalil, *order, "limits")
 
     @property
     def _heading(self) -> str:

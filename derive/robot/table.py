@@ -5,12 +5,11 @@ from fractions import Fraction
 
 from derive.errors import RobotFileError, quoted
 from derive.robot import expression as tree
-from derive.robot.cells import Cells, check_symbol, inert_text, length_in_metres
+from derive.robot.cells import Cells, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names, to_text
 from derive.robot.reading.document import Document, KeyPath
-from derive.robot.reading.size_limits import FILE_LIMITS
 
 # The symbol of gravity where a file with links does not say: it points along -z of the world frame.
 DEFAULT_GRAVITY_SYMBOL = "g"
@@ -18,37 +17,17 @@ DEFAULT_GRAVITY_SYMBOL = "g"
 ROTATION_TOLERANCE = 1e-6
 
 
-def read_joints(document: Document, cells: Cells) -> tuple[Joint, ...]:
-    """All rows of the table."""
-    rows = document.length(("joints",))
-    if not 1 <= rows <= FILE_LIMITS.joints:
-        raise document.error(("joints",), f"{rows} rows", f"allowed: 1 to {FILE_LIMITS.joints}", "one row per joint")
-    found: dict[str, int] = {}
-    for row in range(rows):
-        path: KeyPath = ("joints", row, "q")
-        given = document.scalar(path)
-        name = given.text if given else f"q{row + 1}"
-        check_symbol(document, path, name)
-        if name in found:
-            said = f"variable '{name}' belongs to row {found[name] + 1} already"
-            remedy = "give every joint its own variable: q: ..."
-            raise document.error(path if given else path[:-1], said, remedy=remedy)
-        found[name] = row
-    joints = tuple(_Row(document, cells, tuple(found), row).read() for row in range(rows))
-    for row, joint in enumerate(joints):
-        if (first := next(i for i, other in enumerate(joints) if other.label == joint.label)) < row:
-            said = f"joint name {quoted(joint.label)} belongs to row {first + 1} already"
-            at: KeyPath = ("joints", row if joint.name else first, "name")
-            raise document.error(at, said, remedy="give every joint a name of its own")
-    return joints
+def read_joint(document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> Joint:
+    """A row of the table that moves, whatever it follows."""
+    return _Row(document, cells, row, variable, variables).read()
 
 
 class _Row:
     """One row of the table: which cell moves, its sign, and the constant rest."""
 
-    def __init__(self, document: Document, cells: Cells, variables: tuple[str, ...], row: int) -> None:
+    def __init__(self, document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> None:
         self._document, self._cells = document, cells
-        self._variables, self._variable = frozenset(variables), variables[row]
+        self._variables, self._variable = variables, variable
         self._path: KeyPath = ("joints", row)
         self._type = JointType(document.text(*self._path, "type"))
         self._moving, self._fixed = ("theta", "d") if self._type is JointType.REVOLUTE else ("d", "theta")
@@ -157,20 +136,20 @@ class _Row:
         return value
 
 
-def read_frame(document: Document, cells: Cells, key: str) -> Matrix:
-    """The constant transform before frame 0 or after frame n."""
-    if document.find((key,)) is None:
+def read_frame(document: Document, cells: Cells, path: KeyPath) -> Matrix:
+    """A constant transform, which changes nothing where there is none."""
+    if document.find(path) is None:
         return IDENTITY
     rows = tuple(
-        tuple((cells.length if j == 3 and i < 3 else cells.plain)((key, i, j)) for j in range(4)) for i in range(4)
+        tuple((cells.length if j == 3 and i < 3 else cells.plain)((*path, i, j)) for j in range(4)) for i in range(4)
     )
     if rows[3] != (ZERO, ZERO, ZERO, ONE):
         remedy = "write the translation into the last column"
-        raise document.error((key, 3), "bottom row is not 0, 0, 0, 1", remedy=remedy)
+        raise document.error((*path, 3), "bottom row is not 0, 0, 0, 1", remedy=remedy)
     return rows
 
 
-def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterable[Mapping[str, float]]) -> None:
+def check_rotation(document: Document, path: KeyPath, matrix: Matrix, trials: Iterable[Mapping[str, float]]) -> None:
     """Refuse a rotation block that is not a rotation at the given parameter values."""
     blocks = []
     for values in trials:
@@ -179,7 +158,7 @@ def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterabl
         except ArithmeticError:
             continue
     if not blocks:
-        raise document.error((key,), "the rotation block has no real value", "allowed: a rotation")
+        raise document.error(path, "the rotation block has no real value", "allowed: a rotation")
     remedy = "write angles exactly: cos(pi/4), sqrt(2)/2"
     if not all(is_constant(entry) for row in matrix[:3] for entry in row[:3]):
         remedy = "it must be a rotation for all values of its names: write cos(beta) and sin(beta)"
@@ -191,37 +170,27 @@ def check_rotation(document: Document, key: str, matrix: Matrix, trials: Iterabl
                 if i == j:
                     found = f"row {i + 1} of the rotation block has length {product**0.5:.9g}"
                 allowed = f"allowed: a rotation to within {ROTATION_TOLERANCE:g}"
-                raise document.error((key, i), found, allowed, remedy)
+                raise document.error((*path, i), found, allowed, remedy)
         # orthogonal with determinant -1: a reflection, that is a left-handed frame
         cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         if sum(m[0][i] * (m[1][j] * m[2][k] - m[1][k] * m[2][j]) for i, j, k in cycles) < 0:
             found = "reflection: the rotation block has determinant -1"
-            raise document.error((key,), found, remedy="change the sign of one column")
+            raise document.error(path, found, remedy="change the sign of one column")
 
 
-def read_links(document: Document, cells: Cells, joints: int) -> tuple[Link, ...]:
-    """Inertial parameters, motors and friction."""
-    if document.find(("links",)) is None:
-        return ()
-    rows = document.length(("links",))
-    if rows != joints:
-        found = f"{rows} {'row' if rows == 1 else 'rows'} for {joints} joints"
-        remedy = "write one row per joint; a massless link is {mass: 0}"
-        raise document.error(("links",), found, f"allowed: exactly {joints}", remedy)
-    links = []
-    for path in (("links", row) for row in range(rows)):
-        mass = cells.plain((*path, "mass"))
-        x, y, z = (cells.length((*path, "com", index)) for index in range(3))
-        inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
-        motor = None
-        if document.find((*path, "motor")) is not None:
-            motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
-        armature = cells.plain((*path, "armature"))
-        viscous, dry = cells.plain((*path, "friction", "viscous")), (*path, "friction", "coulomb")
-        ways = cells.plain((*dry, 0)), cells.plain((*dry, 1))
-        coulomb = ways if ways != (ZERO, ZERO) else cells.plain(dry)
-        links.append(Link(mass, (x, y, z), inertia, motor, armature, viscous, coulomb))
-    return tuple(links)
+def read_link(document: Document, cells: Cells, path: KeyPath) -> Link:
+    """Inertial parameters, motor and friction of a body."""
+    mass = cells.plain((*path, "mass"))
+    x, y, z = (cells.length((*path, "com", index)) for index in range(3))
+    inertia = Inertia(**{key: cells.plain((*path, "inertia", key)) for key in INERTIA})
+    motor = None
+    if document.find((*path, "motor")) is not None:
+        motor = Motor(**{key: cells.plain((*path, "motor", key)) for key in ("mass", "inertia", "ratio")})
+    armature = cells.plain((*path, "armature"))
+    viscous, dry = cells.plain((*path, "friction", "viscous")), (*path, "friction", "coulomb")
+    ways = cells.plain((*dry, 0)), cells.plain((*dry, 1))
+    coulomb = ways if ways != (ZERO, ZERO) else cells.plain(dry)
+    return Link(mass, (x, y, z), inertia, motor, armature, viscous, coulomb)
 
 
 def read_gravity(document: Document, cells: Cells) -> Vector | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TypeVar
 
 from derive.errors import Location, QuantityError, listed, near_miss
@@ -16,6 +17,7 @@ from derive.robot.description import (
     FixedRow,
     Joint,
     JointType,
+    Link,
     Root,
     RootType,
     Stand,
@@ -23,6 +25,7 @@ from derive.robot.description import (
 from derive.robot.expression import ONE, ZERO, Expression
 
 Some = TypeVar("Some", bound=Description)
+Place = tuple[str | int, ...]  # of a cell or block in the file, by keys and positions from 0
 # Moves the axes on in a cycle, z to x: what slides along z behind it slides along x of the frame before.
 _CYCLE = ((ZERO, ZERO, ONE, ZERO), (ONE, ZERO, ZERO, ZERO), (ZERO, ONE, ZERO, ZERO), IDENTITY[3])
 _CYCLE_BACK = (*zip(*(row[:3] for row in _CYCLE[:3]), (ZERO,) * 3, strict=True), IDENTITY[3])
@@ -45,6 +48,54 @@ class Way:
 
     joint: int  # index of the joint where it starts, from 0; -1 for frame 0
     rows: tuple[FixedRow, ...]  # the rows without motion on it, outwards
+
+
+def table(robot: Description) -> tuple[Joint | FixedRow, ...]:
+    """The rows in the order of the file; a root that moves has none."""
+    rows: list[Joint | FixedRow] = list(robot.joints[len(robot.root.variables) if robot.root else 0 :])
+    fixed = ((inf if row.row is None else row.row, row) for row in robot.fixed if row.name != BASE)
+    for place, row in sorted(fixed, key=lambda pair: pair[0]):
+        rows.insert(int(min(place, len(rows))), row)  # at the end what has no place, as it was not read
+    return tuple(rows)
+
+
+def joint_places(robot: Description) -> tuple[Place, ...]:
+    """The place of each joint in the file."""
+    roots: list[Place] = [("root",)] * len(robot.root.variables if robot.root else ())
+    rows = (("joints", place) for place, row in enumerate(table(robot)) if isinstance(row, Joint))
+    return (*roots, *rows)
+
+
+def located_links(robot: Description) -> Iterator[tuple[Place, Link]]:
+    """The bodies of a robot with dynamics and their places in the file: of a root that moves, then by rows."""
+    if not robot.links:
+        return
+    moving = iter(robot.links[len(robot.root.variables) if robot.root else 0 :])
+    if robot.root and robot.root.link:
+        yield ("root", "link"), robot.root.link
+    for place, row in enumerate(table(robot)):
+        link = row.link if isinstance(row, FixedRow) else next(moving)
+        if link is not None:
+            yield ("links", place), link
+
+
+def _stands(robot: Description) -> Iterator[tuple[Joint, Stand]]:
+    """Each joint with what its stand is where it has none: right behind the joint above."""
+    labels = (BASE, *(joint.label for joint in robot.joints))
+    return zip(robot.joints, map(Stand, labels), strict=False)
+
+
+def explicit(robot: Some) -> Some:
+    """The same with a stand for every row."""
+    return replace(robot, joints=tuple(replace(joint, stand=joint.stand or usual) for joint, usual in _stands(robot)))
+
+
+def plain(robot: Some) -> Some:
+    """The same without what goes without saying: the stand right behind the joint above, the end behind the last."""
+    pairs = ((joint, None if joint.stand == usual else joint.stand) for joint, usual in _stands(robot))
+    last = End("", robot.joints[-1].label, robot.tool)
+    joints = tuple(replace(joint, stand=stand) for joint, stand in pairs)
+    return replace(robot, joints=joints, ends=() if robot.ends == (last,) else robot.ends)
 
 
 def way_to(robot: Description, label: str) -> Way:
@@ -98,17 +149,22 @@ def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
     end, before = end_named(robot, name), tuple(ways(robot))
     last = way_to(robot, end.after)
     places = path(robot, last.joint)
-    on_way = {row.name for way in (*(before[place] for place in places), last) for row in way.rows}
+    on_way = (*((before[place], robot.joints[place].label) for place in places), (last, ""))
+    fixed = [row for way, _ in on_way for row in way.rows]
+    labels = [label for way, joint in on_way for label in (*(row.name for row in way.rows), joint)]
+    own = labels[len(robot.root.variables) + 1 if robot.root else 0 :]  # rows of the arm's own table
+    drawn = robot.figure.q and tuple(robot.figure.q[place] for place in places)
     serial = replace(
         robot,
         joints=tuple(robot.joints[place] for place in places),
-        fixed=massless(tuple(row for row in robot.fixed if row.name in on_way)),
+        fixed=tuple(replace(row, link=None, row=None if row.name == BASE else own.index(row.name)) for row in fixed),
         ends=(replace(end, name=""),),
         tool=end.tool,
         links=(),
-        root=None,
+        root=robot.root and replace(robot.root, link=None),
+        figure=replace(robot.figure, q=drawn),
     )
-    return serial, places
+    return plain(serial), places
 
 
 def mapped_stand(stand: Stand, put: Callable[[Expression], Expression]) -> Stand:

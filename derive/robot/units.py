@@ -10,12 +10,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from derive.errors import RobotFileError
 from derive.robot import expression as tree
-from derive.robot.description import INERTIA, Description, FileUnits, Joint
+from derive.robot.description import INERTIA, Description, FileUnits, FixedRow, Joint, Matrix
 from derive.robot.expression import Call, Expression, Name, Pi, Product, is_constant, names
+from derive.robot.tree import located_links, table
+
+Row = TypeVar("Row", bound=Joint | FixedRow)
 
 if TYPE_CHECKING:  # names of symbols are asked for where no YAML is read
     from derive.robot.reading.document import KeyPath
@@ -41,35 +44,49 @@ def position_unit(joint: Joint) -> Unit:
 def cell_unit(path: KeyPath, robot: Description) -> Unit:
     """What the cell at a place of the file is."""
     match path:
-        case ("joints", int(row), "limits", _) | ("figure", "q", int(row)):
-            return position_unit(robot.joints[row])
-        case ("joints", _, "theta" | "alpha"):
+        case ("joints", int(row), "limits", _) if isinstance(joint := table(robot)[row], Joint):
+            return position_unit(joint)
+        case ("figure", "q", int(index)):
+            return position_unit(robot.joints[index])
+        case ("joints", _, "theta" | "alpha" | "gamma"):
             return Unit.ANGLE
-        case ("joints", _, "d" | "a") | ("links", _, "com", _) | ("base" | "tool", 0 | 1 | 2, 3):
+        case ("joints", _, "d" | "a" | "b") | ("links" | "root", _, "com", _):
+            return Unit.LENGTH
+        case (*_, "base" | "tool" | "mount", 0 | 1 | 2, 3):
             return Unit.LENGTH
     return Unit.SI
 
 
+def located_frames(robot: Description) -> Iterator[tuple[KeyPath, Matrix]]:
+    """Every constant transform that the file gives as a matrix."""
+    yield from ((("base",), robot.base), (("tool",), robot.tool))
+    stands = ((index, row.stand) for index, row in enumerate(table(robot)) if row.stand)
+    yield from ((("joints", index, "mount"), stand.mount) for index, stand in stands)
+    yield from ((("ends", end.name, "tool"), end.tool) for end in robot.ends if end.name)
+
+
 def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expression]]:
     """Every expression of the robot."""
-    for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        yield from (((key, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
-    for index, joint in enumerate(robot.joints):
-        row: KeyPath = ("joints", index)
-        cells = (("theta", joint.theta), ("d", joint.d), ("a", joint.a), ("alpha", joint.alpha))
-        yield from (((*row, key), expression) for key, expression in cells)
-        yield from (((*row, "limits", k), limit) for k, limit in enumerate(joint.limits or ()))
+    for path, matrix in located_frames(robot):
+        yield from (((*path, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
+    for index, row in enumerate(table(robot)):
+        place: KeyPath = ("joints", index)
+        cells = (("theta", row.theta), ("d", row.d), ("a", row.a), ("alpha", row.alpha))
+        yield from (((*place, key), expression) for key, expression in cells)
+        if row.stand:
+            yield from (((*place, "gamma"), row.stand.gamma), ((*place, "b"), row.stand.b))
+        if isinstance(row, Joint):
+            yield from (((*place, "limits", k), limit) for k, limit in enumerate(row.limits or ()))
     yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
-    for index, link in enumerate(robot.links):
-        row = ("links", index)
-        yield (*row, "mass"), link.mass
-        yield from (((*row, "com", k), entry) for k, entry in enumerate(link.com))
-        yield from (((*row, "inertia", key), getattr(link.inertia, key)) for key in INERTIA)
+    for place, link in located_links(robot):
+        yield (*place, "mass"), link.mass
+        yield from (((*place, "com", k), entry) for k, entry in enumerate(link.com))
+        yield from (((*place, "inertia", key), getattr(link.inertia, key)) for key in INERTIA)
         for key in ("mass", "inertia", "ratio") if link.motor is not None else ():
-            yield (*row, "motor", key), getattr(link.motor, key)
-        yield (*row, "armature"), link.armature
-        yield (*row, "friction", "viscous"), link.viscous
-        dry: KeyPath = (*row, "friction", "coulomb")
+            yield (*place, "motor", key), getattr(link.motor, key)
+        yield (*place, "armature"), link.armature
+        yield (*place, "friction", "viscous"), link.viscous
+        dry: KeyPath = (*place, "friction", "coulomb")
         yield from zip([(*dry, 0), (*dry, 1)] if isinstance(link.coulomb, tuple) else [dry], link.dry, strict=False)
 
 
@@ -144,19 +161,17 @@ def in_file_units(cell: Expression, unit: Unit, units: FileUnits) -> Expression:
     return tree.add(*terms)
 
 
-def joint_in_file_units(joint: Joint, units: FileUnits) -> Joint:
-    """A joint whose numbers are as the file has them."""
+def row_in_file_units(row: Row, units: FileUnits) -> Row:
+    """A row of the table whose numbers in cells are as the file has them, those of its mount in metres."""
     angle, length = (partial(in_file_units, unit=unit, units=units) for unit in (Unit.ANGLE, Unit.LENGTH))
-    position, limits = angle if joint.is_revolute else length, joint.limits
-    return replace(
-        joint,
-        theta=angle(joint.theta),
-        d=length(joint.d),
-        a=length(joint.a),
-        alpha=angle(joint.alpha),
-        limits=limits and (position(limits[0]), position(limits[1])),
-        speed=joint.speed and position(joint.speed),
-    )
+    row = replace(row, theta=angle(row.theta), d=length(row.d), a=length(row.a), alpha=angle(row.alpha))
+    if row.stand is not None:
+        row = replace(row, stand=replace(row.stand, gamma=angle(row.stand.gamma), b=length(row.stand.b)))
+    if isinstance(row, FixedRow):
+        return row
+    position, limits = angle if row.is_revolute else length, row.limits
+    limits = limits and (position(limits[0]), position(limits[1]))
+    return replace(row, limits=limits, speed=row.speed and position(row.speed))
 
 
 def in_symbol_units(robot: Description, name: str, value: Expression) -> Expression:

@@ -11,7 +11,8 @@ from derive.robot.expression import Expression, names
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.table import check_rotation
-from derive.robot.units import located_expressions
+from derive.robot.tree import joint_places, located_links
+from derive.robot.units import located_expressions, located_frames
 
 _SEED = 560  # any fixed seed: the same file must be accepted or refused everywhere alike
 _TRIALS = 8  # enough that an entry such as sqrt(1 - k1**2 - k2**2) is real in some of them
@@ -38,40 +39,40 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
     for path, expression in located_expressions(robot):
         if _number(document, path, expression, values) is None:
             _check_possible(document, path, expression, values)
-    for row in range(robot.n):
-        _check_limits(document, row, robot, values)
-    for index, link in enumerate(robot.links):
+    for index, place in enumerate(joint_places(robot)):
+        _check_limits(document, place, index, robot, values)
+    for place, link in located_links(robot):
         masses = {("mass",): link.mass} | ({("motor", "mass"): link.motor.mass} if link.motor else {})
         for key, mass in masses.items():
             if (value := _value(mass, values)) is not None and value < 0:
-                found, path = f"negative mass {value:g}", ("links", index, *key)
-                raise document.error(path, found, "allowed: zero or more", "correct the sign")
+                found = f"negative mass {value:g}"
+                raise document.error((*place, *key), found, "allowed: zero or more", "correct the sign")
         for k, cell in enumerate(link.dry if isinstance(link.coulomb, tuple) else ()):
             if (value := _value(cell, values)) is not None and value < 0:
                 found = f"negative friction {value:g} where the joint moves {('forwards', 'backwards')[k]}"
                 remedy = f"write {-value:g}: both numbers are magnitudes against the motion, [f_plus, f_minus]"
-                path = ("links", index, "friction", "coulomb", k)
+                path = (*place, "friction", "coulomb", k)
                 raise document.error(path, found, "allowed: zero or more", remedy)
     # numbers for all symbols, random for those without one and those that may change at run time
     source = random.Random(_SEED)
     open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
     trials = [{**values, **{name: source.uniform(0.1, 0.9) for name in open_names}} for _ in range(_TRIALS)]
-    for frame, matrix in (("base", robot.base), ("tool", robot.tool)):
-        check_rotation(document, frame, matrix, trials)
+    for path, matrix in located_frames(robot):
+        check_rotation(document, path, matrix, trials)
 
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:
     """Velocities and accelerations get names of their own; nothing else may have them."""
     taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.joints}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
-    for row, joint in enumerate(robot.joints):
+    for place, joint in zip(joint_places(robot), robot.joints, strict=True):
         derived = {"velocity": velocity_name(joint.variable), "acceleration": acceleration_name(joint.variable)}
         for kind, name in derived.items():
             if name in taken:
                 raise RobotFileError(
                     f"the {kind} of '{joint.variable}' is called '{name}', and that is a {taken[name]} already",
                     remedy=f"rename '{name}' or the joint variable '{joint.variable}'",
-                    location=cells.first_use.get(name, document.location(("joints", row, "q"))),
+                    location=cells.first_use.get(name, document.location((*place, "q"))),
                 )
             taken[name] = kind
 
@@ -126,18 +127,20 @@ def _check_possible(document: Document, path: KeyPath, expression: Expression, v
     raise document.error(path, "no real value, whatever its names stand for", _REAL, remedy)
 
 
-def _check_limits(document: Document, row: int, robot: Description, values: Mapping[str, float]) -> None:
+def _check_limits(
+    document: Document, place: KeyPath, index: int, robot: Description, values: Mapping[str, float]
+) -> None:
     """The limits of a joint are in order, and the configuration that is drawn is within them."""
-    joint = robot.joints[row]
+    joint = robot.joints[index]
     if joint.limits is None:
         return
     lower, upper = (_value(limit, values) for limit in joint.limits)
     if lower is not None and upper is not None and not lower < upper:
         found, remedy = "lower limit is not below the upper", "exchange or correct them"
-        raise document.error(("joints", row, "limits"), found, "allowed: [lower, upper]", remedy)
+        raise document.error((*place, "limits"), found, "allowed: [lower, upper]", remedy)
     if robot.figure.q is None:
         return
-    drawn = evaluate(robot.figure.q[row], {})
+    drawn = evaluate(robot.figure.q[index], {})
     if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):
         found = f"outside of the limits of '{joint.variable}'"
-        raise document.error(("figure", "q", row), found, remedy="draw another configuration")
+        raise document.error(("figure", "q", index), found, remedy="draw another configuration")

@@ -5,22 +5,29 @@ from dataclasses import fields
 from fractions import Fraction
 
 from derive.robot.description import (
+    BASE,
+    FIXED,
     IDENTITY,
     INERTIA,
     Convention,
     Description,
+    End,
     FileUnits,
+    FixedRow,
     Inertia,
     Joint,
     Link,
+    Matrix,
     Motor,
+    Stand,
     pair_text,
 )
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.rounding import shown
-from derive.robot.units import Unit, in_file_units, in_symbol_units, joint_in_file_units, position_unit
+from derive.robot.tree import explicit, located_links, table
+from derive.robot.units import Unit, in_file_units, in_symbol_units, position_unit, row_in_file_units
 
 
 def cell_text(cell: Expression) -> str:
@@ -44,17 +51,20 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     if units != FileUnits():
         written = f"angle: {'deg' if units.degrees else 'rad'}, length: {'mm' if units.millimetres else 'm'}"
         lines += [f"units: {{{written}{', parameters: file' if units.parameters else ''}}}"]
-    lines += ["joints:"]
-    rows = (_row(joint_in_file_units(joint, units), robot.convention) for joint in robot.joints)
-    lines += [f"  - {{{', '.join(row)}}}" for row in rows]
+    lines += ["joints:" if table(robot) else "joints: []"]
+    above = BASE
+    for row in table(explicit(robot)):
+        lines += [f"  - {{{', '.join(_row(row_in_file_units(row, units), above, robot))}}}"]
+        above = row.label
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
         if matrix != IDENTITY:
-            lengths = (f"  - [{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3])
-            lines += [f"{key}:", *lengths, f"  - {_list(matrix[3])}"]
+            lines += [f"{key}:", *(f"  - {row}" for row in _frame(matrix, units))]
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
+    lines += [*_block("ends", {end.name: _end(end, units) for end in robot.ends if end.name}), *_root(robot)]
     if robot.links:
-        lines += ["links:", *(line for link in robot.links for line in _link(link, units))]
+        bodies = [link for place, link in located_links(robot) if place[0] == "links"]
+        lines += ["links:" if bodies else "links: []", *(line for link in bodies for line in _link(link, units))]
     numbers = {name: cell_text(in_symbol_units(robot, name, value)) for name, value in robot.parameters}
     lines += _block("parameters", numbers)
     lines += [f"runtime: [{', '.join(robot.runtime)}]"] if robot.runtime else []
@@ -104,21 +114,49 @@ def _list(cells: Sequence[Expression]) -> str:
     return f"[{', '.join(map(cell_text, cells))}]"
 
 
-def _row(joint: Joint, convention: Convention) -> Iterator[str]:
-    """Type and cells of a joint in the order of the convention; those that are zero are left out."""
-    yield f"type: {joint.type.value}"
-    yield f"q: {joint.variable}"
-    cells, standard = joint.written(cell_text), convention is Convention.STANDARD
-    order = ("theta", "d", "a", "alpha") if standard else ("alpha", "a", "theta", "d")
+def _frame(matrix: Matrix, units: FileUnits) -> list[str]:
+    """The rows of a transform in brackets."""
+    lengths = [f"[{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3]]
+    return [*lengths, _list(matrix[3])]
+
+
+def _end(end: End, units: FileUnits) -> str:
+    after = _quoted(end.after)
+    return after if end.tool == IDENTITY else f"{{after: {after}, tool: [{', '.join(_frame(end.tool, units))}]}}"
+
+
+def _root(robot: Description) -> Iterator[str]:
+    if robot.root is None:
+        return
+    yield from _block("root", {"type": robot.root.type.value, "q": f"[{', '.join(robot.root.variables)}]"})
+    if robot.root.link and robot.root.link != Link():
+        yield "  link:"
+        yield from (f"    {line[4:]}" for line in _link(robot.root.link, robot.units))
+
+
+def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
+    """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
+    yield f"type: {row.type.value if isinstance(row, Joint) else FIXED}"
+    if isinstance(row, Joint):
+        yield f"q: {row.variable}"
+    stand, cells = row.stand or Stand(above), row.written(cell_text)
+    if stand.after != above:
+        yield f"after: {_quoted(stand.after)}"
+    if stand.mount != IDENTITY:
+        yield f"mount: [{', '.join(_frame(stand.mount, robot.units))}]"
+    cells |= {"gamma": cell_text(stand.gamma), "b": cell_text(stand.b)}
+    standard = robot.convention is Convention.STANDARD
+    order = ("theta", "d", "a", "alpha") if standard else ("gamma", "b", "alpha", "a", "theta", "d")
     yield from (f"{key}: {cells[key]}" for key in order if cells[key] != "0")
-    if joint.limits is not None:
-        yield f"limits: {_list(joint.limits)}"
-    if joint.speed is not None:
-        yield f"speed: {cell_text(joint.speed)}"
-    if joint.torque is not None:
-        yield f"torque: {cell_text(joint.torque)}"
-    if joint.name:
-        yield f"name: {_quoted(joint.name)}"
+    if isinstance(row, Joint):
+        if row.limits is not None:
+            yield f"limits: {_list(row.limits)}"
+        if row.speed is not None:
+            yield f"speed: {cell_text(row.speed)}"
+        if row.torque is not None:
+            yield f"torque: {cell_text(row.torque)}"
+    if row.name:
+        yield f"name: {_quoted(row.name)}"
 
 
 def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:

@@ -17,7 +17,7 @@ from derive.robot.description import IDENTITY, Link
 from derive.robot.expression import ZERO
 from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.names import free_symbols
-from derive.robot.units import joint_in_file_units
+from derive.robot.units import row_in_file_units
 from derive.targets.escape import latex_text
 
 BASE = Box("\\mathbf{T}_{\\mathrm{base}}", 30.0)
@@ -85,7 +85,7 @@ def table_rows(context: Context) -> Block:
     data, rows = context.data, []
     for joint in joints:
         variable = joint.sign * sympy.Symbol(joint.variable)
-        length = joint_in_file_units(joint, context.robot.units).d
+        length = row_in_file_units(joint, context.robot.units).d
         theta, d = expression_to_sympy(joint.theta), expression_to_sympy(length)
         theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
         moving, fixed = [data.angle(theta), data.value(d)], [data.length(joint.a), data.angle(joint.alpha)]

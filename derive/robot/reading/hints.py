@@ -101,6 +101,8 @@ _BLOCKS: dict[str, str] = {
     "motor": "write motor: {mass: ..., inertia: ..., ratio: ...}, or armature: ... for a reflected inertia",
     "joints": "write one row per joint, for instance - {type: revolute, a: 0.4, alpha: pi/2}",
     "links": "write one row per joint, for instance - {mass: m1, com: [0, 0, 0], inertia: {zz: I1}}",
+    "ends": "write ends: {left: NAME, right: NAME}, each with the row on which it is",
+    "root": "write root: {type: planar}, or root: {type: floating}",
     "parameters": "write parameters: {a1: 0.4}; names without a number need no entry",
 }
 _SYMMETRIC = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
@@ -120,7 +122,7 @@ def shape_hint(key: str, value: Any) -> str:
         return "write zeros where nothing else is"
     if key in ("com", "gravity") and isinstance(value, dict) and value.keys() <= {"x", "y", "z"}:
         return f"write {key}: [{', '.join(str(value.get(axis, 0)) for axis in 'xyz')}]"
-    if key in ("base", "tool"):
+    if key in ("base", "tool", "mount"):
         if isinstance(value, list) and len(value) == 3 and all(isinstance(entry, str) for entry in value):
             rows = [f"[{', '.join('1' if i == j else '0' for j in range(3))}, {value[i]}]" for i in range(3)]
             return f"for a translation write {key}: [{', '.join(rows)}, [0, 0, 0, 1]]"
@@ -179,7 +181,7 @@ _KEYS = {
     "<<": "merge keys are not supported; write the values out",
 }
 _KEYS_OF_A_JOINT = {
-    **dict.fromkeys(("r", "b", "s"), "write d, the offset along z"),
+    **dict.fromkeys(("r", "s"), "write d, the offset along z"),
     "l": "write a, the length along x",
     **dict.fromkeys(("joint", "kind"), "write type"),
     **dict.fromkeys(("name", "var"), "write q: the name of the joint variable"),
@@ -208,6 +210,7 @@ _CHOICES: dict[str, dict[str, str]] = {
         **dict.fromkeys(("r", "rot", "rotary", "rotational", "rotation", "hinge", "continuous", "rotoid"), "revolute"),
         **dict.fromkeys(("rev", "0"), "revolute"),
         **dict.fromkeys(("p", "t", "lin", "linear", "translational", "slide", "slider", "sliding", "1"), "prismatic"),
+        **dict.fromkeys(("free", "free-flyer", "freeflyer", "6dof"), "floating"),
     },
     "convention": {
         **dict.fromkeys(("dh", "sdh", "classic", "classical", "distal", "paul", "spong", "siciliano"), "standard"),
@@ -219,12 +222,14 @@ _CHOICES: dict[str, dict[str, str]] = {
 }
 
 
-def choice_hint(key: str, text: str) -> str:
+def choice_hint(key: str, text: str, choices: Sequence[str]) -> str:
     """What to write instead of a word that is not among those allowed."""
-    if word := _CHOICES.get(key, {}).get(text.strip().casefold()):
-        return f"write {key}: {word}"
-    if key == "type" and text.casefold() == "fixed":
-        return "a fixed joint is no row: put its transform into base or tool, or into the cells of the next row"
+    said = _CHOICES.get(key, {}).get(text.strip().casefold(), "")
+    if said in choices:
+        return f"write {key}: {said}"
+    word = said or text.casefold()
+    if key == "type" and word in ("planar", "floating"):
+        return f"a base that moves is no row: write root: {{type: {word}}}"
     if key == "length" and text.casefold() in ("cm", "in", "inch"):
         return "write the numbers in m or mm"
     rows = [word.casefold() for word in re.split(r"[\s,]+", text.strip())]

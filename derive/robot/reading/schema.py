@@ -37,7 +37,7 @@ ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
 
 Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
-JointName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
+RowName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
 Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
@@ -71,8 +71,8 @@ class Units(Strict):
 class JointRow(Strict):
     """One row of the Denavit-Hartenberg table."""
 
-    type: Literal["revolute", "prismatic"] = Field(description="What the joint's variable is.")
-    q: Symbol | None = Field(default=None, description="Name of the joint variable; default q1, q2, ... by row.")
+    type: Literal["revolute", "prismatic", "fixed"] = Field(description="What the joint's variable is, if it has one.")
+    q: Symbol | None = Field(default=None, description="Name of the joint variable; default q1, q2, ... by joint.")
     theta: Cell = Field(default="0", description="Angle about z; a revolute joint's default is its variable.")
     d: Cell = Field(default="0", description="Offset along z; a prismatic joint's default is its variable.")
     a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
@@ -80,7 +80,11 @@ class JointRow(Strict):
     limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
     speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
     torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N] of the joint, either way.")
-    name: JointName | None = Field(default=None, description="What others call the joint; default: as the variable.")
+    name: RowName | None = Field(default=None, description="What others call the row; default: as the variable.")
+    after: RowName | None = Field(default=None, description="Row that it follows, or base; default: the row above.")
+    mount: Matrix4 | None = Field(default=None, description="Constant transform before all else of the row.")
+    gamma: Cell = Field(default="0", description="Angle about z of the row before; in the modified convention.")
+    b: Cell = Field(default="0", description="Offset along z of the row before; in the modified convention.")
 
 
 class MotorRow(Strict):
@@ -114,12 +118,17 @@ class InertiaRow(Strict):
     yz: Cell = "0"
 
 
-class LinkRow(Strict):
-    """Inertial parameters of one link, in its own DH frame."""
+class BodyRow(Strict):
+    """A body, in the frame that carries it."""
 
     mass: Cell = Field(default="0", description="Mass [kg].")
     com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the link's own frame.")
     inertia: InertiaRow = Field(default=InertiaRow(), description="Tensor about the centre of mass [kg m^2].")
+
+
+class LinkRow(BodyRow):
+    """Inertial parameters of one link, in its own DH frame."""
+
     motor: MotorRow | None = Field(default=None, description="Full model of the joint's motor.")
     armature: Cell = Field(default="0", description="Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
     friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
@@ -179,8 +188,23 @@ class InverseRow(Strict):
     )
 
 
+class EndRow(Strict):
+    """An end of a tree."""
+
+    after: RowName = Field(description="The row on which it is.")
+    tool: Matrix4 | None = Field(default=None, description="Constant transform from the row's frame to the end.")
+
+
+class RootRow(Strict):
+    """A root that moves, whose variables come first in q."""
+
+    type: Literal["planar", "floating"] = Field(description="planar: x, y and an angle; floating: six variables.")
+    q: list[Symbol] | None = Field(default=None, description="Default: x, y, phi, or x, y, z, yaw, pitch, roll.")
+    link: BodyRow | None = Field(default=None, description="Its body, in its own frame.")
+
+
 class RobotFile(Strict):
-    """A serial arm: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
+    """An arm or a tree: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
 
     name: str = Field(
         description="Name of the robot, and of its output folder.", json_schema_extra={"pattern": ROBOT_NAME_PATTERN}
@@ -196,14 +220,19 @@ class RobotFile(Strict):
     )
     units: Units = Field(default=Units(), description="Units of plain numbers; default rad and m.")
     joints: list[JointRow] = Field(
-        description="One row per joint.", json_schema_extra={"minItems": 1, "maxItems": FILE_LIMITS.joints}
+        description="One row per joint, and rows without motion.",
+        json_schema_extra={"minItems": 1, "maxItems": 2 * FILE_LIMITS.joints},
     )
     base: Matrix4 | None = Field(default=None, description="Constant transform before frame 0.")
-    tool: Matrix4 | None = Field(default=None, description="Constant transform after frame n.")
+    tool: Matrix4 | None = Field(default=None, description="Constant transform after frame n, of an arm with one end.")
+    ends: (
+        dict[str, Annotated[Annotated[RowName, Tag(_NAME)] | Annotated[EndRow, Tag(_BLOCK)], _block_if(dict)]] | None
+    ) = Field(default=None, description="The ends of a tree: the row on which each is, or a block with its tool.")
+    root: RootRow | None = Field(default=None, description="How the root moves; default: it stands.")
     gravity: Vector3 | None = Field(
         default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )
-    links: list[LinkRow] | None = Field(default=None, description="One row per joint: dynamics.")
+    links: list[LinkRow] | None = Field(default=None, description="One row for each of joints: dynamics.")
     parameters: dict[str, Cell] = Field(
         default={}, description="Numbers of symbols, in SI units and radians unless units say otherwise."
     )
@@ -258,6 +287,8 @@ def without_null(schema: Any) -> Any:
 _MISSING = {
     "convention": "write convention: standard (distal) or convention: modified (Craig); they give different robots",
     "type": "write type: revolute or type: prismatic",
+    "root type": "write type: planar or type: floating",
+    "after": "write after: and the name of the row on which the end is",
     "name": "write name: my-robot",
     "joints": "write one row per joint under joints:",
 }
@@ -306,7 +337,8 @@ def _refusal(document: Document, model: type[BaseModel], violation: Any) -> Robo
                 location=document.key_location(path),
             )
         case "missing" if not (path and isinstance(path[-1], int)):
-            return document.error(path[:-1], f"key '{key}' is missing", remedy=_MISSING.get(key, "add it"))
+            remedy = _MISSING.get(f"root {key}" if path[0] == "root" else key, "add it")
+            return document.error(path[:-1], f"key '{key}' is missing", remedy=remedy)
         case "missing" | "too_long" | "too_short":
             where = path[:-1] if kind == "missing" else path
             expected = next((len(get_args(of)) for of in _types(model, where) if get_origin(of) is tuple), 0)
@@ -320,7 +352,7 @@ def _refusal(document: Document, model: type[BaseModel], violation: Any) -> Robo
             allowed = violation["ctx"]["expected"]
             choices = [word.strip(" '") for word in allowed.replace(" or ", ",").split(",")]
             found = f"found {quoted(text)}" if isinstance(node, YamlScalar) else _found(node)
-            remedy = choice_hint(key, text) or near_miss(text, choices)
+            remedy = choice_hint(key, text, choices) or near_miss(text, choices)
             return document.error(path, found, f"allowed: {allowed}", remedy)
     remedy = "check the indentation and the dashes"
     if isinstance(node, YamlMapping):
@@ -347,7 +379,8 @@ def _found(node: Node | None) -> str:
 
 
 def _expected(model: type[BaseModel], path: KeyPath, kind: str) -> str:
-    if path[-1:] in (("name",), ("title",), ("language",)) or (path[:1], path[-1:]) == (("joints",), ("q",)):
+    texts = (("name",), ("title",), ("language",), ("after",))
+    if path[-1:] in texts or (path[:1], path[-1:]) == (("joints",), ("q",)) or path[:-1] in (("ends",), ("root", "q")):
         return "allowed: a text"
     if path[:2] == ("handout", "parts") and kind == "string_type":
         return "allowed: names of parts"

@@ -33,7 +33,7 @@ class FileLimits:
     size: int = 262_144
     depth: int = 16  # nested lists and mappings; the deepest legal place is four levels down, inside ``robot:`` five
     nodes: int = 40_000  # keys, values and list items together; bounds the work for files that are short but dense
-    joints: int = 64  # rows of the table
+    joints: int = 64  # rows of the table that move, with variables of the root; and as many that do not
     name_length: int = 64  # characters of a symbol or a robot's name; a file name must hold it
     title_length: int = 500  # characters of the title; one line of a handout holds some 90
 

@@ -81,7 +81,7 @@ def test_a_block_of_another_shape_is_rewritten(key: str, value: object, words: s
     [
         ("type", "R", "type: revolute"),
         ("type", "linear", "type: prismatic"),
-        ("type", "fixed", "no row"),
+        ("type", "free", "root: {type: floating}"),
         ("convention", "Craig", "convention: modified"),
         ("angle", "degrees", "angle: deg"),
         ("length", "cm", "m or mm"),
@@ -89,8 +89,9 @@ def test_a_block_of_another_shape_is_rewritten(key: str, value: object, words: s
     ],
 )
 def test_other_words_are_known(key: str, text: str, words: str) -> None:
-    assert words in choice_hint(key, text)
-    assert words or not choice_hint(key, text)
+    choices = ("revolute", "prismatic", "fixed", "standard", "modified", "rad", "deg", "m", "mm", "compact")
+    assert words in choice_hint(key, text, choices)
+    assert words or not choice_hint(key, text, choices)
 
 
 def test_unknown_keys_are_told_by_their_block() -> None:

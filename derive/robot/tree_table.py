@@ -1,0 +1,261 @@
+"""The table of a robot file: which row follows which, rows without motion, a root that moves, ends, and all bodies."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from derive.errors import RobotFileError, listed, near_miss, quoted
+from derive.robot.cells import Cells, check_symbol, inert_text
+from derive.robot.description import (
+    BASE,
+    FIXED,
+    Convention,
+    Description,
+    End,
+    FixedRow,
+    Joint,
+    Link,
+    Matrix,
+    Root,
+    RootType,
+    Stand,
+)
+from derive.robot.reading.document import Document, KeyPath, YamlMapping
+from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.table import read_frame, read_gravity, read_joint, read_link
+from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
+
+# What stands behind a function's name to name another one, as in jacobian_dot: names of ends stand there, too.
+SUFFIXES = re.compile(r"(?:(?:end|dq|dqd|dot|hessian|rpy|zyz|position|orientation)_)*")
+
+
+def read_table(document: Document, cells: Cells) -> Description:
+    """The rows, frames and bodies of a file, without a name yet."""
+    root = _read_root(document)
+    table = _Table(document, cells, root)
+    rows = table.read()
+    base, tool = (read_frame(document, cells, (key,)) for key in ("base", "tool"))
+    ends, links = table.ends(rows, tool), _read_links(document, cells, rows)
+    bodies, has_dynamics = dict(enumerate(links)), document.find(("links",)) is not None
+    joints = tuple(row for row in rows if isinstance(row, Joint))
+    fixed = tuple(replace(row, link=bodies.get(at)) for at, row in enumerate(rows) if isinstance(row, FixedRow))
+    moved = tuple(link for row, link in zip(rows, links, strict=False) if isinstance(row, Joint))
+    if root is not None:
+        root = replace(root, link=read_link(document, cells, ("root", "link")) if has_dynamics else None)
+        moving, standing = root_rows(root)
+        joints, fixed = (*moving, *joints), (standing, *fixed)
+        moved = (*(Link() for _ in moving if has_dynamics), *moved)
+    convention, gravity = Convention(document.text("convention")), read_gravity(document, cells)
+    whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
+    return plain(whole)
+
+
+def _read_root(document: Document) -> Root | None:
+    """How the root moves, its body still to be read."""
+    if document.find(("root",)) is None:
+        return None
+    kind, path = RootType(document.text("root", "type")), ("root", "q")
+    usual = names = ROOT_VARIABLES[kind]
+    if document.find(path) is not None:
+        names = tuple(document.text(*path, at) for at in range(document.length(path)))
+    if len(names) != len(usual):
+        found = f"{len(names)} name{'s' * (len(names) != 1)} for a {kind.value} root"
+        remedy = f"write q: [{listed(usual)}], or leave q out"
+        raise document.error(path, found, f"allowed: exactly {len(usual)}", remedy)
+    for at, name in enumerate(names):
+        check_symbol(document, (*path, at), name)
+        if name in names[:at]:
+            raise document.error((*path, at), f"'{name}' twice", remedy="give every variable a name of its own")
+    if document.find(("root", "link")) is not None and document.find(("links",)) is None:
+        remedy = "write links: with one entry for each row of joints, or leave the link of the root out"
+        raise document.error(("root", "link"), "a body of the root alone", "allowed: all links or none", remedy)
+    return Root(kind, names)
+
+
+def _read_links(document: Document, cells: Cells, rows: Sequence[Joint | FixedRow]) -> tuple[Link, ...]:
+    """The body of each row; none where the file has no dynamics."""
+    if document.find(("links",)) is None:
+        return ()
+    count = document.length(("links",))
+    if count != len(rows):
+        what = "joints" if all(isinstance(row, Joint) for row in rows) else "rows of joints"
+        found = f"{count} {'row' if count == 1 else 'rows'} for {len(rows)} {what}"
+        remedy = f"write one row per {'joint' if what == 'joints' else 'row'}; a massless link is {{mass: 0}}"
+        raise document.error(("links",), found, f"allowed: exactly {len(rows)}", remedy)
+    for at, row in enumerate(rows):
+        for key in ("motor", "armature", "friction") if isinstance(row, FixedRow) else ():
+            if document.find(path := ("links", at, key)) is not None:
+                allowed = "allowed: mass, com, inertia"
+                raise document.error(path, f"'{row.name}' is fixed, and no motor drives it", allowed, "remove it")
+    return tuple(read_link(document, cells, ("links", at)) for at in range(count))
+
+
+class _Table:
+    """The rows by the names under which others follow them."""
+
+    def __init__(self, document: Document, cells: Cells, root: Root | None) -> None:
+        self._document, self._cells = document, cells
+        self._roots = root.variables if root else ()
+        self._variables = self._read_variables()  # by row; nothing where it is fixed
+        self._labels = [document.text("joints", row, "name") or name for row, name in enumerate(self._variables)]
+
+    def _read_variables(self) -> list[str]:
+        most, rows = FILE_LIMITS.joints, range(self._document.length(("joints",)))
+        are_fixed = [self._document.text("joints", row, "type") == FIXED for row in rows]
+        fixed = sum(are_fixed)
+        joints = len(rows) - fixed + len(self._roots)
+        if not 1 <= joints <= most or fixed > most:
+            found = f"{len(rows)} rows" if joints == len(rows) else f"{joints} joints and {fixed} fixed rows"
+            raise self._document.error(("joints",), found, f"allowed: 1 to {most}", "one row per joint")
+        found_at = dict.fromkeys(self._roots, "the root")
+        variables: list[str] = []
+        for row, is_fixed in enumerate(are_fixed):
+            path: KeyPath = ("joints", row, "q")
+            given = self._document.scalar(path)
+            name = given.text if given else f"q{sum(map(bool, variables)) + 1}"
+            variables.append("" if is_fixed else name)
+            if is_fixed:
+                continue
+            check_symbol(self._document, path, name)
+            if name in found_at:
+                said = f"variable '{name}' belongs to {found_at[name]} already"
+                remedy = "give every joint its own variable: q: ..."
+                raise self._document.error(path if given else path[:-1], said, remedy=remedy)
+            found_at[name] = f"row {row + 1}"
+        return variables
+
+    def read(self) -> tuple[Joint | FixedRow, ...]:
+        """All rows, each with its stand."""
+        variables = frozenset((*self._roots, *filter(None, self._variables)))
+        rows = tuple(
+            replace(read_joint(self._document, self._cells, at, variable, variables), stand=self._stand(at))
+            if variable
+            else self._fixed_row(at)
+            for at, variable in enumerate(self._variables)
+        )
+        for at, row in enumerate(rows):
+            if row.label == BASE and self._is_tree():
+                raise self._named_base(("joints", at, "name" if row.name else "q"))
+            if (first := self._labels.index(row.label)) < at or row.label in self._roots:
+                what, whose = (
+                    "joint" if self._variables[at] else "row",
+                    f"row {first + 1}" if first < at else "the root",
+                )
+                said = f"{what} name {quoted(row.label)} belongs to {whose} already"
+                place: KeyPath = ("joints", at if row.name else first, "name")
+                raise self._document.error(place, said, remedy=f"give every {what} a name of its own")
+        return rows
+
+    def _fixed_row(self, row: int) -> FixedRow:
+        path: KeyPath = ("joints", row)
+        for key in ("q", "limits", "speed", "torque"):
+            if self._document.find((*path, key)) is not None:
+                allowed = "allowed in a fixed row: name, after, mount and constant cells"
+                remedy = "remove it, or write type: revolute or type: prismatic"
+                raise self._document.error((*path, key), "a fixed row has no motion", allowed, remedy)
+        name = inert_text(self._document, (*path, "name"))
+        if not name:
+            remedy = "write name: and by what other rows and ends follow it"
+            raise self._document.error(path, "a fixed row without a name", "allowed: a text of its own", remedy)
+        angle, length = self._cells.angle, self._cells.length
+        stand, theta, d = self._stand(row), angle((*path, "theta")), length((*path, "d"))
+        return FixedRow(name, stand, theta, d, length((*path, "a")), angle((*path, "alpha")), row=row)
+
+    def _stand(self, row: int) -> Stand:
+        path: KeyPath = ("joints", row)
+        for key, else_write in (("gamma", "mount: a constant transform"), ("b", "d, the offset along z")):
+            at, convention = (*path, key), self._document.text("convention")
+            if convention == Convention.STANDARD and self._document.find(at) is not None:
+                found, allowed = f"{key} in the {convention} convention", "allowed: gamma and b in convention: modified"
+                raise self._document.error(at, found, allowed, f"write {else_write}")
+        given = self._document.find((*path, "after")) is not None
+        after = self._label((*path, "after"), row) if given else (BASE, *self._labels)[row]
+        mount = read_frame(self._document, self._cells, (*path, "mount"))
+        return Stand(after, mount, self._cells.angle((*path, "gamma")), self._cells.length((*path, "b")))
+
+    def _label(self, path: KeyPath, rows: int) -> str:
+        """The label of the row that is named, which must be one of the first, or the base."""
+        name = self._document.text(*path)
+        if name == BASE:
+            return BASE
+        at, known = self._at(name), (BASE, *self._labels[:rows])
+        if at is not None and at < rows:
+            return self._labels[at]
+        found, remedy = f"no row {quoted(name)}", near_miss(name, (*known, *filter(None, self._variables[:rows])))
+        if at == rows:
+            found, remedy = "the row itself", "name the row that it follows"
+        elif at is not None:
+            found, remedy = f"{quoted(name)} is row {at + 1}, below this one", "move that row up, above this one"
+            if self._follows(at, rows):
+                found = f"row {at + 1}, {quoted(name)}, follows this one: a circle"
+                remedy = "let one of the two follow a row above both"
+        raise self._document.error(path, found, f"allowed: {listed(known)}", remedy)
+
+    def _at(self, name: str) -> int | None:
+        """The row with a label, else that with a variable."""
+        return next((words.index(name) for words in (self._labels, self._variables) if name and name in words), None)
+
+    def _follows(self, row: int | None, other: int) -> bool:
+        """Whether a row below another one follows it, perhaps by way of more rows."""
+        for _ in self._labels:
+            if row is None or row <= other:
+                return row == other
+            after = self._document.scalar(("joints", row, "after"))
+            row = self._at(after.text) if after else row - 1
+        return False
+
+    def ends(self, rows: Sequence[Joint | FixedRow], tool: Matrix) -> tuple[End, ...]:
+        """The ends by name, or the one behind the last row."""
+        block = self._document.find(("ends",))
+        if not isinstance(block, YamlMapping):
+            self._refuse_branches(rows)
+            return (End("", (BASE, *self._labels)[-1], tool),)
+        if self._document.find(("tool",)) is not None:
+            remedy = "write it into the ends: {after: ..., tool: ...}"
+            raise self._document.error(("tool",), "a tool beside ends", "allowed: a tool for each end", remedy)
+        if not block.entries:
+            remedy = "name one, or leave ends out where no row branches off"
+            raise self._document.error(("ends",), "no ends", "allowed: one or more", remedy)
+        return tuple(self._end(name, tuple(block.entries), rows) for name in block.entries)
+
+    def _refuse_branches(self, rows: Sequence[Joint | FixedRow]) -> None:
+        followed = [row.stand.after for row in rows if row.stand]
+        for at, (after, above) in enumerate(zip(followed, (BASE, *self._labels), strict=False)):
+            if after != above:
+                found = f"row {at + 1} branches off, and the file names no ends"
+                allowed = "allowed without ends: rows one behind the other"
+                tips = listed(label for label in self._labels if label not in followed)
+                remedy = f"write ends: {{left: NAME, right: NAME}} with the rows on which they are, such as {tips}"
+                raise self._document.error(("joints", at, "after"), found, allowed, remedy)
+
+    def _end(self, name: str, names: Sequence[str], rows: Sequence[Joint | FixedRow]) -> End:
+        path: KeyPath = ("ends", name)
+        check_symbol(self._document, path, name)
+        if name == BASE:
+            raise self._named_base(path)
+        folded = name.casefold()
+        others = (other.casefold() for other in names if other != name)
+        rests = (folded.removesuffix(other) for other in others if folded.endswith(other))
+        if any(map(SUFFIXES.fullmatch, (f"{folded}_", *rests))):
+            found = f"a function such as jacobian_{name} could be another one, or another end's"
+            raise self._document.error(path, found, remedy="use another name")
+        place = (*path, "after") if isinstance(self._document.find(path), YamlMapping) else path
+        after = label = self._label(place, len(rows))
+        followed = {row.name: row.stand.after for row in rows if isinstance(row, FixedRow)}
+        while label in followed:
+            label = followed[label]
+        if label == BASE and not self._roots:
+            allowed = "allowed: rows that move or follow one that does"
+            raise self._document.error(place, f"no joint moves {quoted(after)}", allowed, "leave the end out")
+        return End(name, after, read_frame(self._document, self._cells, (*path, "tool")))
+
+    def _is_tree(self) -> bool:
+        """Whether the file says anything that only files of trees say."""
+        keys = (("joints", row, key) for row in range(len(self._labels)) for key in ("after", "mount", "gamma", "b"))
+        return "" in self._variables or any(
+            self._document.find(key) is not None for key in (("root",), ("ends",), *keys)
+        )
+
+    def _named_base(self, path: KeyPath) -> RobotFileError:
+        found = f"'{BASE}' is what rows follow that stand on the base, or on a root that moves"
+        return self._document.error(path, found, remedy="use another name")
