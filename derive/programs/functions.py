@@ -29,10 +29,6 @@ def _has_regressor(robot: Robot) -> bool:
     return robot.has_dynamics and has_regressor(robot)
 
 
-def _is_short_arm(robot: Robot) -> bool:
-    return robot.n <= POLICY.most_derivatives and not robot.is_tree
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRow:
     """A generated function."""
@@ -240,9 +236,10 @@ ROWS = (
             f"Manipulability of the {what}.",
             "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             partial(kinematics.manipulabilities, part),
-            exists=_is_short_arm,
+            exists=lambda robot: robot.n <= POLICY.most_derivatives,
             margin=1.0,
             search=False,
+            of_end=True,
         )
         for part, what in (("all", "task"), ("position", "position"), ("orientation", "orientation"))
     ),
@@ -251,8 +248,9 @@ ROWS = (
         "Gradient of the manipulability of the task.",
         "d w / d q_j; where w = 0 of an oblong J no finite numbers",
         kinematics.manipulability_gradients,
-        exists=_is_short_arm,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives,
         search=False,
+        of_end=True,
     ),
     *(
         row
@@ -284,7 +282,9 @@ ROWS = (
         "Inertia that a force on the end effector meets in the task.",
         "(J B^-1 J^T)^-1 of the task's rows, symmetric; no finite numbers where these lose rank",
         dynamics.task_inertias,
-        exists=lambda robot: robot.has_dynamics and _is_short_arm(robot) and len(task_rows(robot)) <= robot.n,
+        exists=lambda robot: (
+            robot.has_dynamics and not robot.is_tree and len(task_rows(robot)) <= robot.n <= POLICY.most_derivatives
+        ),
         search=False,
         most_improved=POLICY.most_eliminated,
         without_value=dynamics.no_task_inertia,

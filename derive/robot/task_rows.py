@@ -17,8 +17,11 @@ _TURNS: Mapping[str, tuple[int, ...]] = {"phi": (5,), "approach": (3, 4, 5), "or
 _ROUNDING = 1e-12  # what is left of the sine of a twist, or of a length [m], that vanishes
 
 
-def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
-    """The rows, from 0, of the task of the robot file, in the world, or of what moves of a part, in joint frame 1."""
+def task_rows(robot: Robot, part: str = "all", *, are_parallel: bool | None = None) -> tuple[int, ...]:
+    """The rows, from 0, of the task of the robot file, in the world, or of what moves of a part, in joint frame 1.
+
+    ``are_parallel`` says whether all axes are, where the table alone does not: of the arm that leads to a tree's end.
+    """
     # The natural task is all that moves if that has at most as many rows as the arm has joints, else the position; of
     # a wrist it is the orientation.
     if part == "all" and robot.inverse.task != POSE:
@@ -34,10 +37,10 @@ def task_rows(robot: Robot, part: str = "all") -> tuple[int, ...]:
         return False
 
     parallel = [_vanishes(joint.alpha, sin) for joint in inner]
-    if all(parallel):
+    if all(parallel) if are_parallel is None else are_parallel:
         moving = (*(0, 1) * any(turns), *(2,) * (not all(turns)), *(5,) * any(turns))
     if part == "all" and len(moving) > robot.n:
-        is_wrist = robot.n == 3 and all(turns) and not any(parallel)
+        is_wrist = are_parallel is None and robot.n == 3 and all(turns) and not any(parallel)
         is_wrist = is_wrist and all(map(_vanishes, [*(joint.a for joint in inner), robot.joints[1].d]))
         part = "orientation" if is_wrist else "position"
     return tuple(row for row in moving if row in PARTS.get(part, moving))

@@ -90,7 +90,7 @@ def hessians(trace: Trace) -> Iterator[Formulation]:
 
 def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:
     """Formulations of w, whose value is the same about any point of the last link and in any axes."""
-    rows, n = task_rows(trace.robot, part), trace.n
+    rows, n = task_rows(trace.robot, part, are_parallel=_are_parallel(trace)), trace.n
     if part == "all" and trace.robot.inverse.task != POSE:
         yield Formulation("volume of rows in the world", lambda: _volume(recursion.jacobian(trace.chain), rows))
         return
@@ -98,6 +98,12 @@ def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:
     for k in range(1, n + 1) if n <= POLICY.most_stations else (n // 2,):
         seen = recursion.jacobian_from(trace.chain, k, at_end=at_end)
         yield Formulation(f"volume of rows in joint frame {k}", partial(_volume, seen, rows))
+
+
+def _are_parallel(trace: Trace) -> bool | None:
+    """Whether all axes of an arm of a tree are; None where the table tells."""
+    run, *others = trace.runs
+    return not others and all(place.direction for place in run.placements) if trace.robot.is_tree else None
 
 
 def manipulability_gradients(trace: Trace) -> Iterator[Formulation]:

@@ -285,6 +285,7 @@ def task_rows(arm: NumericArm, part: str = "all") -> list[int]:
         moment = cross(origin, axis)
         meeting = np.abs(axis @ moment.T + moment @ axis.T).max() < ROUNDING
         is_wrist = len(axis) == 3 and not slides and meeting and np.linalg.matrix_rank(axis) == 3
+        is_wrist &= arm.start is None  # of a tree's ends it is the position
         part = "orientation" if is_wrist else "position"
     wanted = {"position": (0, 1, 2), "orientation": (3, 4, 5)}.get(part, range(6))
     return [row for row in wanted if row in moving]
