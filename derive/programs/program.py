@@ -58,6 +58,7 @@ class Interface:
     def at(self, end: str) -> Interface:
         """The same for an end of a tree."""
         summary, result = (text.replace("the end effector", f"end {end}") for text in (self.summary, self.result))
+        summary = summary if summary != self.summary else f"{summary.removesuffix('.')}, end {end}."
         return replace(self, name=f"{self.name}_{end}", summary=summary, result=result, end=end)
 
 
