@@ -1,20 +1,15 @@
 """Random trees: YAML text of the robot file beside the plain numbers for which it stands; without symbols."""
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import yaml
 
-from derive.errors import Location
-from derive.robot.description import BASE, IDENTITY, End, FixedRow, Link, Matrix, Root, RootType, Stand
-from derive.robot.expression import Expression
-from derive.robot.parser import parse_expression
+from derive.robot.description import BASE, RootType
 from derive.robot.robot import Robot
-from derive.robot.tree import ROOT_VARIABLES, root_rows
 from tests.random_robots import Array, JointNumbers, LinkNumbers, RandomRobot, _Writer, _yaml
 
 ENDS = ("left", "right", "head", "tail", "tip", "hand")
@@ -47,7 +42,7 @@ class RandomTree:
 
     @cached_property
     def robot(self) -> Robot:
-        return _read(self.table.text)
+        return Robot.from_text(self.table.text)
 
     def __repr__(self) -> str:
         return repr(self.table)
@@ -129,44 +124,3 @@ class _TreeWriter(_Writer):
             texts[name] = {"after": self.rows[k].label, **({"tool": cells} if cells else {})}
             numbers[name] = (k, tool)
         return texts, numbers
-
-
-def _read(text: str) -> Robot:
-    """The tree of a text, by way of the chain that its rows would be if each moved and stood on the one above."""
-    block = yaml.safe_load(text)
-    rows, root = block["joints"], block.get("root")
-    moving = [
-        {key: cell for key, cell in row.items() if key not in ("after", "mount", "gamma", "b")}
-        | ({"type": "prismatic", "q": f"u{k}", "d": f"u{k} + ({row.get('d', 0)})"} if row["type"] == "fixed" else {})
-        for k, row in enumerate(rows)
-    ]
-    block["joints"] = [*moving, {"type": "revolute", "q": "u"}]
-    block["links"] = [*block["links"], root["link"] if root else {}]
-    chain = Robot.from_text(_yaml({key: value for key, value in block.items() if key not in ("root", "ends")}))
-    kind = RootType(root["type"]) if root else None
-    moved = Root(kind, ROOT_VARIABLES[kind], chain.links[-1]) if kind else None
-    joints, base = root_rows(moved) if moved else ((), None)
-    links, fixed = [Link()] * len(joints), [base] if base else []
-    labels, found = [row.get("name") or row["q"] for row in rows], [*joints]
-    for k, (row, joint, link) in enumerate(zip(rows, chain.joints, chain.links, strict=False)):
-        above, follows_joint = (labels[k - 1], rows[k - 1]["type"] != "fixed") if k else (BASE, moved is None)
-        gamma, b = _cell(row.get("gamma", 0)), _cell(row.get("b", 0))
-        stand = Stand(row.get("after", above), _matrix(row.get("mount")), gamma, b)
-        if row["type"] == "fixed":
-            fixed.append(FixedRow(labels[k], stand, joint.theta, joint.d, joint.a, joint.alpha, link, k))
-            continue
-        found.append(replace(joint, stand=None if follows_joint and stand == Stand(above) else stand))
-        links.append(link)
-    ends = tuple(End(name, end["after"], _matrix(end.get("tool"))) for name, end in block.get("ends", {}).items())
-    if not ends and fixed and fixed[-1].name == labels[-1]:
-        ends = (End("", labels[-1], chain.tool),)
-    parts: Block = {"joints": tuple(found), "links": tuple(links), "fixed": tuple(fixed), "ends": ends, "root": moved}
-    return replace(chain, **parts)
-
-
-def _cell(text: object) -> Expression:
-    return parse_expression(str(text), Location("random tree"))
-
-
-def _matrix(rows: Sequence[Sequence[str]] | None) -> Matrix:
-    return tuple(tuple(map(_cell, row)) for row in rows) if rows else IDENTITY
