@@ -109,8 +109,12 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
     from derive.model.quantity_names import by_ends, parse
 
     shown: list[tuple[str, Any]] = []
-    wanted = (n for name in _wanted(model, arguments) for n in ([name] if name in DESCRIBED else by_ends(model, name)))
-    for name in dict.fromkeys(wanted):
+    names = dict[str, None]()
+    for name in _wanted(model, arguments):
+        if name not in DESCRIBED and (close := near_miss(name, DESCRIBED)):
+            raise QuantityError(f"quantity {quoted(name)}", remedy=close)
+        names |= dict.fromkeys([name] if name in DESCRIBED else by_ends(model, name))
+    for name in names:
         if name in DESCRIBED:
             if with_numbers or arguments.abbreviate is not None:
                 option = "--abbreviate" if arguments.abbreviate else "--at"
@@ -119,8 +123,6 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
                 raise QuantityError(f"--format {arguments.format} with {name}", allowed="allowed: text and json")
             shown.append((name, model.quantity(name)))
             continue
-        if close := near_miss(name, DESCRIBED):
-            raise QuantityError(f"quantity {quoted(name)}", remedy=close)
         quantity = parse(model, name)[0]
         if quantity.dynamic:
             tell(remark for remark in model.robot.remarks if remark.is_of_bodies)
@@ -186,7 +188,8 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
             case InverseKinematics() if as_json:
                 return derivation.derivation_parts(value)
             case InverseKinematics():
-                return derivation.derivation_lines(value, form, notation)
+                heading = [f"{COMMENTS[form]} {name}"] if "[" in name else []  # of which end of a tree it is
+                return [*heading, *derivation.derivation_lines(value, form, notation)]
             case Reach() if as_json:
                 return derivation.workspace_parts(value)
             case Reach():

@@ -55,19 +55,22 @@ class TreeModel:
         """The rows of a tree as its frames are numbered: frame 0, the joints, the rows without motion."""
         return ["", *(joint.label for joint in self.robot.joints), *(row.name for row in self.robot.fixed)]
 
-    def frame_number(self, row: str) -> int:
+    def frame_number(self, row: str, *, or_end: bool = False) -> int:
         """The number of a frame of a tree: that of its joint, and behind these those of the rows without motion.
 
         Args:
             row: Name of the row; ``base`` for frame 0, or for what stands on a root that moves.
+            or_end: Whether the name of an end would do, too, where one is to be told what is known.
 
         Raises:
             QuantityError: There is no such row.
         """
         labels = self._labels
         if row not in labels and row != BASE:
-            found, allowed = f"row {row!r} of {self.robot.name}", f"allowed: {listed([BASE, *labels[1:]])}"
-            raise QuantityError(found, allowed=allowed, remedy=near_miss(row, labels))
+            ends = [end.name for end in self.robot.ends if end.name and or_end]
+            known = dict.fromkeys([*ends, BASE, *labels[1:]])
+            found = f"{'end or ' * bool(ends)}row {row!r} of {self.robot.name}"
+            raise QuantityError(found, allowed=f"allowed: {listed(known)}", remedy=near_miss(row, known))
         return labels.index(row) if row in labels else 0
 
     def _label(self, i: int | str) -> str:

@@ -12,6 +12,7 @@ from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.model.ends import OfEnds
 from derive.model.quantities import OF_ENDS, REGISTRY, Quantity
+from derive.robot.tree import end_named
 
 _ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
 
@@ -25,6 +26,9 @@ def evaluate(model: DynamicModel, text: str) -> Expr:
     end, (quantity, indices, entry) = _end_and_rest(model, text)[0], parse(model, text)
     value = quantity.value(model, *indices)
     if end:
+        if not isinstance(value, OfEnds):
+            what = f"{quantity.name} of an end of {model.robot.name}, which is of the whole tree"
+            raise QuantityError(what, remedy=f"leave '{end}' out")
         value = value[end]
     if entry is None:
         return value
@@ -34,7 +38,10 @@ def evaluate(model: DynamicModel, text: str) -> Expr:
 def _end_and_rest(model: DynamicModel, text: str) -> tuple[str, str]:
     """The end of a tree that a name asks for, empty for none, and the name without it: ``T[left][1,4]``."""
     match = re.fullmatch(r"\s*([^\[\]]*?)\s*\[\s*(\w+)\s*(?:,([^\]]*))?\](.*)", text)
-    if match is None or match[2] not in [end.name for end in model.robot.ends]:
+    ends = [end.name for end in model.robot.ends if end.name]
+    if match and ends and match[1] in OF_ENDS - {"T"} and not match[2].isdigit():
+        end_named(model.robot, match[2])  # which refuses others
+    if match is None or match[2] not in ends:
         return "", text
     rest = (f"[{match[3]}]" if match[3] else "") + match[4]
     return match[2], match[1] + ("[]" if match[1] == "T" and rest else "") + rest
@@ -47,15 +54,15 @@ def by_ends(model: DynamicModel, text: str) -> list[str]:
     of_ends = quantity.name in OF_ENDS and not (quantity.name == "T" and indices)
     if not (names and of_ends) or _end_and_rest(model, text)[0]:
         return [text]
-    word, bracket, rest = text.partition("[")
+    word, bracket, rest = re.sub(r"\[\s*\]", "", text, count=1).partition("[")
     return [f"{word.strip()}[{name}]{bracket}{rest}" for name in names]
 
 
 def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
     """What a name with indices asks for, the end of a tree left out; T has names of a tree's rows for indices, too."""
     text = _end_and_rest(model, text)[1]
-    if (frames := _frames(model, text)) is not None:
-        return REGISTRY["T"], frames, None
+    if (named_frames := _frames(model, text)) is not None:
+        return REGISTRY["T"], *named_frames
     written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
     match = _ASKED.fullmatch(written)
     if match is None or not match[1]:
@@ -69,9 +76,10 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
         brackets.insert(0, named)
     first = brackets[0] if brackets else ()
     if len(brackets) > 1 and len(first) in quantity.indices:
-        return quantity, first, tuple(index for bracket in brackets[1:] for index in bracket)
+        return quantity, first, tuple(index for bracket in brackets[1:] for index in bracket) or None
     # two indices of T can only be a row and a column where the arm has no such frame
-    is_entry = quantity.name == "T" and len(first) == 2 and max(first) > model.n and not named
+    frames = model.n + len(model.robot.fixed)
+    is_entry = quantity.name == "T" and len(first) == 2 and max(first) > frames and not named
     if len(first) in quantity.indices and not is_entry:
         return quantity, first, None
     for count in sorted(quantity.indices if len(brackets) < 2 else ()):
@@ -83,13 +91,14 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     )
 
 
-def _frames(model: DynamicModel, text: str) -> tuple[int, ...] | None:
-    """The frames in ``T[waist]`` and ``T[base,head]``; None where no row of a tree is named."""
-    match = re.fullmatch(r"\s*T\s*\[([^\]]*)\]\s*", text)
+def _frames(model: DynamicModel, text: str) -> tuple[tuple[int, ...], tuple[int, ...] | None] | None:
+    """The frames in ``T[waist]`` and ``T[base,head][1,4]``, and the entry; None where no row of a tree is named."""
+    match = re.fullmatch(r"\s*T\s*\[([^\[\]]*)\]\s*(?:\[([^\[\]]*)\])?\s*", text)
     words = [word.strip() for word in match[1].split(",")] if match and model.robot.is_tree else []
-    if len(words) not in (1, 2) or all(word.isdigit() for word in words) or not all(words):
+    if match is None or len(words) not in (1, 2) or all(word.isdigit() for word in words) or not all(words):
         return None
-    return tuple(int(word) if word.isdigit() else model.frame_number(word) for word in words)
+    frames = tuple(int(word) if word.isdigit() else model.frame_number(word, or_end=len(words) == 1) for word in words)
+    return frames, _integers(match[2], text) or None
 
 
 def _key(word: str) -> str:
@@ -164,6 +173,8 @@ def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
     shape = getattr(value, "shape", None)
     if shape is None:
         raise QuantityError(f"{text!r} asks for an entry of a scalar", remedy="leave the indices out")
+    if len(entry) > 2:
+        raise QuantityError(f"{len(entry)} indices of an entry in {text!r}", allowed="allowed: a row and a column")
     row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
     vector = len(entry) == 1 and shape[1] != 1
     if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):

@@ -48,7 +48,7 @@ def build_program(
     sizes = [piece.size for piece in work]
     results = list(spread(methodcaller("result"), work, sizes) if spread else [piece.result() for piece in work])
     functions = tuple(result for result in results if isinstance(result, Function))
-    without = "its table is a tree" if inverse and not is_arm(robot) else ""
+    without = "the table is a tree" if inverse and not is_arm(robot) else ""
     found, reason = next((result for result in results if isinstance(result, tuple)), (None, without))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None

@@ -23,7 +23,7 @@ PLAN = "robot: torso.yaml\npoints: {home: [0, 0], away: [1, 1]}\npath: [home, {t
 REFUSED = [
     *(f"handout torso.yaml {option}" for option in ("", "--exercise", "--html", "--pdf", "--fragment B")),
     *(f"export torso.yaml --format {to}" for to in ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")),
-    *(f"show torso.yaml {name}" for name in ("inverse", "singularities", "workspace", "aspects", "ik")),
+    *(f"show torso.yaml {name}" for name in ("singularities", "workspace", "aspects")),
     *(f"plot torso.yaml {option} -o arm.svg" for option in ("", "--workspace")),
     *(f"build torso.yaml --target {targets}" for targets in ("numpy,latex", "latex --only --check")),
     *(f"check torso.yaml --quantity {of} --expression 'q1 = 0'" for of in ("T[1,4]", "inverse")),
@@ -40,7 +40,6 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "possible": api.possible,
     "fragment": lambda robot: api.fragment(robot, "T"),
     "Motion": lambda robot: api.Motion(replace(api.Motion.load("scara-pick-and-place").plan, robot=robot)),
-    "inverse": lambda robot: api.Model(robot).ik,
     "singularities": lambda robot: api.Model(robot, assumptions=True).singularities,
 }
 
@@ -79,7 +78,7 @@ def test_python_refuses_a_tree(call: Callable[[Any], object], folder: Path) -> N
 @needs_compiler
 def test_a_tree_is_listed_copied_built_and_verified_without_sheet_and_inverse(folder: Path) -> None:
     listed = accepted("show", "torso.yaml", folder=folder).stdout
-    assert {"inverse", "singularities", "workspace", "aspects"}.isdisjoint(listed.split())
+    assert {"singularities", "workspace", "aspects"}.isdisjoint(listed.split())
     accepted("new", "copy", "--from", "torso.yaml", folder=folder)
     accepted("build", "torso.yaml", "--target", "all", folder=folder)
     built = {path.name: path for path in (folder / "generated" / "torso").iterdir()}

@@ -38,13 +38,20 @@ from derive.robot.description import Convention
 from derive.robot.inertial_parameters import standard_parameters
 from derive.robot.robot import Robot
 from tests.lectures.general_results import arms
-from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close
+from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close, trees_of
 from tests.random_robots import catalogue, robot_text, seeds
 
 
-@pytest.fixture(params=SEEDS)
+@pytest.fixture(params=[*SEEDS, *trees_of(200, 12, 40)])
 def arm(request: pytest.FixtureRequest) -> Arm:
-    return arm_of(request.param)
+    """An arm or a tree."""
+    return request.param() if callable(request.param) else arm_of(request.param)
+
+
+@pytest.fixture(params=[*SEEDS, *trees_of(200, 6, 20)])
+def limb(request: pytest.FixtureRequest) -> Arm:
+    """An arm, or that to an end of a tree."""
+    return request.param().limb() if callable(request.param) else arm_of(request.param)
 
 
 def friction(arm: Arm) -> Array:
@@ -84,8 +91,8 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
     assert_close(articulated_accelerations(chain, qd, torques), wanted, tolerance)
 
 
-def test_inertia_is_carried_into_the_task(arm: Arm) -> None:
-    rows, inertia = np.array(jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
+def test_inertia_is_carried_into_the_task(limb: Arm) -> None:
+    rows, inertia = np.array(jacobian(limb.chain)), np.array(inertia_matrix(limb.chain))
     (_, pivots, lifted), tolerance = factorised(inertia.tolist(), rows.tolist()), 1e-13 * np.linalg.cond(inertia)
     assert_close(carried(lifted, pivots, 0.0), rows @ np.linalg.solve(inertia, rows.T), tolerance)
 
@@ -164,14 +171,14 @@ def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, bas
     assert [domain.constant(entry) for entry in lagrange] == list(found.torques)
 
 
-def test_poses_and_jacobians_are_those_of_the_oracle(arm: Arm) -> None:
-    chain = arm.chain
-    assert_close(forward_kinematics(chain).rows(0.0, 1.0), arm.expected("forward_kinematics"))
-    assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], arm.expected("link_transforms"))
-    assert_close(jacobian(chain), arm.expected("jacobian"))
+def test_poses_and_jacobians_are_those_of_the_oracle(limb: Arm) -> None:
+    chain = limb.chain
+    assert_close(forward_kinematics(chain).rows(0.0, 1.0), limb.expected("forward_kinematics"))
+    assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], limb.expected("link_transforms"))
+    assert_close(jacobian(chain), limb.expected("jacobian"))
     slopes = np.reshape(jacobian_hessian(jacobian(chain), 0.0), (6, chain.n, chain.n))
-    assert_close(slopes, arm.expected("jacobian_hessian"))
-    assert_close(jacobian_rate(chain, arm.qd.tolist()), arm.expected("jacobian_dot", arm.q, arm.qd))
+    assert_close(slopes, limb.expected("jacobian_hessian"))
+    assert_close(jacobian_rate(chain, limb.qd.tolist()), limb.expected("jacobian_dot", limb.q, limb.qd))
 
 
 class Rooted(float):
@@ -187,13 +194,13 @@ for _name in ("add", "radd", "sub", "rsub", "mul", "rmul", "truediv", "rtruediv"
 
 
 @pytest.mark.parametrize("kind", ["rpy", "zyz"])
-def test_analytic_jacobian_is_the_geometric_one_in_rates_of_angles(arm: Arm, kind: str) -> None:
+def test_analytic_jacobian_is_the_geometric_one_in_rates_of_angles(limb: Arm, kind: str) -> None:
     """J_A = diag(1, E^-1) J with omega = E phidot (Siciliano et al., Robotics, section 3.6)."""
-    pose = forward_kinematics(arm.chain)
+    pose = forward_kinematics(limb.chain)
     tilted = tuple(map(Rooted, column(pose.rotation, TILTED[kind])))
     distance = np.hypot(*tilted[:2])
     if distance < 1e-9:  # these angles are singular wherever the arm is
         return
-    rows = [[Rooted(x) for x in row] for row in jacobian(arm.chain)]
+    rows = [[Rooted(x) for x in row] for row in jacobian(limb.chain)]
     found = np.array(analytic_jacobian(kind, tilted, rows), dtype=float)
-    assert_close(found, arm.expected(f"analytic_jacobian_{kind}"), 1e-12 / distance**2)
+    assert_close(found, limb.expected(f"analytic_jacobian_{kind}"), 1e-12 / distance**2)
