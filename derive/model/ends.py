@@ -143,14 +143,14 @@ def of_each_end_by_joints(function: Method) -> Method:
 
 def _of_each_end(function: Method, finish: Callable[[Any, Sequence[int], int], Any]) -> Method:
     @wraps(function)
-    def _value(model: Any, *arguments: Any) -> Any:
+    def _value(model: Any, *arguments: Any, **named: Any) -> Any:
         names = [end.name for end in model.robot.ends if end.name]
         if not names:
-            return function(model, *arguments)
+            return function(model, *arguments, **named)
 
         def _of(name: str) -> Any:
             arm, places = model.arm(name)
-            return finish(function(arm, *arguments), places, model.n)
+            return finish(function(arm, *arguments, **named), places, model.n)
 
         return OfEnds(names, _of)
 
