@@ -1,7 +1,7 @@
 """The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
+from typing import Any
 
 from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
@@ -102,10 +102,13 @@ class Model(DynamicModel):
         named = [f"{name}={value}" for name, value in (values or {}).items()]
         point = typed_point(self.robot, [*filter(None, orders[:1]), *named], *orders[1:])
         found = evaluate(self, quantity)
-        if "inverse" in vars(self) and found is self.inverse:
-            return found.at(point)
-        put_in = partial(at_point, values=point, name=quantity, exact=exact, digits=digits)
-        return found.each(put_in) if isinstance(found, OfEnds) else put_in(found)
+
+        def _there(value: Any) -> Expr:
+            if hasattr(value, "at"):  # inverse kinematics
+                return value.at(point)
+            return at_point(value, values=point, name=quantity, exact=exact, digits=digits)
+
+        return found.each(_there) if isinstance(found, OfEnds) else _there(found)
 
     def equal(self, quantity: str, expression: object) -> bool:
         """Whether an expression equals a scalar quantity identically.
