@@ -16,7 +16,7 @@ from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.motion.motion import Motion
 from derive.motion.paths.poses import all_directions, rotation_vector, usual_rank, vanishing_factor
-from derive.motion.torques.functions import Functions, kinematics_alone
+from derive.motion.torques.functions import Functions, arm_of
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.robot import Robot
 
@@ -32,7 +32,7 @@ DESCENTS = 200  # most steps of each of these
 class Increments:
     """A displacement of the hand in small steps."""
 
-    q: Array  # joint variables after each step, the start first, (steps + 1, n)
+    q: Array  # joint variables after each step, the start first, (steps + 1, n), of a tree those that lead to the end
     error: float  # distance from the target after the last step, before any correction [m]
     corrections: int  # steps towards the target after that
     closed: float  # distance from the target then [m]
@@ -49,10 +49,10 @@ class Increments:
 
 
 class Walker:
-    """Moves the hand of a robot in small steps."""
+    """Moves the hand of a robot, or an end of a tree, in small steps of the joints that lead there, `places`."""
 
-    def __init__(self, robot: Robot, values: Mapping[str, float]) -> None:
-        self._robot = kinematics_alone(robot)
+    def __init__(self, robot: Robot, values: Mapping[str, float], end: str = "") -> None:
+        self._robot, self.places = arm_of(robot, end)
         self._values = values
         self._functions = Functions(self._robot, frozenset({"forward_kinematics", "jacobian"}), values)
 
@@ -141,9 +141,15 @@ def increments_of(motion: Motion, steps: int) -> list[Increments]:
         raise QuantityError("increments of an arm whose base moves", allowed="allowed: a base that stands")
     if not motion.plan.steps:
         raise QuantityError("increments go from point to point of a path", remedy="write points: and path:")
-    walker, found = Walker(motion.plan.robot, motion.values), []
-    for segment in motion.trajectory.segments:
-        start, end = (motion(float(t))[0] for t in (segment.start, segment.start + segment.duration))
+    plan, walkers, found = motion.plan, dict[str, Walker](), []
+    for step, segment in zip(plan.steps, motion.trajectory.segments, strict=True):
+        name = plan.points[step.to].end or step.end
+        if len(plan.robot.ends) > 1 and not name:
+            found_text = f"increments to {step.to}, which is a point of no end"
+            raise QuantityError(found_text, remedy="write it as a pose of an end", location=step.location)
+        walker = walkers.setdefault(name, Walker(plan.robot, motion.values, name))
+        times = (segment.start, segment.start + segment.duration)
+        start, end = (motion(float(t))[0][..., list(walker.places)] for t in times)
         found.append(walker.walk(start, walker.pose(end), steps))
     return found
 

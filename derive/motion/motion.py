@@ -23,7 +23,7 @@ from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques, CarriedBody
-from derive.motion.torques.functions import LEAST_INTERVALS, Functions, check_numbers, kinematics_alone, loads
+from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.hermite import TIME
@@ -33,7 +33,6 @@ from derive.plans.surroundings import PATHS, BaseCurve, check_starts
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
-from derive.robot.tree import require_chain
 
 if TYPE_CHECKING:  # simulations are imported where there is one
     from derive.motion.simulation.simulation import Run
@@ -50,9 +49,6 @@ class Motion:
     """
 
     plan: Plan
-
-    def __post_init__(self) -> None:
-        require_chain(self.plan.robot, "a motion", self.plan.places["robot"])
 
     def __getstate__(self) -> dict[str, Plan]:
         """The plan; what follows from it holds compiled code, and is made again."""
@@ -203,21 +199,23 @@ class Motion:
         """
         return self.trajectory(t)
 
-    def poses(self, t: float | Array) -> Array:
+    def poses(self, t: float | Array, end: str = "") -> Array:
         """Poses of the end effector in the world frame.
 
         Args:
             t: Times [s], (...).
+            end: Which end of a tree, where that has several.
 
         Returns:
             (..., 4, 4).
 
         Raises:
-            QuantityError: A symbol has no number.
+            QuantityError: A symbol has no number, or there is no such end.
         """
-        times = np.asarray(t, dtype=float)
-        functions = Functions(kinematics_alone(self.plan.robot), frozenset({"forward_kinematics"}), self.values)
-        arm = functions("forward_kinematics", self(times)[0])
+        times, ends = np.asarray(t, dtype=float), self.plan.robot.ends
+        robot, places = arm_of(self.plan.robot, ends[0].name if len(ends) == 1 and not end else end)
+        functions = Functions(robot, frozenset({"forward_kinematics"}), self.values)
+        arm = functions("forward_kinematics", self(times)[0][..., list(places)])
         return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
     @property
@@ -293,7 +291,7 @@ class Motion:
         return tau
 
     def payload_columns(self, step: Step) -> tuple[tuple[int, float], ...]:
-        """What the tool carries in a segment, as parameters of the last link.
+        """What the tool carries in a segment, as parameters of the link that it is on.
 
         Args:
             step: The segment.
@@ -303,7 +301,7 @@ class Motion:
         """
         if step.payload is None:
             return ()
-        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns(self.plan.robot.n)
+        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns()
         return tuple((k, body[name]) for k, name in enumerate(self._functions.standard_parameters) if name in body)
 
     @cached_property

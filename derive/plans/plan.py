@@ -7,9 +7,10 @@ import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
-from derive.errors import DeriveError, Location, RobotFileError, listed, near_miss, path_text, quoted
+from derive.errors import DeriveError, Location, QuantityError, RobotFileError, listed, near_miss, path_text, quoted
 from derive.plans.catalogue import plan_bytes
 from derive.plans.cells import PlanCells, Read
 from derive.plans.profile import Profile
@@ -25,6 +26,7 @@ from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlSc
 from derive.robot.reading.schema import check_structure
 from derive.robot.remarks import REMEDY, impossible_links, lack_of, numbered, too_large
 from derive.robot.robot import Robot
+from derive.robot.tree import end_named
 
 OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path
 Most = tuple[Expression | None, ...]  # the largest value of each joint; None where nothing limits it
@@ -127,6 +129,7 @@ class _PlanReader:
         recorded, joints = document.scalar(("recorded",)), self._robot.joints
         given = self._check_way([("path", count), ("curves", len(curves)), ("recorded", recorded is not None)])
         check_effects(document, self._robot, given, points, steps)
+        self._check_ends(steps, points)
         plan = Plan(
             robot=self._robot,
             title=document.text("title"),
@@ -210,7 +213,8 @@ class _PlanReader:
                 raise self._document.error(place, "both rpy and zyz", "allowed: one of the two", "remove one")
             angles = _three(given[0], self._cells.angle) if given else None
             pose = Pose(_three("p", self._cells.length), angles, given == ["zyz"])
-            return Point(name, None, pose, branch.text if branch else "", location)
+            end = self._followed(path, self._end(path, "a pose"), "a pose")
+            return Point(name, None, pose, branch.text if branch else "", location, end)
         numbers, q = self._numbers, self._numbers.of_joints(path)
         for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
             ends = joint.limits or ()
@@ -223,6 +227,39 @@ class _PlanReader:
                 found = f"{joint.variable} = {at:.6g} {unit} is outside its limits"
                 raise self._document.error((*path, k), found, f"allowed: {low:.6g} to {high:.6g} {unit}")
         return Point(name, q, None, "", location)
+
+    def _end(self, path: KeyPath, what: str, default: str = "") -> str:
+        """The end of a tree that a place names; empty for one without a name, or for no ``what`` that needs one."""
+        names, place = [end.name for end in self._robot.ends if end.name], (*path, "end")
+        if self._document.scalar(place) is not None:
+            try:
+                return end_named(self._robot, self._document.text(*place)).name
+            except QuantityError as error:
+                raise self._document.error(place, error.found, error.allowed, error.remedy) from None
+        if what and len(names) > 1 and not default:
+            found, allowed = f"{what} of {self._robot.name} without end", f"allowed: one of {listed(names)}"
+            raise self._document.error(path, found, allowed, f"write end: {names[0]}")
+        return default or (names[0] if len(names) == 1 else "")
+
+    def _followed(self, path: KeyPath, end: str, what: str) -> str:
+        """An end that the joints follow, which those of a root that moves cannot."""
+        if self._robot.root:
+            found = f"{what} of {self._robot.name}, whose root moves"
+            remedy = "write joint variables, without line, through and spline: hand"
+            raise self._document.error(path, found, "allowed: poses of robots that stand", remedy)
+        return end
+
+    def _check_ends(self, steps: Sequence[Step], points: Mapping[str, Point]) -> None:
+        """Refuse ways of an end to or through a pose of another one."""
+        for k, step in enumerate(steps, 1):
+            for name in (step.to, step.through) if step.follows else ():
+                if name and points[name].pose and points[name].end != step.end:
+                    found = f"{name} is a pose of end {points[name].end}, and end {step.end} follows the way there"
+                    raise self._document.error(("path", k), found, remedy=f"write end: {points[name].end}")
+        for k, (step, after) in enumerate(pairwise(steps), 2):
+            if step.by_hand and after.by_hand and not step.stops and step.end != after.end:
+                found = f"a spline of end {step.end} and then of end {after.end}"
+                raise self._document.error(("path", k), found, remedy=f"stop between: {{to: {step.to}, via: stop}}")
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
@@ -264,20 +301,25 @@ class _PlanReader:
         if profile is Profile.FASTEST and document.scalar(time):
             remedy = "leave out time, or name another profile"
             raise document.error(time, "a fastest motion takes the time that the limits allow", remedy=remedy)
+        to, by_hand = self._target(path, points), profile is Profile.SPLINE and document.text("spline") == "hand"
+        what = f"the way to {to}" if straight or through or by_hand else ""
+        carries = document.scalar((*path, "payload")) and "a payload"
+        end = self._end(path, what or carries or "", points[to].end)
         return Step(
-            to=self._target(path, points),
+            to=to,
             time=self._numbers.positive(time, ONE) if document.scalar(time) else None,
             profile=profile,
             stops=(document.text(*path, "via") or passes) == "stop",
             cruise=self._numbers.plain(cruise) if document.scalar(cruise) else None,
             straight=straight,
             through=through,
-            by_hand=profile is Profile.SPLINE and document.text("spline") == "hand",
-            payload=self._payload((*path, "payload")),
+            by_hand=by_hand,
+            payload=self._payload((*path, "payload"), end),
             location=document.location(path),
+            end=self._followed(path, end, what) if what else end,
         )
 
-    def _payload(self, path: KeyPath) -> Payload | None:
+    def _payload(self, path: KeyPath, end: str = "") -> Payload | None:
         node = self._document.find(path)
         if node is None:
             return None
@@ -287,6 +329,7 @@ class _PlanReader:
             numbers.not_negative(place, "zero or more [kg]"),
             tuple(numbers.number((*path, "com", k), length) for k in range(3)),
             tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3)),
+            self._end(path, "a payload", end),
         )
 
     def _recording(self, file: YamlScalar) -> Path:
@@ -340,6 +383,9 @@ def check_effects(document: Document, robot: Robot, given: str, points: Iterable
         remedy = "leave it out, or write links into the robot file"
         bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
         idle += ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
+    moved = "an end, and no line, arc or payload is its own"
+    ends: list[tuple[KeyPath, Step]] = [(("path", k, "end"), step) for k, step in enumerate(steps, 1)]
+    idle += ((path, moved, "leave it out") for path, step in ends if not (step.follows or step.payload))
     for path, found, remedy in (*idle, *_stopped(document, steps)):
         if document.find(path) is not None:
             raise document.error(path, found, remedy=remedy)

@@ -33,6 +33,7 @@ class PosePoint(Strict):
     branch: str | None = Field(
         default=None, description="Name of the solution, or some of its words; default: the nearest."
     )
+    end: str | None = Field(default=None, description="Which end of a tree shall be there; its other joints stay.")
 
 
 class Payload(Strict):
@@ -41,6 +42,7 @@ class Payload(Strict):
     mass: Cell = Field(description="Mass [kg].")
     com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the frame of the end effector.")
     inertia: Vector3 = Field(default=("0", "0", "0"), description="Moments about it, along its axes [kg m^2].")
+    end: str | None = Field(default=None, description="Which end of a tree carries it.")
 
 
 def _form(value: Any) -> str:
@@ -64,6 +66,7 @@ class StepRow(Strict):
     payload: Carried | None = Field(
         default=None, description="What the tool carries in this segment: a mass, or a body."
     )
+    end: str | None = Field(default=None, description="Which end of a tree moves on the line or arc, and carries that.")
 
 
 class Control(Strict):

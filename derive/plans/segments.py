@@ -34,6 +34,7 @@ class Point:
     pose: Pose | None  # the pose, None where it is given by joint variables
     branch: str  # words of the name of the solution, such as ``elbow up``; empty for the nearest
     location: Location  # where it stands in the plan
+    end: str = ""  # of a pose the end of a tree that shall be there; empty for one without a name
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,7 @@ class Payload:
     mass: Expression = ZERO  # [kg]
     com: Vector = (ZERO, ZERO, ZERO)  # centre of mass [m]
     inertia: Vector = (ZERO, ZERO, ZERO)  # principal moments about it [kg m^2]
+    end: str = ""  # the end of a tree that carries it; empty for one without a name
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +61,7 @@ class Step:
     by_hand: bool  # whether the end effector moves on a spline in space, through this point and those beside it
     payload: Payload | None  # what the tool carries
     location: Location  # where it stands in the plan
+    end: str = ""  # the end of a tree on that way; empty for one without a name, or where none is meant
 
     @property
     def in_space(self) -> bool:

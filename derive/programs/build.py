@@ -14,8 +14,9 @@ from derive.programs.formulations.choice import Formulation, FormulationChoice
 from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
-from derive.programs.program import Column, Function, Interface, Inverse, InverseSearch, Program
+from derive.programs.program import Column, EndInverse, Function, Interface, Inverse, InverseSearch, Program
 from derive.programs.tape.build import program_cost
+from derive.robot import tree
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
@@ -45,14 +46,24 @@ def build_program(
     work += [_Traced.of(row, trace, end) for row in rows for end in (ends if row.of_end else [""])]
     if inverse and is_arm(robot):
         work.append(_Inverse(trace))
+    elif inverse and robot.root is None:
+        work += [_Inverse(Trace(tree.arm(robot, end)[0], effort), end) for end in ends if end]
     sizes = [piece.size for piece in work]
     results = list(spread(methodcaller("result"), work, sizes) if spread else [piece.result() for piece in work])
     functions = tuple(result for result in results if isinstance(result, Function))
-    without = "the table is a tree" if inverse and not is_arm(robot) else ""
-    found, reason = next((result for result in results if isinstance(result, tuple)), (None, without))
+    solved = [(piece.end, result) for piece, result in zip(work, results, strict=True) if isinstance(piece, _Inverse)]
+    without = f"the {'root moves' if robot.root else 'table is a tree'}" if inverse and not is_arm(robot) else ""
+    found, reason = next((result for end, result in solved if not end), (None, without))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None
-    return Program(functions, free_symbols(robot), closed, reason, search)
+    of_ends = tuple(_of_end(robot, end, found) for end, (found, _) in solved if end and isinstance(found, Inverse))
+    return Program(functions, free_symbols(robot), closed, reason, search, of_ends)
+
+
+def _of_end(robot: Robot, end: str, found: Inverse) -> EndInverse:
+    """Inverse kinematics of the arm to an end, its functions named by the end."""
+    function, step = (replace(each, interface=each.interface.at(end)) for each in (found.function, found.step))
+    return EndInverse(end, *tree.arm(robot, end), replace(found, function=function, step=step))
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +71,7 @@ class _Inverse:
     """Inverse kinematics, which is derived in a place of its own."""
 
     trace: Trace
+    end: str = ""  # of a tree; the trace is that of the arm to it
     size = 5_000  # as long as a search among so many operations: 0.3 s of the 1.7 s of a PUMA 560's program
 
     def result(self) -> Solved:

@@ -182,6 +182,16 @@ class InverseSearch:
 
 
 @dataclass(frozen=True, slots=True)
+class EndInverse:
+    """Inverse kinematics of an end of a tree that stands: that of the serial arm which leads there."""
+
+    end: str  # name of the end
+    arm: Robot  # the arm
+    places: tuple[int, ...]  # its joints in the tree
+    inverse: Inverse  # the names of its functions are those of the end
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """All functions of a robot."""
 
@@ -190,6 +200,7 @@ class Program:
     inverse: Inverse | None = None  # inverse kinematics, of a robot for which there is a closed form
     without_inverse: str = ""  # why there is none; empty where there is one, or where nobody asked for it
     search: InverseSearch | None = None  # what finds the solutions of a robot that has no closed form
+    of_ends: tuple[EndInverse, ...] = ()  # inverse kinematics of the ends of a tree, of those that have a closed form
 
     def __getitem__(self, name: str) -> Function:
         """The function of that name."""
@@ -211,13 +222,14 @@ class Program:
     @property
     def all_functions(self) -> tuple[Function, ...]:
         """The functions and inverse kinematics."""
-        return (*self.functions, self.inverse.function) if self.inverse else self.functions
+        solved = [self.inverse] if self.inverse else [each.inverse for each in self.of_ends]
+        return (*self.functions, *(inverse.function for inverse in solved))
 
     @property
     def all_tapes(self) -> tuple[Tape, ...]:
         """The tapes of the functions, and of what these call."""
-        tapes = tuple(function.tape for function in self.all_functions)
-        return (*tapes, self.inverse.step.tape) if self.inverse else tapes
+        tapes = tuple(function.tape for function in self.functions)
+        return (*tapes, self.inverse.function.tape, self.inverse.step.tape) if self.inverse else tapes
 
     @property
     def hoisted_operations(self) -> dict[str, dict[str, int]]:

@@ -26,7 +26,7 @@ from derive.robot.table import read_frame, read_gravity, read_joint, read_link
 from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
 
 # What stands behind a function's name to name another one, as in jacobian_dot: names of ends stand there, too.
-SUFFIXES = re.compile(r"(?:(?:end|dq|dqd|dot|hessian|rpy|zyz|position|orientation)_)*")
+SUFFIXES = re.compile(r"(?:(?:end|dq|dqd|dot|hessian|rpy|zyz|position|orientation|nearest|step)_)*")
 
 
 def read_table(document: Document, cells: Cells) -> Description:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch, Program
+from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
 from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
@@ -34,7 +35,15 @@ _SHORT = 100  # longest constant that stands on one line
 
 def render_numpy(source: Source) -> dict[str, str]:
     """The module ``model_numpy.py``."""
-    return {FILE: render("numpy/model_numpy.py.jinja", **python_context(source))}
+    program, parameters = source.program, source.program.parameters
+    own = [(each, _inverse(each.inverse, each.arm, parameters)) for each in program.of_ends]
+    tapes = [function.tape for each in program.of_ends for function in (each.inverse.function, each.inverse.step)]
+    context = python_context(source) | case_context([*program.all_tapes, *tapes])
+    arms = [
+        {"end": each.end, "dof": each.arm.n, "places": _tuple(list(map(str, each.places))), "inverse": inverse}
+        for each, inverse in own
+    ]
+    return {FILE: render("numpy/model_numpy.py.jinja", **context | {"arms": arms})}
 
 
 TARGET = Target(
@@ -76,7 +85,9 @@ def python_context(source: Source) -> dict[str, object]:
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
         **case_context(program.all_tapes),
-        "inverse": _inverse(program, robot),
+        "inverse": _inverse(program.inverse or program.search, robot, program.parameters),
+        "suffix": "",  # of the names of what inverse kinematics has for each end of a tree
+        "arms": [],  # inverse kinematics of the ends
         "inverse_in_one_call": False,
         "nearest_is_compiled": False,
         "functions": [_python_function(each, program.parameters, robot.n, felt.get(each.name, ())) for each in program],
@@ -93,9 +104,16 @@ def _functions_of_ends(program: Program) -> list[dict[str, str]]:
 
 
 def _python_function(
-    function: Function, parameters: Sequence[str], joints: int, felt: Sequence[str] = ()
+    function: Function,
+    parameters: Sequence[str],
+    joints: int,
+    felt: Sequence[str] = (),
+    listed: Sequence[str] = (),
 ) -> dict[str, object]:
-    """The texts of one function of a robot with so many joints, and with an optional wrench where that is ``felt``."""
+    """The texts of one function of a robot with so many joints, and with an optional wrench where that is ``felt``.
+
+    The module's parameters are ``listed`` where the robot is a part of another one.
+    """
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]
@@ -112,7 +130,7 @@ def _python_function(
         "symbol": function.interface.symbol,  # how the notes write its result
         "shape": str(function.shape),  # as a Python tuple
         "is_scalar": not function.shape,  # whether the result is one number
-        "parameter_places": wrapped([str(index) for index in kernel.parameters]),
+        "parameter_places": wrapped([str((listed or parameters).index(parameters[i])) for i in kernel.parameters]),
         "hoists": bool(kernel.parameters),  # whether it needs any
         "unpack_parameters": _unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
         "hoisted": kernel.hoisted,  # statements on parameters alone
@@ -128,17 +146,20 @@ def _python_function(
     }
 
 
-def _inverse(program: Program, robot: Robot) -> dict[str, object] | None:
-    """Inverse kinematics by formulas or by a search, if there is any."""
-    inverse = program.inverse or program.search
+def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequence[str]) -> dict[str, object] | None:
+    """Inverse kinematics by formulas or by a search, if there is any, in a module with these parameters."""
     if inverse is None:
         return None
     names = [robot.joints[i].label for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
-    search = inverse if isinstance(inverse, InverseSearch) else None
+    search, parameters = inverse if isinstance(inverse, InverseSearch) else None, free_symbols(robot)
+
+    def _texts(function: Function) -> dict[str, object]:
+        return _python_function(function, parameters, robot.n, listed=listed)
+
     return {
-        "kernel": _python_function(inverse.function, program.parameters, robot.n),  # the texts of its program
-        "step": _python_function(inverse.step, program.parameters, robot.n) if isinstance(inverse, Inverse) else None,
+        "kernel": _texts(inverse.function),  # the texts of its program
+        "step": _texts(inverse.step) if isinstance(inverse, Inverse) else None,
         "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,

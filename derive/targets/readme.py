@@ -74,6 +74,7 @@ def render(source: Source) -> dict[str, str]:
         "is_search": program.search is not None,
         "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
+        "solved_ends": [each.end for each in program.of_ends],
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
@@ -95,6 +96,9 @@ def _functions(program: Program) -> list[dict[str, str]]:
     if (inverse := program.inverse or program.search) is not None:
         arguments = (POSE, GIVEN) if inverse.given else (POSE,)
         shown.append((inverse.function, arguments, (inverse.branches, inverse.joints)))
+    for solved in (each.inverse for each in program.of_ends):
+        arguments = (POSE, GIVEN) if solved.given else (POSE,)
+        shown.append((solved.function, arguments, (solved.branches, solved.joints)))
     return [
         {
             "call": f"{function.name}({', '.join(arguments)})",

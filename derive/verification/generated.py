@@ -60,6 +60,7 @@ class NumpyModel:
     """``model_numpy.py``: functions of one configuration or any batch."""
 
     module: ModuleType
+    end: str = ""  # of a tree, whose inverse kinematics is meant; empty for a robot of one end
     target = "numpy"
     file = "model_numpy.py"
     ways = ("one", "batch", "broadcast", "blocks", "parameters")
@@ -67,7 +68,8 @@ class NumpyModel:
     @property
     def constants(self) -> Mapping[str, Any]:
         """The module's names."""
-        return vars(self.module)
+        names = vars(self.module)
+        return {**names, "GIVEN": names["GIVEN_OF"][self.end]} if self.end else names
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function, with ``params`` where symbols are free."""
@@ -79,7 +81,8 @@ class NumpyModel:
         options: dict[str, Any] = {"params": dict(parameters)} if parameters else {}
         if given.shape[-1]:
             options["given"] = given if len(poses) > 1 else given[0]
-        q, status = self.module.inverse_kinematics(poses if len(poses) > 1 else poses[0], status=True, **options)
+        solve = getattr(self.module, f"inverse_kinematics_{self.end}" if self.end else "inverse_kinematics")
+        q, status = solve(poses if len(poses) > 1 else poses[0], status=True, **options)
         return (q, status) if len(poses) > 1 else (q[None], status[None])
 
 

@@ -13,7 +13,7 @@ path: [a, {to: b, time: 1}]
 BY_WHAT_IS_REPLACED: dict[str, dict[str, str]] = {
     "b: [1, 2]": {
         "b: 3": "5:6: points, b: found the text '3'; allowed: a list or a mapping with the keys pose,",
-        "b:": "5:5: points, b: found nothing; allowed: a list or a mapping with the keys pose, branch;",
+        "b:": "5:5: points, b: found nothing; allowed: a list or a mapping with the keys pose, branch, end;",
         "b: [[1], 2]": "5:7: points, b entry 1: found a list; allowed: one number, name or expression; check the",
         "b: [yes, 2]": "5:7: points, b entry 1: the symbol 'yes' has no number; write values: {yes: ...}",
         "b: [nan, 2]": "5:7: points, b entry 1: 'nan' is not a number; write a finite number or another name",

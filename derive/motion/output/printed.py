@@ -19,11 +19,12 @@ from derive.model.kinematic_model import KinematicModel
 from derive.motion.curves.limits import Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.functions import Functions, check_numbers, kinematics_alone
+from derive.motion.torques.functions import Functions, arm_of, check_numbers
 from derive.plans.hermite import MOST_PRINTED, TIME
 from derive.plans.segments import DIGITS, Peak, SegmentPeaks, formula
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.tree import ends
 from derive.targets.escape import latex_text
 
 AXES = ("x", "y", "z")
@@ -123,16 +124,16 @@ def _peak(peak: Peak) -> dict[str, Any]:
 
 
 class HandCurve:
-    """The end effector of a motion."""
+    """The end effector of a motion, or an end of a tree."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: Motion, end: str = "") -> None:
         self._motion = motion
-        self._robot = kinematics_alone(motion.plan.robot)
+        self.robot, self._places = arm_of(motion.plan.robot, end)
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
         """Position [m] and velocity [m/s] in the world frame, (times, 3) each."""
         times = np.asarray(t, dtype=float)
-        q, qd, _ = self._motion(times)
+        q, qd = (value[..., list(self._places)] for value in self._motion(times)[:2])
         p = self._functions("forward_kinematics", q)[..., :3, 3]
         v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)  # v = J_v qd
         if (base := self._motion.base) is None:
@@ -144,14 +145,14 @@ class HandCurve:
 
     @cached_property
     def _functions(self) -> Functions:
-        robot, place = self._robot, self._motion.plan.places["robot"]
+        robot, place = self.robot, self._motion.plan.places["robot"]
         check_numbers(free_symbols(robot), self._motion.values, robot.name, place)
         return Functions(robot, frozenset({"forward_kinematics", "jacobian"}), self._motion.values)
 
     @cached_property
     def position(self) -> tuple[Expr, Expr, Expr]:
         """x, y, z of the end effector in the joint variables and the symbols of the robot, the base moving."""
-        p = Matrix([*KinematicModel(self._robot).p, 1])
+        p = Matrix([*KinematicModel(self.robot).p, 1])
         if self._motion.base is not None:
             p = self._motion.base.transform * p
         x, y, z = p[:3]
@@ -171,7 +172,7 @@ class HandCurve:
     @cached_property
     def weights(self) -> tuple[Expr, ...]:
         """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27)."""
-        model = KinematicModel(self._robot)
+        model = KinematicModel(self.robot)
         columns, _ = model.jacobian_columns
         squares = (model.form.kinematic(dot(column, column)) for column in columns)
         return tuple(powdenest(sqrt(square), force=True) for square in squares)  # symbols of lengths are positive
@@ -179,20 +180,24 @@ class HandCurve:
 
 def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """The curve of the hand as people write it."""
-    yield ("% " if as_latex else "") + "hand"
-    hand, plain = HandCurve(motion), Symbol(TIME.name)
-    by_time = [hand.formula, [entry.diff(TIME) for entry in hand.formula]] if motion.plan.curves else [hand.position]
-    for letter, entries in zip("pv", by_time, strict=False):
-        for axis, entry in zip(AXES, entries, strict=True):
-            value = entry.subs(TIME, plain)
-            if value != 0:
-                yield f"{letter}_{axis}(t) = {latex(value)}" if as_latex else f"  {letter}{axis} = {sstr(value)}"
+    for end in ends(motion.plan.robot):
+        yield ("% " if as_latex else "") + (f"hand, end {end.name}" if end.name else "hand")
+        hand, plain = HandCurve(motion, end.name), Symbol(TIME.name)
+        of_time = [hand.formula, [entry.diff(TIME) for entry in hand.formula]] if motion.plan.curves else []
+        for letter, entries in zip("pv", of_time or [hand.position], strict=False):
+            for axis, entry in zip(AXES, entries, strict=True):
+                value = entry.subs(TIME, plain)
+                if value != 0:
+                    yield f"{letter}_{axis}(t) = {latex(value)}" if as_latex else f"  {letter}{axis} = {sstr(value)}"
 
 
 def printed_weights(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """Which joint moves the hand most."""
-    for joint, weight in zip(motion.plan.robot.joints, HandCurve(motion).weights, strict=True):
-        if as_latex:
-            yield f"\\lVert J_{{{latex(Symbol(joint.variable))}}} \\rVert = {latex(weight)}"
-        else:
-            yield f"{joint.variable} moves the hand by {sstr(weight)}"
+    for end in ends(motion.plan.robot):
+        hand = HandCurve(motion, end.name)
+        for joint, weight in zip(hand.robot.joints, hand.weights, strict=True):
+            if as_latex:
+                of_end = f"^{{\\text{{{latex_text(end.name)}}}}}" if end.name else ""
+                yield f"\\lVert J{of_end}_{{{latex(Symbol(joint.variable))}}} \\rVert = {latex(weight)}"
+            else:
+                yield f"{joint.variable} moves {end.name or 'the hand'} by {sstr(weight)}"

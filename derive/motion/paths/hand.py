@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import isfinite, nan
@@ -16,7 +17,7 @@ from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, one_second, smooth_path
 from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
-from derive.motion.torques.functions import Functions, kinematics_alone
+from derive.motion.torques.functions import Functions, arm_of
 from derive.plans.hermite import Piece
 from derive.plans.plan import Plan
 from derive.plans.profile import ZERO
@@ -30,6 +31,19 @@ MET = 1e-9  # largest difference, relative, of both sides of a condition that ho
 ARRIVED = 1e-6  # largest difference between a configuration and where a line ends [rad or m]
 
 
+@dataclass(frozen=True, slots=True)
+class Arm:
+    """The serial arm that leads to an end."""
+
+    robot: Robot
+    places: tuple[int, ...]  # of its joints among those of the plan
+    functions: Functions  # its kinematics
+
+    def q(self, corner: Sequence[Expr]) -> Array:
+        """Its joint variables of a configuration."""
+        return np.array([corner[place] for place in self.places], dtype=float)
+
+
 class Hand:
     """Knows where the points of a plan are."""
 
@@ -37,6 +51,8 @@ class Hand:
         self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
     ) -> None:
         self._plan, self._values, self._exact, self._torques = plan, values, exact, torques
+        self._arms: dict[str, Arm] = {}
+        self._names_of: dict[str, tuple[str, ...]] = {}
 
     @cached_property
     def limits(self) -> Limits:
@@ -50,30 +66,37 @@ class Hand:
         """A cell with the numbers of its symbols."""
         return self._exact((value,))[0]
 
-    @cached_property
-    def _functions(self) -> Functions:
-        names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
-        poses = any(point.pose for point in self._plan.points.values())
-        return Functions(kinematics_alone(self._plan.robot), names, self._values, inverse=poses)
+    def _arm(self, end: str) -> Arm:
+        """The arm to an end."""
+        if end not in self._arms:
+            names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
+            poses = any(point.pose and point.end == end for point in self._plan.points.values())
+            arm, places = arm_of(self._plan.robot, end)
+            self._arms[end] = Arm(arm, places, Functions(arm, names, self._values, inverse=poses))
+        return self._arms[end]
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
         point = self._plan.points[name]
         if point.q is not None:
             return self._exact(point.q)
-        start = np.zeros(self._plan.robot.n) if before is None else np.array(before, dtype=float)
-        pose, branches = self._pose(point), self.branches.get(name, ())
-        found = self._functions.nearest(pose, start, branches)
+        corner, arm = list(before or (ZERO,) * self._plan.robot.n), self._arm(point.end)
+        start = arm.q(corner)
+        pose, branches = self._pose(point, arm), self.branches.get(name, ())
+        found = arm.functions.nearest(pose, start, branches)
         if not np.isfinite(found).all():
-            remedy = f"derive show {self._plan.robot.source} inverse says what a pose must satisfy"
+            inverse = f"'inverse[{point.end}]'" if point.end else "inverse"
+            remedy = f"derive show {self._plan.robot.source} {inverse} says what a pose must satisfy"
             with_branch = f" within its limits with branch {quoted(point.branch, 80)}" if point.branch else ""
-            if with_branch and np.isfinite(self._functions.nearest(pose, start)).all():
+            if with_branch and np.isfinite(arm.functions.nearest(pose, start)).all():
                 remedy = "with another branch it does: leave branch out for the nearest one"
             else:
-                with_branch += why_not(self._plan.robot, pose, self._values)
+                with_branch += why_not(arm.robot, pose, self._values)
             found_text = f"the arm does not reach {point.name}{with_branch}"
             raise RobotFileError(found_text, remedy=remedy, location=point.location)
-        return tuple(map(Float, found))
+        for place, value in zip(arm.places, found, strict=True):
+            corner[place] = Float(value)
+        return tuple(corner)
 
     @cached_property
     def branches(self) -> Mapping[str, tuple[int, ...]]:
@@ -83,7 +106,7 @@ class Hand:
             if not point.branch:
                 continue
             # Those whose names have all words of the point's branch.
-            names, wanted = self._names, _words(point.branch)
+            names, wanted = self._names(point.end), _words(point.branch)
             found[name] = tuple(k for k, own in enumerate(names) if wanted <= _words(own))
             if not found[name]:
                 allowed = f"allowed: {'; '.join(names)}; or some of these words" if names else ""
@@ -93,18 +116,20 @@ class Hand:
                 raise RobotFileError(said, allowed=allowed, remedy=remedy, location=point.location)
         return found
 
-    @cached_property
-    def _names(self) -> tuple[str, ...]:
+    def _names(self, end: str) -> tuple[str, ...]:
+        """Of the solutions of an end."""
         from derive.inverse.closed.solve import solve
         from derive.inverse.words.postures import postures
 
-        robot = self._plan.robot
-        names = postures(robot, solve(robot)).names if self._functions.branches > 1 else ()
-        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
+        if end not in self._names_of:
+            arm = self._arm(end)
+            names = postures(arm.robot, solve(arm.robot)).names if arm.functions.branches > 1 else ()
+            self._names_of[end] = tuple(name or f"#{k}" for k, name in enumerate(names, 1))
+        return self._names_of[end]
 
-    def _pose(self, point: Point) -> Array:
+    def _pose(self, point: Point, arm: Arm) -> Array:
         if point.pose is None:
-            return self._functions("forward_kinematics", np.array(self._exact(point.q or ()), dtype=float))
+            return arm.functions("forward_kinematics", arm.q(self._exact(point.q or ())))
         pose = np.eye(4)
         pose[:3, 3] = [evaluate(cell, self._values) for cell in point.pose.position]
         if point.pose.angles is not None:
@@ -116,13 +141,14 @@ class Hand:
 
     def follow(self, step: Step, before: Corner, start: Expr, unit: Trajectory) -> Joints:
         """The pieces of each joint while the end effector moves on a line or an arc."""
-        end, q = self._plan.points[step.to], np.array(before, dtype=float)
-        here = self._functions("forward_kinematics", q)
+        end, arm = self._plan.points[step.to], self._arm(step.end)
+        q = arm.q(before)
+        here = arm.functions("forward_kinematics", q)
         try:
             if step.through:
-                way = Way.arc(here, self._pose(self._plan.points[step.through]), self._pose(end))
+                way = Way.arc(here, self._pose(self._plan.points[step.through], arm), self._pose(end, arm))
             else:
-                way = Way.line(here, self._pose(end))
+                way = Way.line(here, self._pose(end, arm))
         except ValueError as error:
             raise RobotFileError(str(error), remedy="write line: yes", location=step.location) from None
         follower, duration = self._follower(step), float(unit.duration)
@@ -137,8 +163,9 @@ class Hand:
             # sdd just before each jump; after it as the profile says.
             earlier = np.where(np.isin(local, jumps), unit(np.nextafter(local, -np.inf))[2][:, 0], after)
             # Twice as many nodes until the hand is on its way halfway between them.
-            joints = follower.pieces(way, q, float(start) + local, (s, sd, earlier, after))
-            if follower.farthest(way, joints, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
+            tracks = follower.pieces(way, q, float(start) + local, (s, sd, earlier, after))
+            joints = _beside(joints, arm, tracks)
+            if follower.farthest(way, tracks, unit((local[:-1] + local[1:]) / 2)[0][:, 0]) <= NEAR:
                 break
         self._check_arrival(step, joints)
         if step.through in self.branches:
@@ -147,9 +174,10 @@ class Hand:
 
     def splined(self, run: Sequence[Step], before: Corner, times: Sequence[Expr]) -> list[Joints]:
         """The pieces of each joint, by segments, while the end effector moves on a spline between times [s]."""
-        q = np.array(before, dtype=float)
+        arm = self._arm(run[0].end)
+        q = arm.q(before)
         local = [time - times[0] for time in times]
-        way = spline_way(local, self._poses(run, q))
+        way = spline_way(local, self._poses(run, before))
         follower = self._follower(run[0])
         for count in NODES:
             inner = [np.linspace(float(a), float(b), count + 1)[:-1] for a, b in pairwise(local)]
@@ -158,25 +186,29 @@ class Hand:
             tracks = follower.pieces(way, q, float(times[0]) + s, (s, one, none, none))
             if follower.farthest(way, tracks, (s[:-1] + s[1:]) / 2) <= NEAR:
                 break
-        found: list[Joints] = [tuple(track[k * count : (k + 1) * count] for track in tracks) for k in range(len(run))]
+        parts = [tuple(track[k * count : (k + 1) * count] for track in tracks) for k in range(len(run))]
+        still = [_standing(before, a, b - a) for a, b in pairwise(times)]
+        found = [_beside(joints, arm, part) for joints, part in zip(still, parts, strict=True)]
         for step, joints in zip(run, found, strict=True):
             self._check_arrival(step, joints)
         return found
 
     def distances(self, run: Sequence[Step], before: Corner) -> list[float]:
         """How far the end effector goes from point to point [m], or where it only turns [rad]."""
-        pairs = list(pairwise(self._poses(run, np.array(before, dtype=float))))
+        pairs = list(pairwise(self._poses(run, before)))
         ways = [float(np.linalg.norm(b[:3, 3] - a[:3, 3])) for a, b in pairs]
         turns = [float(np.linalg.norm(rotation_vector(b[:3, :3] @ a[:3, :3].T))) for a, b in pairs]
         return ways if any(ways) else turns
 
-    def _poses(self, run: Sequence[Step], q: Array) -> list[Array]:
+    def _poses(self, run: Sequence[Step], before: Corner) -> list[Array]:
         """Where the end effector is at the start of segments and at each end."""
-        ends = (self._pose(self._plan.points[step.to]) for step in run)
-        return [self._functions("forward_kinematics", q), *ends]
+        arm = self._arm(run[0].end)
+        ends = (self._pose(self._plan.points[step.to], arm) for step in run)
+        return [arm.functions("forward_kinematics", arm.q(before)), *ends]
 
     def _follower(self, step: Step) -> Follower:
-        return Follower(self._functions, self._plan.robot, self._values, step.location)
+        arm = self._arm(step.end)
+        return Follower(arm.functions, arm.robot, self._values, step.location)
 
     def _check_arrival(self, step: Step, joints: Joints) -> None:
         """A point that is given by joint variables is reached with these."""
@@ -191,15 +223,18 @@ class Hand:
 
     def _check_branch(self, step: Step, name: str, joints: Joints) -> None:
         """Where the way comes to a point, the arm is on the branch of that."""
-        tracks = [[piece for piece in track if isinstance(piece, Piece)] for track in joints]
+        arm = self._arm(step.end)
+        functions = arm.functions
+        tracks = [[piece for piece in joints[place] if isinstance(piece, Piece)] for place in arm.places]
         rows = [[*(float(piece.values[0][0]) for piece in track), float(track[-1].values[1][0])] for track in tracks]
         q, point, follower = np.array(rows).T, self._plan.points[name], self._follower(step)
         # A point of an arc is passed at the node that is nearest to it.
-        off = self._functions("forward_kinematics", q)[:, :3, 3] - self._pose(point)[:3, 3]
+        off = functions("forward_kinematics", q)[:, :3, 3] - self._pose(point, arm)[:3, 3]
         here = q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())]
-        pose, turns = self._functions("forward_kinematics", here), [j.is_revolute for j in self._plan.robot.joints]
+        pose, turns = functions("forward_kinematics", here), [joint.is_revolute for joint in arm.robot.joints]
         # From each solution to the arm: angles that differ by whole turns are one, sin(off/2) is zero.
-        ways = (self._functions.nearest(pose, here, (k,)) - here for k in range(len(self._names)))
+        names = self._names(point.end)
+        ways = (functions.nearest(pose, here, (k,)) - here for k in range(len(names)))
         gaps = (np.abs(np.where(turns, np.sin(way / 2), way)).max() for way in ways)
         found = next((k for k, gap in enumerate(gaps) if gap <= ARRIVED), None)
         if found in self.branches[name]:
@@ -207,7 +242,7 @@ class Hand:
         # An arm changes its branch in singular configurations alone: the message says which one was nearest.
         nearest = int(np.argmin([follower.regularity(row) for row in q]))
         factor = follower.factor(q[nearest])
-        said = "outside its limits" if found is None else f"on branch {quoted(self._names[found], 80)}"
+        said = "outside its limits" if found is None else f"on branch {quoted(names[found], 80)}"
         raise RobotFileError(
             f"the way to {step.to} comes to {name} {said}, not {quoted(point.branch, 80)}: no singular configuration, "
             f"where that could change, is on it; nearest to one it is after {nearest / (len(q) - 1):.0%} of it"
@@ -292,6 +327,12 @@ def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
     """The number of an expression; not a number where it has no real one."""
     found = value.xreplace(known).evalf()
     return float(found) if found.is_real else nan
+
+
+def _beside(joints: Joints, arm: Arm, tracks: Joints) -> Joints:
+    """The pieces of all joints, where those of an arm move by its tracks and others as they did."""
+    moved = dict(zip(arm.places, tracks, strict=True))
+    return tuple(moved.get(place, pieces) for place, pieces in enumerate(joints))
 
 
 def _standing(corner: Corner, start: Expr, duration: Expr) -> Joints:

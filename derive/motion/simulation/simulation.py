@@ -11,7 +11,7 @@ from derive.errors import RobotFileError
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.simulation.stepping import PLANT, Divergence, Law, Plant, held_arm, smooth
 from derive.motion.simulation.sticking import exact
-from derive.motion.torques.base_torques import BaseTorques, OpenLink
+from derive.motion.torques.base_torques import BaseTorques, OpenLinks
 from derive.motion.torques.functions import Functions
 from derive.plans.plan import Plan
 from derive.plans.segments import Payload
@@ -232,7 +232,8 @@ def stages_of(
     # Numbers that the plant has otherwise stay symbols; dry friction is the simulation's, not the functions'.
     numbers = tuple(pair for pair in robot.parameters if pair[0] not in plan.plant)
     bare = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), parameters=numbers)
-    link = OpenLink.of(bare) if plan.plant_payload or any(step.payload for step in plan.steps) else None
+    loads = [plan.plant_payload, *(step.payload for step in plan.steps)]
+    link = OpenLinks.of(bare, loads) if any(loads) else None
     period = evaluate(control.period, values) if control.period and control.law != "none" else None
     reference = looked_up(trajectory, period, float(trajectory.duration)) if period else trajectory
     rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)

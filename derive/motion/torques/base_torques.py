@@ -32,6 +32,7 @@ from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.tape import Tape
 from derive.programs.tape.value import Value
+from derive.robot import tree
 from derive.robot.description import Inertia
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Name
@@ -43,78 +44,90 @@ _ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2)
 
 @dataclass(frozen=True)
 class CarriedBody:
-    """A rigid body in the frame of the last link."""
+    """A rigid body in the frame of a link."""
 
     mass: float  # [kg]
     com: Array  # centre of mass, (3,) [m]
     inertia: Array  # about it, (3, 3) [kg m^2]
+    joint: int  # index of the joint that moves the link
 
     @classmethod
     def payload(cls, robot: Robot, payload: Payload, values: Mapping[str, float]) -> CarriedBody:
         """What the tool carries."""
-        tool = np.array([[evaluate(cell, values) for cell in row] for row in robot.tool])
-        rotation, place = tool[:3, :3], tool[:3, 3]
+        arm, joints = tree.arm(robot, payload.end)
+        tip = build_chain(arm, FloatDomain(arm, [0.0] * arm.n, values)).tip
+        rotation, place = np.array(tip.rotation, dtype=float), np.array(tip.position, dtype=float)
         # From the frame of the end effector to that of the last link: r = R r_e + p, I = R I_e R^T.
         com = rotation @ [evaluate(cell, values) for cell in payload.com] + place
         own = np.diag([evaluate(cell, values) for cell in payload.inertia])
-        return cls(evaluate(payload.mass, values), com, rotation @ own @ rotation.T)
+        return cls(evaluate(payload.mass, values), com, rotation @ own @ rotation.T, joints[-1])
 
     @classmethod
-    def last_link(cls, robot: Robot, values: Mapping[str, float]) -> CarriedBody:
-        """The last link without its motor."""
-        link, inertia = robot.links[-1], np.zeros((3, 3))
+    def link(cls, robot: Robot, joint: int, values: Mapping[str, float]) -> CarriedBody:
+        """A link without its motor."""
+        link, inertia = robot.links[joint], np.zeros((3, 3))
         for entry, (i, j) in _ENTRIES.items():
             inertia[i, j] = inertia[j, i] = evaluate(getattr(link.inertia, entry), values)
-        return cls(evaluate(link.mass, values), np.array([evaluate(cell, values) for cell in link.com]), inertia)
+        com = np.array([evaluate(cell, values) for cell in link.com])
+        return cls(evaluate(link.mass, values), com, inertia, joint)
 
     def about(self, point: Array) -> Array:
-        """The inertia about a point in the frame of the last link [m] (Steiner), (3, 3) [kg m^2]."""
+        """The inertia about a point in the frame of the link [m] (Steiner), (3, 3) [kg m^2]."""
         # I_point = I_com + m (r.r 1 - r r^T).
         r = self.com - point
         return self.inertia + self.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
     def __add__(self, other: CarriedBody) -> CarriedBody:
-        """Both as one body."""
+        """Both as one body of the same link."""
         mass = self.mass + other.mass
         com = (self.mass * self.com + other.mass * other.com) / mass if mass else self.com
-        return CarriedBody(mass, com, self.about(com) + other.about(com))
+        return CarriedBody(mass, com, self.about(com) + other.about(com), self.joint)
 
-    def columns(self, n: int) -> dict[str, float]:
+    def columns(self) -> dict[str, float]:
         """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame."""
         # Dynamics are linear in m, m r and the inertia about the origin of the frame (Siciliano et al., 7.2.2).
         parts = {"m": self.mass, **dict(zip(("mx", "my", "mz"), self.mass * self.com, strict=True))}
         inertia = self.about(np.zeros(3))
         parts |= {f"I{entry}": inertia[place] for entry, place in _ENTRIES.items()}
-        return {f"{part}{n}": float(value) for part, value in parts.items()}
+        return {f"{part}{self.joint + 1}": float(value) for part, value in parts.items()}
 
 
 @dataclass(frozen=True)
-class OpenLink:
-    """A robot whose last link has symbols instead of numbers, so that what it carries may change."""
+class OpenLinks:
+    """A robot of which the links at some ends have symbols instead of numbers, so that what they carry may change."""
 
     robot: Robot  # with these symbols
-    names: tuple[str, ...]  # of mass, centre of mass and inertia about it
+    names: Mapping[int, tuple[str, ...]]  # of mass, centre of mass and inertia about it, by the joint of the link
 
     @classmethod
-    def of(cls, robot: Robot) -> OpenLink:
-        """Open the last link."""
+    def of(cls, robot: Robot, payloads: Iterable[Payload | None]) -> OpenLinks:
+        """Open the links that carry payloads."""
         taken, stem = set(robot_symbols(robot)), "carried"
         while any(name.startswith(stem) for name in taken):
             stem += "_"
-        names = [f"{stem}{part}" for part in ("m", "x", "y", "z", *_ENTRIES)]
-        mass, x, y, z, *inertia = map(Name, names)
-        link = replace(robot.links[-1], mass=mass, com=(x, y, z), inertia=Inertia(*inertia))
-        return cls(replace(robot, links=(*robot.links[:-1], link)), tuple(names))
+        carrying = {
+            tree.way_to(robot, tree.end_named(robot, payload.end).after).joint for payload in payloads if payload
+        }
+        links, opened = list(robot.links), {}
+        for place, joint in enumerate(sorted(carrying)):
+            names = [f"{stem}{place or ''}{part}" for part in ("m", "x", "y", "z", *_ENTRIES)]
+            mass, x, y, z, *inertia = map(Name, names)
+            links[joint] = replace(links[joint], mass=mass, com=(x, y, z), inertia=Inertia(*inertia))
+            opened[joint] = tuple(names)
+        return cls(replace(robot, links=tuple(links)), opened)
 
     def carrying(
         self, robot: Robot, values: Mapping[str, float], payloads: Iterable[Payload | None] = ()
     ) -> dict[str, float]:
-        """The numbers of a robot, and those of the symbols for its last link with what the tool carries."""
-        body = CarriedBody.last_link(robot, values)
-        for payload in filter(None, payloads):
-            body += CarriedBody.payload(robot, payload, values)
-        numbers = map(float, (body.mass, *body.com, *[body.inertia[place] for place in _ENTRIES.values()]))
-        return {**values, **dict(zip(self.names, numbers, strict=True))}
+        """The numbers of a robot, and those of the symbols for its open links with what is carried."""
+        found, carried = dict(values), [CarriedBody.payload(robot, each, values) for each in payloads if each]
+        for joint, names in self.names.items():
+            body = CarriedBody.link(robot, joint, values)
+            for other in carried:
+                body = body + other if other.joint == joint else body
+            numbers = map(float, (body.mass, *body.com, *[body.inertia[place] for place in _ENTRIES.values()]))
+            found |= zip(names, numbers, strict=True)
+        return found
 
 
 # Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative.
@@ -190,11 +203,11 @@ class BaseTorques:
     duration: float  # how long it moves [s]; before and after it stands
 
     def carrying(self, *payloads: Payload | None) -> BaseTorques:
-        """Those of the arm whose last link is as heavy as with what the tool carries."""
+        """Those of the arm whose links are as heavy as with what its ends carry."""
         if not any(payloads):
             return self
-        link = OpenLink.of(self.robot)
-        return replace(self, robot=link.robot, values=link.carrying(self.robot, self.values, payloads))
+        links = OpenLinks.of(self.robot, payloads)
+        return replace(self, robot=links.robot, values=links.carrying(self.robot, self.values, payloads))
 
     def _gravity(self, domain: Domain[S]) -> Vector[S]:
         zero = domain.number(0)

@@ -25,6 +25,7 @@ from derive.plans.segments import Load
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
+from derive.robot import tree
 from derive.robot.robot import Robot
 from derive.targets import numpy
 from derive.targets.compiler import find_compiler
@@ -111,6 +112,12 @@ def bare_robot(robot: Robot) -> Robot:
 def kinematics_alone(robot: Robot) -> Robot:
     """A robot without links: nobody asks what it weighs."""
     return replace(robot, links=(), gravity=None)
+
+
+def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
+    """The serial arm that leads to an end, without links, and the indices of its joints; of a chain itself and all."""
+    arm, places = tree.arm(robot, end)
+    return kinematics_alone(arm), places
 
 
 @lru_cache(KEPT)

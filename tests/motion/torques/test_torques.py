@@ -10,9 +10,10 @@ from sympy import Rational, cos, sin
 
 from derive.arrays import Array
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import BaseTorques, CarriedBody, OpenLink
+from derive.motion.torques.base_torques import BaseTorques, CarriedBody, OpenLinks
 from derive.motion.torques.functions import loads
 from derive.plans.hermite import TIME
+from derive.plans.segments import Payload
 from derive.plans.surroundings import BaseCurve
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name
@@ -217,20 +218,21 @@ def test_computed_torque_follows_on_a_base_that_turns() -> None:
 
 
 def test_two_bodies_that_are_nothing_are_nothing() -> None:
-    none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)))
+    none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)), 0)
     assert (none + none).mass == 0
     assert not (none + none).inertia.any()
 
 
 def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
     robot = Robot.load("puma560-corke")
-    opened = OpenLink.of(robot)
-    assert free_symbols(opened.robot) == opened.names
-    again = OpenLink.of(opened.robot)
-    assert not set(again.names) & set(opened.names)
+    opened = OpenLinks.of(robot, [None, Payload()])
+    names = opened.names[5]
+    assert free_symbols(opened.robot) == names
+    again = OpenLinks.of(opened.robot, [Payload()])
+    assert not set(again.names[5]) & set(names)
     values = {name: float(value) for name, value in parameter_values(robot).items()}
-    assert opened.carrying(robot, values)[opened.names[0]] == 0.09
-    assert opened.robot.links[-1].mass == Name(opened.names[0])
+    assert opened.carrying(robot, values)[names[0]] == 0.09
+    assert opened.robot.links[-1].mass == Name(names[0])
 
 
 def state(times: Array) -> tuple[Array, Array]:
