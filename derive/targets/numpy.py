@@ -58,8 +58,8 @@ def python_context(source: Source) -> dict[str, object]:
     ends = [python_string(end.name) for end in robot.ends if end.name]
     tables |= {"ENDS": ends} if ends else {}
     constants: dict[str, Sequence[str]] = {
-        "JOINT_NAMES": [python_string(joint.label) for joint in robot.joints],
-        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
+        "JOINT_NAMES": [python_string(joint.label) for joint in robot.variables],
+        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.variables],
         "LIMITS": [repr(limits) for limits in joint_limits(robot)],
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
@@ -79,7 +79,9 @@ def python_context(source: Source) -> dict[str, object]:
         "inverse": _inverse(program, robot),
         "inverse_in_one_call": False,
         "nearest_is_compiled": False,
-        "functions": [_python_function(each, program.parameters, robot.n, felt.get(each.name, ())) for each in program],
+        "functions": [
+            _python_function(each, program.parameters, robot.dof, felt.get(each.name, ())) for each in program
+        ],
         "has_felt": bool(felt),
         "functions_of_ends": _functions_of_ends(program),
         "ends": [end.name for end in robot.ends],
@@ -137,8 +139,8 @@ def _inverse(program: Program, robot: Robot) -> dict[str, object] | None:
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     search = inverse if isinstance(inverse, InverseSearch) else None
     return {
-        "kernel": _python_function(inverse.function, program.parameters, robot.n),  # the texts of its program
-        "step": _python_function(inverse.step, program.parameters, robot.n) if isinstance(inverse, Inverse) else None,
+        "kernel": _python_function(inverse.function, program.parameters, robot.dof),  # the texts of its program
+        "step": _python_function(inverse.step, program.parameters, robot.dof) if isinstance(inverse, Inverse) else None,
         "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,

@@ -15,8 +15,9 @@ from derive.errors import QuantityError
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
+from derive.robot.coupling import coupling
 from derive.robot.description import Joint
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -33,6 +34,7 @@ class TapeDomain:
     def __init__(self, robot: Robot, graph: Graph, places: Sequence[int] | None = None) -> None:
         self.graph = graph
         self._places = range(robot.n) if places is None else places
+        self._coupling = coupling(robot) if robot.coupled else []
         self._joints = [robot.joints[place] for place in self._places]
         self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
         self._known: dict[Expression, Value] = {
@@ -40,8 +42,19 @@ class TapeDomain:
         }
 
     def argument(self, kind: str, index: int) -> Value:
-        """One entry of an argument, of the joint with that index in the arm."""
-        return Value(self.graph, self.graph.input(kind, self._places[index] if kind in _OF_JOINTS else index))
+        """One entry of an argument; of q, its derivatives and tau that of the joint with that index in the arm."""
+        if kind not in _OF_JOINTS:
+            return self.variable(kind, index)
+        if not self._coupling:
+            return self.variable(kind, self._places[index])
+        row = enumerate(self._coupling[self._places[index]])
+        return sum(
+            (self.constant(factor) * self.variable(kind, k) for k, factor in row if factor != ZERO), self.number(0)
+        )
+
+    def variable(self, kind: str, index: int) -> Value:
+        """One entry of an argument of the function."""
+        return Value(self.graph, self.graph.input(kind, index))
 
     def number(self, value: int | Fraction) -> Value:
         """A rational."""
