@@ -223,7 +223,9 @@ class Trace:
 
     @cached_property
     def closed_forms(self) -> tuple[ClosedForm, ...]:
-        """Closed forms in each choice of angles."""
+        """Closed forms in each choice of angles; none of coupled joints."""
+        if self.robot.coupled:
+            return ()
         has_sums = not self.chain.is_serial or any(len(run.placements) > 1 for run in self.runs)
         choices = (False, True) if has_sums else (False,)
         return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)

@@ -10,14 +10,27 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra import constants
-from derive.algebra.angles import decompose
+from derive.algebra.angles import composed, decompose
 from derive.errors import QuantityError
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
 from derive.robot.coupling import coupling
 from derive.robot.description import Joint
-from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    add,
+    multiply,
+    substitute,
+)
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -110,9 +123,20 @@ class TapeDomain:
         variable, offset = self.number(0), []
         for index, direction in turns:
             joint = self._joints[index]
-            variable = variable + direction * self._signed(index, joint)
+            if not self._coupling:
+                variable = variable + direction * self._signed(index, joint)
             offset.append(Product((Number(Fraction(direction)), joint.theta)))
-        return self._cosine_sine(variable, Sum(tuple(offset)))
+        return self._cosine_sine(self._coupled_sum(turns) if self._coupling else variable, Sum(tuple(offset)))
+
+    def _coupled_sum(self, turns: Sequence[tuple[int, int]]) -> Value:
+        """What is variable of a sum of angles of coupled joints; what cancels there costs nothing."""
+        rows = [(direction * self._joints[i].sign, self._coupling[self._places[i]]) for i, direction in turns]
+        total = self.number(0)
+        for k, column in enumerate(zip(*(row for _, row in rows), strict=True)):
+            signed = (multiply(Number(Fraction(sign)), factor) for (sign, _), factor in zip(rows, column, strict=True))
+            terms = composed(decompose(add(*signed)))
+            total = total + self.constant(terms) * self.variable(Q, k) if terms != ZERO else total
+        return total
 
     def joint_offset(self, index: int, joint: Joint) -> Value:
         """The offset ``sign*q + d`` of a prismatic joint."""
