@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
+from functools import cached_property
 from math import prod
 from typing import Generic, TypeVar
 
@@ -10,6 +11,7 @@ from derive.algebra.angles import composed, contracted_groups, decompose, printe
 from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, canonical, scaled, sine_and_cosine
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
+from derive.robot.coupling import coupling, drives, position
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
@@ -46,7 +48,10 @@ class PolynomialDomain:
         summed = {i: group[: group.index(i) + 1] if sums(group) else (i,) for i, group in home.items()}
         # for each joint the joints whose variables its generator sums, empty for a prismatic joint
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
-        self._revolute = {joint.variable: i for i, joint in enumerate(robot.joints) if joint.is_revolute}
+        self._same = self._same_angles() if robot.coupled else {}
+        self.groups = tuple(group for group in self.groups if self._same.keys().isdisjoint(group))
+        own = robot.joints if not robot.coupled else ()
+        self._revolute = {joint.variable: i for i, joint in enumerate(own) if joint.is_revolute}
         values, angles = generators.robot_cells(robot)
         self.atoms = generators.collect([*values, *extra], angles, frozenset(self._revolute))
         # what the generators stand for, in the order of the ring
@@ -66,6 +71,29 @@ class PolynomialDomain:
             elif g.kind is Kind.INVERSE:
                 self.ring.relate_inverse(g.name, self.constant(g.argument))
 
+    def _same_angles(self) -> dict[int, tuple[int, int]]:
+        """For each coupled joint whose sum is that of a joint before, or opposed, that joint and +-1; 0 for no sum."""
+        known: dict[tuple[Fraction, frozenset[tuple[Expression, Fraction]]], int] = {}
+        found: dict[int, tuple[int, int]] = {}
+        for i, members in enumerate(self.angles):
+            if not members:
+                continue
+            exact = decompose(canonical(self.printed_angle(members)))
+            for sign in (1, -1):
+                key = sign * exact.pi_multiple, frozenset((unit, sign * k) for unit, k in exact.terms)
+                if key in known:
+                    found[i] = known[key], sign
+            if not exact.terms and exact.pi_multiple == 0:
+                found[i] = i, 0
+            if i not in found:
+                known[exact.pi_multiple, frozenset(exact.terms)] = i
+        return found
+
+    @cached_property
+    def coupling(self) -> list[list[Polynomial]]:
+        """S of coupled joints, a row for each joint and a column for each variable."""
+        return coupling(self.robot, self.constant)
+
     def _needed_generators(self, rates: bool) -> Iterator[Generator]:
         """Those that a relation eliminates come before those that replace them."""
         atoms, joints = self.atoms, self.robot.joints
@@ -75,7 +103,7 @@ class PolynomialDomain:
         moving = [
             sine_and_cosine(self.printed_angle(members), "+".join(joints[m].variable for m in members), i)
             for i, members in enumerate(self.angles)
-            if members
+            if members and i not in self._same
         ]
         constant: list[tuple[Generator, Generator]] = []
         for unit, divisor in atoms.units.items():
@@ -87,12 +115,13 @@ class PolynomialDomain:
         for pairs in (moving, constant, small):
             yield from (eliminated for eliminated, _ in pairs)
             yield from (kept for _, kept in pairs)
-        for i, joint in enumerate(joints):
-            if not joint.is_revolute:
-                yield Generator(Kind.VARIABLE, joint.variable, Name(joint.variable), i)
-        known = {joint.variable for joint in joints if not joint.is_revolute}
+        slid = {name for joint in joints if not joint.is_revolute for name, _ in drives(joint)}
+        for i, mover in enumerate(self.robot.variables):
+            if mover.variable in slid:
+                yield Generator(Kind.VARIABLE, mover.variable, Name(mover.variable), i)
+        known = slid | {mover.variable for mover in self.robot.coupled}
         for kind, rename in ((Kind.ACCELERATION, acceleration_name), (Kind.RATE, velocity_name)):
-            renamed = [rename(joint.variable) for joint in joints]
+            renamed = [rename(mover.variable) for mover in self.robot.variables]
             known.update(renamed)
             if rates:
                 yield from (Generator(kind, name, Name(name), i) for i, name in enumerate(renamed))
@@ -103,6 +132,10 @@ class PolynomialDomain:
     def angle_sum(self, members: tuple[int, ...]) -> Expression:
         """The sum of some joint variables of a group, the first of them positive."""
         first = self.directions[members[0]]
+        if self.robot.coupled:
+            turns = (Number(Fraction(first * self.directions[m])) for m in members)
+            angles = (position(self.robot.joints[m]) for m in members)
+            return composed(decompose(add(*(multiply(turn, angle) for turn, angle in zip(turns, angles, strict=True)))))
         terms = [scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
         return terms[0] if len(terms) == 1 else Sum(tuple(terms))
 
@@ -136,6 +169,8 @@ class PolynomialDomain:
 
     def joint_offset(self, index: int, joint: Joint) -> Polynomial:
         """The displacement of a prismatic joint, ``sign*q + d`` [m]."""
+        if joint.drive:
+            return self.constant(add(position(joint), joint.d))
         return joint.sign * self.ring.generator(joint.variable) + self.constant(joint.d)
 
     def cosine_sine_of(self, index: int, *, offset: bool = False) -> tuple[Polynomial, Polynomial]:
@@ -155,16 +190,22 @@ class PolynomialDomain:
         return c, joint.sign * s
 
     def _generator_pair(self, index: int) -> tuple[Polynomial, Polynomial]:
+        same, sign = self._same.get(index, (index, 1))
+        if sign == 0:
+            return self.ring.one, self.ring.zero
+        if same != index:
+            c, s = self._generator_pair(same)
+            return c, sign * s
         cosine = self.generators[self.places[Kind.COSINE, index]]
         return self.ring.generator(cosine.name), self.ring.generator(cosine.partner)
 
     def rate(self, index: int) -> Polynomial:
         """The velocity of a joint [rad/s or m/s]."""
-        return self.ring.generator(velocity_name(self.robot.joints[index].variable))
+        return self.ring.generator(velocity_name(self.robot.variables[index].variable))
 
     def acceleration(self, index: int) -> Polynomial:
         """The acceleration of a joint [rad/s^2 or m/s^2]."""
-        return self.ring.generator(acceleration_name(self.robot.joints[index].variable))
+        return self.ring.generator(acceleration_name(self.robot.variables[index].variable))
 
     def constant(self, expression: Expression) -> Polynomial:
         """The polynomial of an expression."""
@@ -265,7 +306,9 @@ class PolynomialDomain:
     # -- calculus
 
     def derivative(self, p: Polynomial, joint: int) -> Polynomial:
-        """The partial derivative with respect to the variable of a joint."""
+        """The partial derivative with respect to a variable."""
+        if self.robot.coupled:
+            return self._coupled_derivative(p, joint)
         if not self.robot.joints[joint].is_revolute:
             return p.partial(self.places[Kind.VARIABLE, joint])
         # chain rule: every sine and cosine whose angle sums this joint changes with it, by +1 or -1
@@ -276,6 +319,18 @@ class PolynomialDomain:
                 by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
                 direction = self.directions[members[0]] * self.directions[joint]
                 total = total + direction * (by_sine * cosine - by_cosine * sine)
+        return total
+
+    def _coupled_derivative(self, p: Polynomial, variable: int) -> Polynomial:
+        place, total = self.places.get((Kind.VARIABLE, variable)), self.ring.zero
+        total = total if place is None else p.partial(place)
+        for i, members in enumerate(self.angles):
+            # d/dq of the sum of joint angles that a generator stands for
+            factors = (self.directions[members[0]] * self.directions[m] * self.coupling[m][variable] for m in members)
+            if members and i not in self._same and (factor := sum(factors, self.ring.zero)):
+                cosine, sine = self._generator_pair(i)
+                by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
+                total = total + factor * (by_sine * cosine - by_cosine * sine)
         return total
 
 

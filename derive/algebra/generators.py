@@ -238,5 +238,6 @@ def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
         if link.motor is not None:
             values += (link.motor.mass, link.motor.inertia, link.motor.ratio)
     more_values, more_angles = tree.constant_cells(robot)
+    values = values + [factor for joint in robot.joints for _, factor in joint.drive]
     angles = [angle for joint in robot.joints for angle in (joint.theta, joint.alpha)]
     return values + more_values, angles + more_angles

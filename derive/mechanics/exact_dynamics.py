@@ -16,6 +16,7 @@ from derive.mechanics.chain import Body, build_chain
 from derive.mechanics.inertia_matrix import inertia_matrix
 from derive.mechanics.vectors import Symmetric
 from derive.robot import tree
+from derive.robot.coupling import projected
 from derive.robot.description import Inertia
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Robot
@@ -63,7 +64,13 @@ class Dynamics:
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:
         """B(q), nxn, links and rotors."""
-        return inertia_matrix(self.chain)
+        matrix = inertia_matrix(self.chain)
+        if not self.robot.coupled:
+            return matrix
+        # S^T B S: kinetic energy is that of the joints.
+        half = [projected(row, self.lumped.coupling, self.chain.zero) for row in matrix]
+        columns = [projected(column, self.lumped.coupling, self.chain.zero) for column in zip(*half, strict=True)]
+        return [list(row) for row in zip(*columns, strict=True)]
 
     def derivative(self, i: int, j: int, k: int) -> Polynomial:
         """dB_ij/dq_k."""

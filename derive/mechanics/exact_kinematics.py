@@ -9,6 +9,7 @@ from derive.mechanics.chain import Chain, build_chain, constant_vector, way_fram
 from derive.mechanics.energy import potential_energy
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, scale, subtract
 from derive.robot import tree
+from derive.robot.coupling import projected
 from derive.robot.description import Convention, Motor
 from derive.robot.robot import Robot
 
@@ -67,12 +68,24 @@ class Kinematics:
     def linear_columns(self, point: PolynomialVector) -> list[PolynomialVector]:
         """The derivatives of a point with respect to every joint variable: n columns of J_v."""
         d = self.domain.derivative
-        return [(d(point[0], k), d(point[1], k), d(point[2], k)) for k in range(self.robot.n)]
+        return [(d(point[0], k), d(point[1], k), d(point[2], k)) for k in range(self.robot.dof)]
 
     def angular_columns(self, last: int) -> list[PolynomialVector]:
         """Angular velocity of a link per unit of every rate, in the world: n columns of J_w."""
+        return self._by_variables(self._spins(last))
+
+    def _spins(self, last: int) -> list[PolynomialVector]:
+        """The same per unit of every joint's rate."""
         movers, joints = tree.path(self.robot, last - 1), enumerate(self.robot.joints)
         return [self.axis(k + 1) if k in movers and joint.is_revolute else self.chain.null for k, joint in joints]
+
+    def _by_variables(self, columns: list[PolynomialVector]) -> list[PolynomialVector]:
+        """Columns for the variables from those for the joints."""
+        if not self.robot.coupled:
+            return columns
+        matrix, zero = self.domain.coupling, self.chain.zero
+        rows = (projected(entries, matrix, zero) for entries in zip(*columns, strict=True))
+        return [(x, y, z) for x, y, z in zip(*rows, strict=True)]
 
     def com(self, i: int) -> PolynomialVector:
         """Centre of mass of link i in the world."""
@@ -88,11 +101,11 @@ class Kinematics:
     def motor_angular_columns(self, i: int) -> list[PolynomialVector]:
         """Angular velocity of rotor i per unit of every rate: that of link i-1, and ratio*z for joint i."""
         joint = self.chain.joints[i - 1]
-        columns = self.angular_columns(joint.parent + 1)
+        columns = self._spins(joint.parent + 1)
         motor = self.robot.links[i - 1].motor or Motor()
         z = column((self.joint_frame(joint.parent + 1) @ joint.fixed).rotation, 2)
         columns[i - 1] = scale(self.domain.constant(motor.ratio), z)
-        return columns
+        return self._by_variables(columns)
 
     @cached_property
     def potential(self) -> Polynomial:
@@ -102,7 +115,7 @@ class Kinematics:
     @cached_property
     def gravity_vector(self) -> list[Polynomial]:
         """g = dU/dq, n entries."""
-        return [self.domain.derivative(self.potential, k) for k in range(self.robot.n)]
+        return [self.domain.derivative(self.potential, k) for k in range(self.robot.dof)]
 
 
 @dataclass(frozen=True, slots=True)

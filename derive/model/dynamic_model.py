@@ -234,7 +234,7 @@ class DynamicModel(KinematicModel):
             QuantityError: No such joint, or the file gives no links.
         """
         for index in (i, j, k):
-            self._require_index(index, 1)
+            self._require_variable(index)
         p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
         return self.dynamic_form.entry(p, self.christoffel_limit, self.style.christoffel)
 
@@ -299,9 +299,19 @@ class DynamicModel(KinematicModel):
         for f*sign(qd): f_plus for qd > 0, -f_minus for qd < 0, and 0 at rest.
         """
         self._require_links("friction")
-        pairs = zip(self.robot.links, self.qd, strict=True)
-        rows = [friction_torque(*pair, lambda cell: self.form.dynamic(self.domain.constant(cell))) for pair in pairs]
-        return sympy.ImmutableMatrix(rows)
+        write = lambda cell: self.form.dynamic(self.domain.constant(cell))  # noqa: E731
+        rows = [friction_torque(*pair, write) for pair in zip(self.robot.links, self._rates, strict=True)]
+        return sympy.ImmutableMatrix(self._coupling.T * sympy.Matrix(rows) if self.robot.coupled else rows)
+
+    @cached_property
+    def _coupling(self) -> Matrix:
+        """S of coupled joints, a row for each joint and a column for each variable."""
+        return sympy.ImmutableMatrix([[self.form.dynamic(entry) for entry in row] for row in self.domain.coupling])
+
+    @property
+    def _rates(self) -> Sequence[Expr]:
+        """The velocity of each joint."""
+        return list(self._coupling * sympy.Matrix(self.qd)) if self.robot.coupled else self.qd
 
     @cached_property
     def tau(self) -> Matrix:
@@ -403,12 +413,15 @@ class DynamicModel(KinematicModel):
         n, columns, write = range(self.n), [], cache(self.form.kinematic)  # many parameters share entries
         from derive.model.identification.unit_dynamics import UnitDynamics
 
-        units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends=ends)
+        coupling = self.domain.coupling if self.robot.coupled else ()
+        units = UnitDynamics(build_chain(with_unit_rotors(self.robot), self.domain), ends, coupling)
         for parameter in parameters:
             if parameter.part in FRICTION_PARTS:
-                rate = self.qd[parameter.joint - 1]
+                joint = parameter.joint - 1
+                rate = self._rates[joint]
                 own = rate if parameter.part == "b" else coulomb_column(parameter.part, sympy.sign(rate))
-                columns.append([own if k == parameter.joint - 1 else sympy.S.Zero for k in n])
+                shares = self._coupling.row(joint) if self.robot.coupled else [int(k == joint) for k in n]
+                columns.append([own * share for share in shares])
                 continue
             gravity = {k: self.form.gravity(p) for k, p in units.gravity(parameter).items()}
             inertia = {key: p for (a, b), p in units.inertia(parameter).items() for key in ((a, b), (b, a))}

@@ -43,6 +43,10 @@ class TreeModel:
         if not first <= i <= self.robot.n:
             raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {self.robot.n} for {self.robot.name}")
 
+    def _require_variable(self, k: int) -> None:
+        if not 1 <= k <= self.robot.dof:
+            raise QuantityError(f"index {k}", allowed=f"allowed: 1 to {self.robot.dof} for {self.robot.name}")
+
     def _index(self, i: int | str) -> int:
         """The number of a frame of a chain."""
         if isinstance(i, str):
@@ -150,7 +154,8 @@ def _of_each_end(function: Method, finish: Callable[[Any, Sequence[int], int], A
 
         def _of(name: str) -> Any:
             arm, places = model.arm(name)
-            return finish(function(arm, *arguments, **named), places, model.n)
+            columns = range(model.n) if model.robot.coupled else places
+            return finish(function(arm, *arguments, **named), columns, model.n)
 
         return OfEnds(names, _of)
 

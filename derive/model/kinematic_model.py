@@ -56,7 +56,7 @@ class KinematicModel(TreeModel):
         if contraction is not None:
             chosen = replace(chosen, contraction=choice_named(Contraction, contraction))
         self.style = chosen
-        variables = [joint.variable for joint in robot.joints]
+        variables = [mover.variable for mover in robot.variables]
         self.q = tuple(sympy.Symbol(v) for v in variables)
         self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
         self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
@@ -83,8 +83,8 @@ class KinematicModel(TreeModel):
 
     @property
     def n(self) -> int:
-        """Number of joints."""
-        return self.robot.n
+        """Number of joint variables."""
+        return self.robot.dof
 
     # -- exact layer
 
@@ -120,7 +120,7 @@ class KinematicModel(TreeModel):
 
     @property
     def _is_long(self) -> bool:
-        return self.long_chain.is_long(0, self.n)
+        return not self.robot.coupled and self.long_chain.is_long(0, self.n)
 
     # -- frames
 
@@ -287,7 +287,7 @@ class KinematicModel(TreeModel):
         if self._is_long:
             raise QuantityError(f"J of {self.robot.name}, multiplied out", allowed="arms whose T is shorter")
         k = self.kinematics
-        return k.linear_columns(k.end.position), k.angular_columns(self.n)
+        return k.linear_columns(k.end.position), k.angular_columns(self.robot.n)
 
     @cached_property
     @of_each_end_by_joints
@@ -311,7 +311,7 @@ class KinematicModel(TreeModel):
         Raises:
             QuantityError: No such joint.
         """
-        self._require_index(k, 1)
+        self._require_variable(k)
         if isinstance(every := self.J, OfEnds):
             return every.each(lambda matrix: sympy.ImmutableMatrix(matrix.diff(self.q[k - 1])))
         if self._is_long:

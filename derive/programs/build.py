@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import product
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
@@ -101,10 +99,11 @@ class _Traced:
         columns = row.columns(trace) if row.columns else ()
         interface = row.interface.at(end) if end else row.interface
         try:
-            own, places = trace.to_end(end) if end else (trace, ())
+            own = trace.to_end(end)[0] if end else trace
             formulations = trace.choice.near(row.formulations(own), row.margin)
-            if end:
-                formulations = tuple(_in_tree(f, interface, trace, places) for f in formulations)
+            if not row.is_of_variables and (end or trace.robot.coupled):
+                sizes = {"r": trace.n, "p": len(columns)}
+                formulations = tuple(own.for_variables(f, interface.shape, sizes) for f in formulations)
         except QuantityError:
             if not row.may_lack_value:
                 raise
@@ -132,7 +131,7 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        sizes = {"n": self.trace.n, "p": len(self.columns)}
+        sizes = {"n": self.trace.robot.dof, "r": self.trace.n, "p": len(self.columns)}
         sizes |= {"m": len(task_rows(self.trace.robot))} if "m" in self.interface.shape else {}
         interface = self.interface
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in interface.shape)
@@ -141,12 +140,3 @@ class _Traced:
             result = interface.result.replace("coulomb*sign(qd)", "(coulomb of the direction)*sign(qd)")
             interface = replace(interface, result=result)
         return Function(interface, shape, tape, formulation.words, self.columns)
-
-
-def _in_tree(formulation: Formulation, interface: Interface, trace: Trace, places: Sequence[int]) -> Formulation:
-    """What is computed for the joints of an arm with zeros for the other joints of the tree."""
-    found = iter(formulation.trace())
-    axes = [range(trace.n) if size == "n" else range(int(size)) for size in interface.shape]
-    joints = [k for k, size in enumerate(interface.shape) if size == "n"]
-    entries = [next(found) if {entry[k] for k in joints} <= {*places} else trace.chain.zero for entry in product(*axes)]
-    return Formulation(formulation.words, partial(list, entries))

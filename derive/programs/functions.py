@@ -41,6 +41,7 @@ class FunctionRow:
     search: bool = True  # whether a long search for shared parts pays
     most_improved: float = inf  # nodes above which it is emitted as traced
     columns: Callable[[Trace], tuple[Column, ...]] | None = None  # names of the columns of the result
+    is_of_variables: bool = False  # whether it is computed for the variables of coupled joints, not for the joints
     of_end: bool = False  # whether a tree has one for each of its ends
     is_optional: bool = False  # whether it is left out where it has no value in any configuration
     without_value: Callable[[Trace], Formulation] | None = None  # what stands for it there otherwise
@@ -78,7 +79,7 @@ ROWS = (
         of_end=True,
     ),
     _row(
-        ("T_i = link_transforms(q)", ("n", 4, 4)),
+        ("T_i = link_transforms(q)", ("r", 4, 4)),
         "Poses of the DH frames 1..n in the world frame.",
         "base A_1 ... A_i for i = 1..n, without the tool",
         kinematics.link_poses,
@@ -179,6 +180,7 @@ ROWS = (
         "Joint accelerations under given torques and forces.",
         "solution of tau = B qdd + C qd + g + friction",
         dynamics.accelerations,
+        is_of_variables=True,
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
@@ -236,7 +238,7 @@ ROWS = (
             f"Manipulability of the {what}.",
             "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             partial(kinematics.manipulabilities, part),
-            exists=lambda robot: robot.n <= POLICY.most_derivatives,
+            exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.coupled,
             margin=1.0,
             search=False,
             of_end=True,
@@ -248,7 +250,7 @@ ROWS = (
         "Gradient of the manipulability of the task.",
         "d w / d q_j; where w = 0 of an oblong J no finite numbers",
         kinematics.manipulability_gradients,
-        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.coupled,
         search=False,
         of_end=True,
     ),

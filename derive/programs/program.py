@@ -248,5 +248,5 @@ def joint_lines(robot: Robot, escape: Callable[[str], str] | None = None) -> tup
     return tuple(
         f"{i + 1}: {joint.variable}, {joint.type.value} [{'rad' if joint.is_revolute else 'm'}]"
         + (f", {escape(joint.name)}" if escape and joint.name else "")
-        for i, joint in enumerate(robot.joints)
+        for i, joint in enumerate(robot.variables)
     )

@@ -26,8 +26,8 @@ def manifest_text(source: Source, targets: Collection[Target], files: Mapping[st
         "robot_file_sha256": robot.digest,
         "effort": effort.value,
         "convention": robot.convention.value,
-        "dof": robot.n,
-        "joints": [{"name": joint.variable, "type": joint.type.value} for joint in robot.joints],
+        "dof": robot.dof,
+        "joints": [{"name": joint.variable, "type": joint.type.value} for joint in robot.variables],
         "parameters": {
             "free": list(free_symbols(robot)),
             "numbers": {name: to_text(value) for name, value in dict(robot.parameters).items()},

@@ -26,7 +26,7 @@ from derive.errors import (
     quoted,
 )
 from derive.robot import expression as tree
-from derive.robot.description import Description, FileUnits, Joint
+from derive.robot.description import Description, FileUnits, Joint, Variable
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, contains_pi, is_constant, names
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
@@ -84,14 +84,14 @@ def _scaled(expression: Expression, unit: Expression, unitless: frozenset[str] =
 def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expression, ...]:
     """The configuration [rad or m] by numbers or cells that a user types beside the file, in the units of the file."""
     texts = [value if isinstance(value, str) else str(float(value)) for value in q]
-    if len(texts) != robot.n:
-        allowed = f"allowed: one value for each of {', '.join(joint.variable for joint in robot.joints)}"
-        raise DeriveError(f"{robot.n} joint values are needed, {len(texts)} given", allowed=allowed)
-    pairs = zip(robot.joints, texts, strict=True)
+    if len(texts) != robot.dof:
+        allowed = f"allowed: one value for each of {', '.join(joint.variable for joint in robot.variables)}"
+        raise DeriveError(f"{robot.dof} joint values are needed, {len(texts)} given", allowed=allowed)
+    pairs = zip(robot.variables, texts, strict=True)
     return tuple(joint_value(robot, joint, typed, joint.variable) for joint, typed in pairs)
 
 
-def joint_value(robot: Description, joint: Joint | None, typed: str, name: str) -> Expression:
+def joint_value(robot: Description, joint: Joint | Variable | None, typed: str, name: str) -> Expression:
     """A value that a user types beside the file.
 
     Args:
@@ -123,20 +123,20 @@ def typed_point(
     robot: Description, at: Sequence[str], rates: str | None = None, accelerations: str | None = None
 ) -> dict[str, Expression]:
     """The state that a user types beside the file, in the units of the file; symbols as under ``parameters:``."""
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.variables]
     orders = [variables, list(map(velocity_name, variables)), list(map(acceleration_name, variables))]
-    joints = {name: joint for names in orders for name, joint in zip(names, robot.joints, strict=True)}
+    joints = {name: joint for names in orders for name, joint in zip(names, robot.variables, strict=True)}
     symbols = robot_symbols(robot)
     point: dict[str, Expression] = {}
     for option, order, typed in zip(
         ("--at", "--rates", "--accelerations"), orders, (",".join(at), rates or "", accelerations or ""), strict=True
     ):
         cells = [cell for cell in re.split("[,;]", typed.strip().strip("[]")) if cell.strip()]
-        if len(cells) == 1 and len(typed.split()) == robot.n:  # values with spaces between them
+        if len(cells) == 1 and len(typed.split()) == robot.dof:  # values with spaces between them
             cells = typed.strip().strip("[]").split()
         places = [cell for cell in cells if "=" not in cell]
-        if places and len(places) != robot.n:
-            found = f"{len(places)} values in {option} for {robot.n} joints"
+        if places and len(places) != robot.dof:
+            found = f"{len(places)} values in {option} for {robot.dof} joints"
             allowed = f"allowed: one for each of {listed(order)}, or {order[0]}=0.5 for one of them"
             raise DeriveError(found, allowed=allowed)
         pairs = [*zip(order, places, strict=bool(places)), *(cell.split("=", 1) for cell in cells if "=" in cell)]

@@ -9,7 +9,7 @@ from enum import StrEnum
 from fractions import Fraction
 
 from derive.errors import Location
-from derive.robot.expression import ONE, ZERO, Expression, add, multiply, negate, number, to_text
+from derive.robot.expression import ONE, ZERO, Expression, Name, add, multiply, negate, number, to_text
 from derive.robot.options.handout import FigureOptions, HandoutOptions
 from derive.robot.options.inverse import InverseOptions
 from derive.robot.options.style import Style
@@ -98,6 +98,9 @@ class Joint:
     # Free text by which others know the joint, such as ``shoulder_pan``; inert in every output; or empty.
     name: str = ""
     stand: Stand | None = None  # None where it follows the joint of the row above with nothing between
+    # Variables of a coupled joint with their factors: its cell is the sum of factor*variable and the constant part, and
+    # ``variable`` is a name of its own that stands for the sum; empty where the joint has its variable for itself.
+    drive: tuple[tuple[str, Expression], ...] = ()
 
     @property
     def label(self) -> str:
@@ -120,6 +123,8 @@ class Joint:
         cells = {"theta": self.theta, "d": self.d, "a": self.a, "alpha": self.alpha}
         row = {name: write(cell) for name, cell in cells.items()}
         variable = self.variable if self.sign > 0 else f"-{self.variable}"
+        if self.drive:
+            variable = to_text(add(*(multiply(factor, Name(name)) for name, factor in self.drive)))
         constant = row[moving]
         rest = f" - {constant[1:]}" if constant.startswith("-") else f" + {constant}"
         return row | {moving: variable if constant == "0" else variable + rest}
@@ -193,6 +198,28 @@ class Link:
         parts += [repr(self.motor)] if self.motor is not None else []
         rest = _cells_text(armature=self.armature, viscous=self.viscous, coulomb=self.coulomb)
         return f"Link({', '.join([f'mass={to_text(self.mass)}', *parts, *([rest] if rest else [])])})"
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of coupled joints."""
+
+    variable: str  # its name
+    type: JointType  # whether it is an angle or a length
+    limits: tuple[Expression, Expression] | None = None  # lower and upper limit [rad or m], or None
+    speed: Expression | None = None  # largest speed, either way [rad/s or m/s], or None
+    torque: Expression | None = None  # largest torque or force, either way [N m or N], or None
+    name: str = ""  # it has no other name
+
+    @property
+    def label(self) -> str:
+        """What it is called."""
+        return self.variable
+
+    @property
+    def is_revolute(self) -> bool:
+        """Whether it is an angle."""
+        return self.type is JointType.REVOLUTE
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,6 +307,7 @@ class Description:
     source: str = ""  # file name or catalogue name, for messages only; never written to an output
     fixed: tuple[FixedRow, ...] = ()  # rows without motion, in the order of the file
     ends: tuple[End, ...] = ()  # the ends by name; empty for one end behind the last row
+    coupled: tuple[Variable, ...] = ()  # the variables, where some joint is coupled; else each joint has its own
     root: Root | None = None  # how the root moves, None where it stands; its rows are the first of ``joints``
     # What the file says and hardly means, such as 90 rad.
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
@@ -292,11 +320,21 @@ class Description:
         return len(self.joints)
 
     @property
+    def variables(self) -> tuple[Joint | Variable, ...]:
+        """What q consists of: the variables of coupled joints, or each joint with its own."""
+        return self.coupled or self.joints
+
+    @property
+    def dof(self) -> int:
+        """Number of variables."""
+        return len(self.variables)
+
+    @property
     def has_dynamics(self) -> bool:
         """Whether the file gives link parameters."""
         return bool(self.links)
 
     @property
     def is_tree(self) -> bool:
-        """Whether it is more than one chain of rows of the table, each behind the one above."""
-        return bool(self.fixed or self.ends) or any(joint.stand for joint in self.joints)
+        """Whether it is more than one chain of rows of the table, each behind the one above with its own variable."""
+        return bool(self.fixed or self.ends or self.coupled) or any(joint.stand for joint in self.joints)

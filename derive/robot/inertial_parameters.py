@@ -45,7 +45,7 @@ def coulomb_parts(link: Link) -> dict[str, Expression]:
 
 def has_regressor(robot: Robot) -> bool:
     """Whether regressors are generated for a robot."""
-    return robot.has_dynamics and robot.n <= REGRESSOR_JOINTS
+    return robot.has_dynamics and robot.n <= REGRESSOR_JOINTS and not robot.coupled
 
 
 def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:

@@ -29,7 +29,7 @@ def joint_label(variable: str) -> str:
 
 def joint_labels(robot: Description) -> dict[str, str]:
     """Joint variable -> its label; its number where no variable has a digit, as in q_hip and q_knee."""
-    labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints}
+    labels = {joint.variable: joint_label(joint.variable) for joint in robot.variables}
     return labels if any(labels.values()) else {variable: str(i) for i, variable in enumerate(labels, 1)}
 
 
@@ -42,19 +42,19 @@ def expressions(robot: Description) -> Iterator[Expression]:
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:
     """Parameters of kinematics and dynamics; joint variables are none."""
-    variables = {joint.variable for joint in robot.joints}
+    variables = {joint.variable for joint in robot.variables}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
     return tuple(name for name in found if name not in variables)
 
 
 def own_names(robot: Description) -> frozenset[str]:
     """Symbols and joint variables, which no printed formula may mean otherwise."""
-    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.joints)))
+    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.variables)))
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:
     """Symbols in the limits of joints."""
-    limits = [limit for joint in robot.joints for limit in joint.limits or ()]
+    limits = [limit for movers in (robot.joints, robot.coupled) for mover in movers for limit in mover.limits or ()]
     return tuple(dict.fromkeys(name for limit in limits for name in names(limit)))
 
 

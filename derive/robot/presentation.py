@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.cells import Cells, check_symbol, joint_values
-from derive.robot.description import Description, Joint
+from derive.robot.description import Description, Joint, Variable
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.options import handout
@@ -106,7 +106,7 @@ def _parts(document: Document) -> tuple[str, ...]:
 
 
 def read_figure(
-    document: Document, cells: Cells, joints: tuple[Joint, ...], parameters: tuple[tuple[str, Expression], ...]
+    document: Document, cells: Cells, joints: Sequence[Joint | Variable], parameters: tuple[tuple[str, Expression], ...]
 ) -> FigureOptions:
     """The configuration that is drawn; it uses no symbol, so a parameter is not used by being drawn."""
     own = Cells(document, cells.units)
@@ -136,7 +136,7 @@ def read_figure(
     return FigureOptions(q, tuple((name, _number(own, ("figure", "values", name), own.plain)) for name in values))
 
 
-def read_inverse(document: Document, joints: tuple[Joint, ...]) -> InverseOptions:
+def read_inverse(document: Document, joints: Sequence[Joint | Variable]) -> InverseOptions:
     """What inverse kinematics is asked for."""
 
     def _chosen(path: KeyPath, choose: Callable[[list[str]], tuple[str, ...]]) -> tuple[str, ...] | None:

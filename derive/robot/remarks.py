@@ -44,7 +44,7 @@ def remarks_on(document: Document, robot: Description) -> tuple[Remark, ...]:
     found: dict[KeyPath, Remark] = {}
     angles: list[tuple[KeyPath, Expression]] = []
     paths = [path for path, _ in located_expressions(robot)]
-    for path in (*paths, *(("figure", "q", row) for row in range(robot.n))):
+    for path in (*paths, *(("figure", "q", row) for row in range(robot.dof))):
         cell = cells.raw(path)
         angles += [(path, angle) for angle in turned_angles(cell)]
         angles += [(path, cell)] if cell_unit(path, robot) is Unit.ANGLE else []

@@ -1,20 +1,20 @@
 """The blocks of a robot file that say what the arm is: its Denavit-Hartenberg table, frames, links and gravity."""
 
 from collections.abc import Callable, Iterable, Mapping
-from fractions import Fraction
 
-from derive.errors import RobotFileError, quoted
+from derive.errors import RobotFileError, listed, quoted
 from derive.robot import expression as tree
 from derive.robot.cells import Cells, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names, to_text
+from derive.robot.expression import ONE, ZERO, Expression, Name, Product, is_constant, names, to_text
 from derive.robot.reading.document import Document, KeyPath
 
 # The symbol of gravity where a file with links does not say: it points along -z of the world frame.
 DEFAULT_GRAVITY_SYMBOL = "g"
 # Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2.
 ROTATION_TOLERANCE = 1e-6
+Read = Callable[[KeyPath], Expression]  # reads the cell at a place in its unit
 
 
 def read_joint(document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> Joint:
@@ -37,7 +37,9 @@ class _Row:
         for key in ("a", "alpha", self._fixed):
             raw[key] = self._cells.raw((*self._path, key))
             self._refuse_variables(key, raw[key])
-        sign, raw[self._moving] = self._moving_cell()
+        sign, raw[self._moving], drive = self._moving_cell()
+        read = self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length
+        limits = read_limits(self._document, self._cells, self._path, read, self._variables)
         return Joint(
             type=self._type,
             variable=self._variable,
@@ -46,9 +48,10 @@ class _Row:
             d=length_in_metres(raw["d"], self._cells.units),
             a=length_in_metres(raw["a"], self._cells.units),
             alpha=self._cells.to_radians((*self._path, "alpha"), raw["alpha"]),
-            limits=self._limits(),
-            speed=self._bound("speed", self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length),
-            torque=self._bound("torque", self._cells.plain),
+            limits=limits,
+            speed=read_bound(self._document, self._cells, self._path, "speed", read),
+            torque=read_bound(self._document, self._cells, self._path, "torque", self._cells.plain),
+            drive=drive,
             name="" if (name := inert_text(self._document, (*self._path, "name"))) == self._variable else name,
         )
 
@@ -67,73 +70,75 @@ class _Row:
             remedy,
         )
 
-    def _moving_cell(self) -> tuple[int, Expression]:
-        """Sign of the variable and constant rest of the cell that moves, before units."""
-        own = Name(self._variable)
-        path = (*self._path, self._moving)
+    def _moving_cell(self) -> tuple[int, Expression, tuple[tuple[str, Expression], ...]]:
+        """Sign of the variable and constant rest of the cell that moves, before units; of a coupled joint its drive."""
+        own, path = Name(self._variable), (*self._path, self._moving)
         expression = self._cells.raw(path, own)
-        shown = quoted(to_text(expression))
-        coefficient = Fraction(0)  # cell = coefficient q + rest
+        factors: dict[str, list[Expression]] = {}  # cell = sum of factors * variables + rest
         rest: list[Expression] = []
         for factor, term in tree.linear_terms(expression):
-            moved = next((name for name in names(term) if name in self._variables), None)
-            if term == own:
-                coefficient += factor
-            elif moved is None:
+            moved = [name for name in names(term) if name in self._variables]
+            others = [
+                part
+                for part in (term.factors if isinstance(term, Product) else (term,))
+                if part != Name(*moved[:1] or [""])
+            ]
+            if not moved:
                 rest.append(tree.multiply(tree.number(factor), term))
-            elif moved == self._variable:
-                allowed = f"allowed: {moved}, -{moved}, with a constant added"
-                raise self._document.error(path, f"{shown} is not {moved} plus a constant", allowed)
+            elif len(moved) == 1 and len(others) < len(term.factors if isinstance(term, Product) else (term,)):
+                factors.setdefault(moved[0], []).append(tree.multiply(tree.number(factor), *others))
             else:
-                found = f"variable '{moved}' of another joint in {shown}"
-                allowed = f"allowed: the row's own variable '{self._variable}'"
-                remedy = "coupled joints are not supported; write the coupling into the motion, not into the table"
-                raise self._document.error(path, found, allowed, remedy)
-        if abs(coefficient) != 1:
-            raise self._wrong_factor(coefficient, expression)
-        return int(coefficient), tree.add(*rest)
+                found = f"{quoted(to_text(expression))} is not linear in {listed(dict.fromkeys(moved))}"
+                allowed = "allowed: a sum of variables with constant factors, and a constant"
+                raise self._document.error(path, found, allowed, "multiply it out")
+        drive = tuple((name, total) for name, parts in factors.items() if (total := tree.add(*parts)) != ZERO)
+        if not drive:
+            raise self._constant(path, expression)
+        if [name for name, _ in drive] == [self._variable] and drive[0][1] in (ONE, tree.negate(ONE)):
+            return 1 if drive[0][1] == ONE else -1, tree.add(*rest), ()
+        return 1, tree.add(*rest), drive
 
-    def _wrong_factor(self, coefficient: Fraction, expression: Expression) -> RobotFileError:
-        path, name = (*self._path, self._moving), self._variable
-        if coefficient != 0:
-            found = f"factor {coefficient} of the variable '{name}'"
-            return self._document.error(path, found, "allowed: +1 or -1", "rescale the variable, not the cell")
+    def _constant(self, path: KeyPath, expression: Expression) -> RobotFileError:
+        name = self._variable
         other = next((other for other in names(expression) if other not in self._variables), None)
         hint = f"; if '{other}' is the variable, write q: {other}" if other else ""
         return self._document.error(
             path,
             f"{quoted(to_text(expression))} is constant, but {self._moving} is the cell that moves in a "
             f"{self._type.value} joint",
-            f"allowed: {name} or -{name}, with a constant added",
+            f"allowed: {name} or -{name}, with a constant added, or a sum of variables with constant factors",
             f"leave the cell out or write {self._moving}: {name} + ...; a figure's position is no part of the "
             f"table{hint}",
         )
 
-    def _limits(self) -> tuple[Expression, Expression] | None:
-        path = (*self._path, "limits")
-        if self._document.find(path) is None:
-            return None
-        read = self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length
-        lower, upper = read((*path, 0)), read((*path, 1))
-        for name in (*names(lower), *names(upper)):
-            if name in self._variables:
-                found = f"joint variable '{name}' in limits"
-                raise self._document.error(path, found, "allowed: numbers and parameters")
-        return lower, upper
 
-    def _bound(self, key: str, read: Callable[[KeyPath], Expression]) -> Expression | None:
-        """The largest magnitude of something, a positive number."""
-        path, allowed = (*self._path, key), "allowed: a number above zero"
-        if self._document.find(path) is None:
-            return None
-        value = self._cells.constant(path, read(path), f"the largest {key}", allowed)
-        try:
-            positive = evaluate(value, {}) > 0
-        except ArithmeticError as error:
-            raise self._document.error(path, str(error), allowed) from None
-        if not positive:
-            raise self._document.error(path, f"found {quoted(self._document.text(*path))}", allowed)
-        return value
+def read_limits(
+    document: Document, cells: Cells, path: KeyPath, read: Read, variables: frozenset[str] = frozenset()
+) -> tuple[Expression, Expression] | None:
+    """Lower and upper limit of a joint or a variable."""
+    path = (*path, "limits")
+    if document.find(path) is None:
+        return None
+    lower, upper = read((*path, 0)), read((*path, 1))
+    for name in (*names(lower), *names(upper)):
+        if name in variables:
+            raise document.error(path, f"joint variable '{name}' in limits", "allowed: numbers and parameters")
+    return lower, upper
+
+
+def read_bound(document: Document, cells: Cells, path: KeyPath, key: str, read: Read) -> Expression | None:
+    """The largest magnitude of something, a positive number."""
+    path, allowed = (*path, key), "allowed: a number above zero"
+    if document.find(path) is None:
+        return None
+    value = cells.constant(path, read(path), f"the largest {key}", allowed)
+    try:
+        positive = evaluate(value, {}) > 0
+    except ArithmeticError as error:
+        raise document.error(path, str(error), allowed) from None
+    if not positive:
+        raise document.error(path, f"found {quoted(document.text(*path))}", allowed)
+    return value
 
 
 def read_frame(document: Document, cells: Cells, path: KeyPath) -> Matrix:

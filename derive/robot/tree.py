@@ -217,7 +217,8 @@ def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:
 
 def is_arm(robot: Description) -> bool:
     """Whether its joints follow each other to one end without a name, whatever is constant between them."""
-    return not (robot.root or (robot.ends and robot.ends[0].name)) and parents(robot) == tuple(range(-1, robot.n - 1))
+    is_alone = not (robot.root or robot.coupled or (robot.ends and robot.ends[0].name))
+    return is_alone and parents(robot) == tuple(range(-1, robot.n - 1))
 
 
 def require_arm(robot: Description, what: str) -> None:

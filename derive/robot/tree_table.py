@@ -14,15 +14,18 @@ from derive.robot.description import (
     End,
     FixedRow,
     Joint,
+    JointType,
     Link,
     Matrix,
     Root,
     RootType,
     Stand,
+    Variable,
 )
+from derive.robot.expression import names
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.reading.size_limits import FILE_LIMITS
-from derive.robot.table import read_frame, read_gravity, read_joint, read_link
+from derive.robot.table import read_bound, read_frame, read_gravity, read_joint, read_limits, read_link
 from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
 
 # What stands behind a function's name to name another one, as in jacobian_dot: names of ends stand there, too.
@@ -37,7 +40,7 @@ def read_table(document: Document, cells: Cells) -> Description:
     base, tool = (read_frame(document, cells, (key,)) for key in ("base", "tool"))
     ends, links = table.ends(rows, tool), _read_links(document, cells, rows)
     bodies, has_dynamics = dict(enumerate(links)), document.find(("links",)) is not None
-    joints = tuple(row for row in rows if isinstance(row, Joint))
+    joints, coupled = tuple(row for row in rows if isinstance(row, Joint)), table.coupled(rows)
     fixed = tuple(replace(row, link=bodies.get(at)) for at, row in enumerate(rows) if isinstance(row, FixedRow))
     moved = tuple(link for row, link in zip(rows, links, strict=False) if isinstance(row, Joint))
     if root is not None:
@@ -47,7 +50,7 @@ def read_table(document: Document, cells: Cells) -> Description:
         moved = (*(Link() for _ in moving if has_dynamics), *moved)
     convention, gravity = Convention(document.text("convention")), read_gravity(document, cells)
     whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
-    return plain(whole)
+    return plain(replace(whole, coupled=coupled))
 
 
 def _read_root(document: Document) -> Root | None:
@@ -96,8 +99,15 @@ class _Table:
     def __init__(self, document: Document, cells: Cells, root: Root | None) -> None:
         self._document, self._cells = document, cells
         self._roots = root.variables if root else ()
+        block = document.find(("variables",))
+        self._declared = tuple(block.entries) if isinstance(block, YamlMapping) else ()
         self._variables = self._read_variables()  # by row; nothing where it is fixed
-        self._labels = [document.text("joints", row, "name") or name for row, name in enumerate(self._variables)]
+        self._own = [name if self._is_own(row, name) else "" for row, name in enumerate(self._variables)]
+        self._labels = [self._label_of(row) for row in range(len(self._variables))]
+
+    def _label_of(self, row: int) -> str:
+        usual = self._own[row] or (f"row {row + 1}" if self._variables[row] else "")
+        return self._document.text("joints", row, "name") or usual
 
     def _read_variables(self) -> list[str]:
         most, rows = FILE_LIMITS.joints, range(self._document.length(("joints",)))
@@ -117,7 +127,7 @@ class _Table:
             if is_fixed:
                 continue
             check_symbol(self._document, path, name)
-            if name in found_at:
+            if name in found_at and (given or not self._declared):
                 said = f"variable '{name}' belongs to {found_at[name]} already"
                 remedy = "give every joint its own variable: q: ..."
                 raise self._document.error(path if given else path[:-1], said, remedy=remedy)
@@ -126,12 +136,10 @@ class _Table:
 
     def read(self) -> tuple[Joint | FixedRow, ...]:
         """All rows, each with its stand."""
-        variables = frozenset((*self._roots, *filter(None, self._variables)))
+        variables = frozenset((*self._roots, *filter(None, self._own), *self._declared))
         rows = tuple(
-            replace(read_joint(self._document, self._cells, at, variable, variables), stand=self._stand(at))
-            if variable
-            else self._fixed_row(at)
-            for at, variable in enumerate(self._variables)
+            replace(self._joint(at, variables), stand=self._stand(at)) if self._variables[at] else self._fixed_row(at)
+            for at in range(len(self._labels))
         )
         for at, row in enumerate(rows):
             if row.label == BASE and self._is_tree():
@@ -145,6 +153,49 @@ class _Table:
                 place: KeyPath = ("joints", at if row.name else first, "name")
                 raise self._document.error(place, said, remedy=f"give every {what} a name of its own")
         return rows
+
+    def _joint(self, row: int, variables: frozenset[str]) -> Joint:
+        return read_joint(self._document, self._cells, row, self._own[row] or f"row {row + 1}", variables)
+
+    def _is_own(self, row: int, name: str) -> bool:
+        """Whether a row has a variable of its own: q, or that of its number where its cell has that or none."""
+        moving: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
+        if not name or self._document.find(("joints", row, "q")) or self._document.find(moving) is None:
+            return bool(name)
+        used = frozenset(names(self._cells.raw(moving)))
+        return name in used or used.isdisjoint((*self._roots, *self._variables, *self._declared))
+
+    def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[Variable, ...]:
+        """The variables in their order, where a row is coupled or the file names them; else none."""
+        joints = [row for row in rows if isinstance(row, Joint)]
+        if not (self._declared or any(joint.drive for joint in joints)):
+            return ()
+        used = dict.fromkeys((*self._roots, *filter(None, self._own)))
+        order = (
+            self._declared
+            if used.keys() <= {*self._declared}
+            else (*used, *(n for n in self._declared if n not in used))
+        )
+        return tuple(self._variable(name, joints) for name in order)
+
+    def _variable(self, name: str, joints: Sequence[Joint]) -> Variable:
+        path: KeyPath = ("variables", name)
+        check_symbol(self._document, path, name)
+        alone = next((joint for joint in joints if joint.variable == name), None)
+        driven = next((joint for joint in joints if name in dict(joint.drive)), None)
+        if alone is None and driven is None and name not in self._roots:
+            found, allowed = f"variable '{name}' moves no joint", "allowed: variables that the cell of a joint has"
+            raise self._document.error(path, found, allowed, "remove it, or write it into a cell")
+        root = JointType.REVOLUTE if name in self._roots[-3 if len(self._roots) > 3 else -1 :] else JointType.PRISMATIC
+        kind = next((joint.type for joint in (alone, driven) if joint), root)
+        own = Variable(name, kind) if alone is None else Variable(name, kind, alone.limits, alone.speed, alone.torque)
+        angle = self._cells.angle if kind is JointType.REVOLUTE else self._cells.length
+        limits, speed, torque = (
+            read_limits(self._document, self._cells, path, angle),
+            read_bound(self._document, self._cells, path, "speed", angle),
+            read_bound(self._document, self._cells, path, "torque", self._cells.plain),
+        )
+        return Variable(name, kind, limits or own.limits, speed or own.speed, torque or own.torque)
 
     def _fixed_row(self, row: int) -> FixedRow:
         path: KeyPath = ("joints", row)
@@ -181,7 +232,7 @@ class _Table:
         at, known = self._at(name), (BASE, *self._labels[:rows])
         if at is not None and at < rows:
             return self._labels[at]
-        found, remedy = f"no row {quoted(name)}", near_miss(name, (*known, *filter(None, self._variables[:rows])))
+        found, remedy = f"no row {quoted(name)}", near_miss(name, (*known, *filter(None, self._own[:rows])))
         if at == rows:
             found, remedy = "the row itself", "name the row that it follows"
         elif at is not None:
@@ -193,7 +244,7 @@ class _Table:
 
     def _at(self, name: str) -> int | None:
         """The row with a label, else that with a variable."""
-        return next((words.index(name) for words in (self._labels, self._variables) if name and name in words), None)
+        return next((words.index(name) for words in (self._labels, self._own) if name and name in words), None)
 
     def _follows(self, row: int | None, other: int) -> bool:
         """Whether a row below another one follows it, perhaps by way of more rows."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from derive.errors import RobotFileError
 from derive.robot import expression as tree
-from derive.robot.description import INERTIA, Description, FileUnits, FixedRow, Joint, Matrix
+from derive.robot.description import INERTIA, Description, FileUnits, FixedRow, Joint, Matrix, Variable
 from derive.robot.expression import Call, Expression, Name, Pi, Product, is_constant, names
 from derive.robot.tree import located_links, table
 
@@ -36,7 +36,7 @@ class Unit(Enum):
         return (self is Unit.ANGLE and units.degrees) or (self is Unit.LENGTH and units.millimetres)
 
 
-def position_unit(joint: Joint) -> Unit:
+def position_unit(joint: Joint | Variable) -> Unit:
     """What the variable of a joint is."""
     return Unit.ANGLE if joint.is_revolute else Unit.LENGTH
 
@@ -47,7 +47,9 @@ def cell_unit(path: KeyPath, robot: Description) -> Unit:
         case ("joints", int(row), "limits", _) if isinstance(joint := table(robot)[row], Joint):
             return position_unit(joint)
         case ("figure", "q", int(index)):
-            return position_unit(robot.joints[index])
+            return position_unit(robot.variables[index])
+        case ("variables", str(name), "limits", _):
+            return next(position_unit(variable) for variable in robot.coupled if variable.variable == name)
         case ("joints", _, "theta" | "alpha" | "gamma"):
             return Unit.ANGLE
         case ("joints", _, "d" | "a" | "b") | ("links" | "root", _, "com", _):
@@ -76,7 +78,11 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
         if row.stand:
             yield from (((*place, "gamma"), row.stand.gamma), ((*place, "b"), row.stand.b))
         if isinstance(row, Joint):
+            yield from (((*place, "drive", name), factor) for name, factor in row.drive)
             yield from (((*place, "limits", k), limit) for k, limit in enumerate(row.limits or ()))
+    for variable in robot.coupled:
+        place = ("variables", variable.variable, "limits")
+        yield from (((*place, k), limit) for k, limit in enumerate(variable.limits or ()))
     yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
     for place, link in located_links(robot):
         yield (*place, "mass"), link.mass

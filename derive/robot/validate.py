@@ -1,10 +1,11 @@
 """Checks that need the whole robot: names, parameters, and numbers that must make sense."""
 
 import random
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
-from derive.errors import RobotFileError, near_miss
+from derive.errors import RobotFileError, listed, near_miss
 from derive.robot.cells import Cells
+from derive.robot.coupling import coupling
 from derive.robot.description import Description
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
@@ -26,7 +27,7 @@ _REAL = "allowed: expressions with a finite real value"
 def validate(document: Document, cells: Cells, robot: Description) -> None:
     """Refuse a robot whose parts contradict each other."""
     _check_derived_names(document, cells, robot)
-    variables = {joint.variable for joint in robot.joints}
+    variables = {joint.variable for joint in robot.variables}
     for path, expression in located_expressions(robot):
         if moving := [name for name in names(expression) if name in variables]:
             found = f"joint variable '{moving[0]}'"
@@ -57,15 +58,18 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
     source = random.Random(_SEED)
     open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
     trials = [{**values, **{name: source.uniform(0.1, 0.9) for name in open_names}} for _ in range(_TRIALS)]
+    if robot.coupled:
+        _check_coupling(document, robot, trials)
     for path, matrix in located_frames(robot):
         check_rotation(document, path, matrix, trials)
 
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:
     """Velocities and accelerations get names of their own; nothing else may have them."""
-    taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.joints}
+    taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.variables}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
-    for place, joint in zip(joint_places(robot), robot.joints, strict=True):
+    places = [("variables",)] * robot.dof if robot.coupled else joint_places(robot)
+    for place, joint in zip(places, robot.variables, strict=True):
         derived = {"velocity": velocity_name(joint.variable), "acceleration": acceleration_name(joint.variable)}
         for kind, name in derived.items():
             if name in taken:
@@ -77,9 +81,30 @@ def _check_derived_names(document: Document, cells: Cells, robot: Description) -
             taken[name] = kind
 
 
+def _check_coupling(document: Document, robot: Description, trials: Iterable[Mapping[str, float]]) -> None:
+    """Refuse variables that move the joints only together with others."""
+    for values in trials:
+        rows = coupling(robot, lambda factor: evaluate(factor, values))  # noqa: B023 - called at once
+        lost = list(range(robot.dof))
+        for row in rows:  # elimination: each row that is left takes the first variable that it still has
+            pivot = next((k for k in lost if abs(row[k]) > _ROUNDING), None)
+            if pivot is None:
+                continue
+            lost.remove(pivot)
+            for other in rows:
+                if other is not row and (share := other[pivot] / row[pivot]):
+                    other[:] = [a - share * b for a, b in zip(other, row, strict=True)]
+        if not lost:
+            return
+    names = listed(robot.coupled[k].variable for k in lost)
+    found = f"{robot.dof} variables move only {robot.dof - len(lost)} joints each in its own way: {names} too many"
+    remedy = "leave one out, or let it move a joint of its own"
+    raise document.error(("joints",), found, "allowed: variables that all tell joint positions apart", remedy)
+
+
 def _check_symbols(document: Document, cells: Cells, robot: Description) -> None:
     """Parameters and run-time parameters are symbols that some cell uses, the latter named once."""
-    variables = {joint.variable for joint in robot.joints}
+    variables = {joint.variable for joint in robot.variables}
     symbols = cells.first_use.keys() - variables
     for name, _ in robot.parameters:
         path: KeyPath = ("parameters", name)
@@ -138,7 +163,7 @@ def _check_limits(
     if lower is not None and upper is not None and not lower < upper:
         found, remedy = "lower limit is not below the upper", "exchange or correct them"
         raise document.error((*place, "limits"), found, "allowed: [lower, upper]", remedy)
-    if robot.figure.q is None:
+    if robot.figure.q is None or robot.coupled:
         return
     drawn = evaluate(robot.figure.q[index], {})
     if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):

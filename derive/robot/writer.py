@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from fractions import Fraction
+from functools import partial
 
 from derive.robot.description import (
     BASE,
@@ -20,6 +21,7 @@ from derive.robot.description import (
     Matrix,
     Motor,
     Stand,
+    Variable,
     pair_text,
 )
 from derive.robot.expression import ZERO, Expression, to_text
@@ -61,6 +63,9 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
             lines += [f"{key}:", *(f"  - {row}" for row in _frame(matrix, units))]
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
+    for variable in robot.coupled:
+        lines += ["variables:"] if variable is robot.coupled[0] else []
+        lines += [f"  {variable.variable}: {_variable(variable, robot)}"]
     lines += [*_block("ends", {end.name: _end(end, units) for end in robot.ends if end.name}), *_root(robot)]
     if robot.links:
         bodies = [link for place, link in located_links(robot) if place[0] == "links"]
@@ -89,7 +94,7 @@ def _options(robot: Description) -> Iterator[str]:
     yield from _block("handout", changed | ({"notation": f"{{{', '.join(letters)}}}"} if letters else {}))
     figure, inverse, drawn = robot.figure, robot.inverse, {}
     if figure.q is not None:
-        kinds = map(position_unit, robot.joints)
+        kinds = map(position_unit, robot.variables)
         drawn["q"] = _list([in_file_units(*cell, robot.units) for cell in zip(figure.q, kinds, strict=True)])
     if figure.values:
         values = (f"{name}: {cell_text(in_symbol_units(robot, name, value))}" for name, value in figure.values)
@@ -125,6 +130,18 @@ def _end(end: End, units: FileUnits) -> str:
     return after if end.tool == IDENTITY else f"{{after: {after}, tool: [{', '.join(_frame(end.tool, units))}]}}"
 
 
+def _variable(variable: Variable, robot: Description) -> str:
+    """The bounds of a variable in braces, without those that are its row's anyway."""
+    alone = next((joint for joint in robot.joints if joint.variable == variable.variable), None)
+    unit = partial(in_file_units, unit=position_unit(variable), units=robot.units)
+    bounds = [(getattr(variable, key), alone and getattr(alone, key)) for key in ("limits", "speed", "torque")]
+    limits, speed, torque = (None if own == of_row else own for own, of_row in bounds)
+    cells = [f"limits: {_list([*map(unit, limits)])}"] if limits else []
+    cells += [f"speed: {cell_text(unit(speed))}"] if speed else []
+    cells += [f"torque: {cell_text(torque)}"] if torque else []
+    return f"{{{', '.join(cells)}}}"
+
+
 def _root(robot: Description) -> Iterator[str]:
     if robot.root is None:
         return
@@ -137,7 +154,7 @@ def _root(robot: Description) -> Iterator[str]:
 def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
     """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
     yield f"type: {row.type.value if isinstance(row, Joint) else FIXED}"
-    if isinstance(row, Joint):
+    if isinstance(row, Joint) and not row.drive:
         yield f"q: {row.variable}"
     stand, cells = row.stand or Stand(above), row.written(cell_text)
     if stand.after != above:

@@ -24,7 +24,7 @@ def render_casadi(source: Source) -> dict[str, str]:
     """The module ``model_casadi.py``."""
     search = source.program.search
     reason = python_docstring(f"{search.reason}, which is no expression") if search else ""
-    context = python_context(source) | {"columns": 4 * source.robot.n, "without_inverse": reason}
+    context = python_context(source) | {"columns": 4 * source.robot.dof, "without_inverse": reason}
     if search:
         context["inverse"] = None
     return {FILE: render("casadi/model_casadi.py.jinja", **context)}
@@ -45,7 +45,7 @@ def render_casadi_c(source: Source) -> dict[str, str]:
     parameters = source.program.parameters
     generator = casadi.CodeGenerator(CODE, {"with_header": True})
     for function in source.program:
-        generator.add(casadi_function(function, source.robot.n, len(parameters)))
+        generator.add(casadi_function(function, source.robot.dof, len(parameters)))
     inverse = source.program.inverse
     for branch in casadi_inverse(inverse, len(parameters)) if inverse else ():
         generator.add(branch)

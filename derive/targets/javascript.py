@@ -42,9 +42,9 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
     """What the template of the declarations asks for."""
     limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
-        "dof": robot.n,
-        "joint_names": wrapped([javascript_string(joint.label) for joint in robot.joints]),
-        "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.joints]),
+        "dof": robot.dof,
+        "joint_names": wrapped([javascript_string(joint.label) for joint in robot.variables]),
+        "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.variables]),
         "limits": wrapped(limits),
         "bounds": {
             name: wrapped(["null" if most is None else repr(most) for most in row])
@@ -54,7 +54,7 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
         "has_parameters": bool(program.parameters),
         **case_context(program.all_tapes),
         "inverse": _inverse(program, robot) if program.inverse else None,
-        "functions": tuple(_function(function, program.parameters, robot.n) for function in program),
+        "functions": tuple(_function(function, program.parameters, robot.dof) for function in program),
     }
 
 
@@ -110,14 +110,14 @@ def _inverse(program: Program, robot: Robot) -> dict[str, object]:
         *map(javascript_comment, inverse.order),
         *function.notes,
     )
-    turning = [i for i, joint in enumerate(robot.joints) if joint.is_revolute and i not in inverse.given]
+    turning = [i for i, joint in enumerate(robot.variables) if joint.is_revolute and i not in inverse.given]
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
     given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
     return {
-        "kernel": _function(function, program.parameters, robot.n),  # the texts of its program
-        "step": _function(inverse.step, program.parameters, robot.n),  # those of its Newton step
+        "kernel": _function(function, program.parameters, robot.dof),  # the texts of its program
+        "step": _function(inverse.step, program.parameters, robot.dof),  # those of its Newton step
         "step_entries": tuple(
-            (name, wrapped(entry_names(inverse.step, name, robot.n))) for name in inverse.step.arguments
+            (name, wrapped(entry_names(inverse.step, name, robot.dof))) for name in inverse.step.arguments
         ),
         "documentation": tuple(f" * {line}".rstrip() for line in documentation),  # lines of its comment
         "entries": wrapped(entry_names(function, POSE, 0)),  # lines of the names of the entries of a pose

@@ -27,7 +27,7 @@ def render_native(source: Source) -> dict[str, str]:
     """Module and code."""
     code, inverse = c_context(source), solvable(source.program)
     texts = code["functions"]
-    loops = [_loop(function, text, source.robot.n) for function, text in zip(source.program, texts, strict=True)]
+    loops = [_loop(function, text, source.robot.dof) for function, text in zip(source.program, texts, strict=True)]
     solver = [code["inverse"]["function"]] if inverse else []
     counts = {text["name"]: text["constant_count"] for text in [*texts, *solver]}
     module = python_context(source) | {"constant_counts": counts, "library": LIBRARY}

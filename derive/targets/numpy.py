@@ -67,8 +67,8 @@ def python_context(source: Source) -> dict[str, object]:
     ends = [python_string(end.name) for end in robot.ends if end.name]
     tables |= {"ENDS": ends} if ends else {}
     constants: dict[str, Sequence[str]] = {
-        "JOINT_NAMES": [python_string(joint.label) for joint in robot.joints],
-        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.joints],
+        "JOINT_NAMES": [python_string(joint.label) for joint in robot.variables],
+        "JOINT_TYPES": [python_string(joint.type.value) for joint in robot.variables],
         "LIMITS": [repr(limits) for limits in joint_limits(robot)],
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
@@ -90,7 +90,9 @@ def python_context(source: Source) -> dict[str, object]:
         "arms": [],  # inverse kinematics of the ends
         "inverse_in_one_call": False,
         "nearest_is_compiled": False,
-        "functions": [_python_function(each, program.parameters, robot.n, felt.get(each.name, ())) for each in program],
+        "functions": [
+            _python_function(each, program.parameters, robot.dof, felt.get(each.name, ())) for each in program
+        ],
         "has_felt": bool(felt),
         "functions_of_ends": _functions_of_ends(program),
         "ends": [end.name for end in robot.ends],

@@ -30,7 +30,7 @@ def render_octave(source: Source) -> dict[str, str]:
     inverse = _inverse(program.inverse, program, robot, package) if program.inverse else None
     context = heading(source, one_line) | {
         "package": package,
-        "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.joints),
+        "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.variables),
         "parameters": wrapped([matlab_string(name) for name in program.parameters], " ..."),
         "limits": [
             ", ".join(bound_text(bound, "Inf") for bound in pair or (-inf, inf)) for pair in joint_limits(robot)
@@ -75,8 +75,8 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
     standard = program["regressor"].columns if "regressor" in program else ()
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     lists: dict[str, Iterable[str]] = {
-        "joint_names": [joint.label for joint in robot.joints],
-        "joint_types": [joint.type.value for joint in robot.joints],
+        "joint_names": [joint.label for joint in robot.variables],
+        "joint_types": [joint.type.value for joint in robot.variables],
         "parameters": program.parameters,
         "standard_parameters": [column.name for column in standard],
         "base_parameters": [column.name for column in base],
@@ -98,19 +98,19 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
     rows = zip(kernel.results, is_row, strict=True)
     results = [text if row else "z" if text == "0.0" else f"{text} + z" for text, row in rows]
     places, extent = _column_major(function.shape)
-    widths = [function.width(name, robot.n) for name in function.arguments]
+    widths = [function.width(name, robot.dof) for name in function.arguments]
     return {
         "name": function.name,
         "heading": function.name.upper(),  # the name as help texts begin with it, in capitals
         "result": re.sub(r"\W", "_", function.interface.symbol),  # the variable that is returned, ``B``
         "signature": ", ".join((*function.arguments, *(["params"] if parameters else []))),
         "summary": function.interface.summary,  # first line of its help
-        "documentation": _documentation(function, package, robot.n, parameters) if not function.widths else (),
+        "documentation": _documentation(function, package, robot.dof, parameters) if not function.widths else (),
         "arguments": ", ".join(function.arguments),
-        "rows": f"[{', '.join(map(str, widths))}]" if len(set(widths)) > 1 else robot.n,  # entries of the arguments
+        "rows": f"[{', '.join(map(str, widths))}]" if len(set(widths)) > 1 else robot.dof,  # entries of the arguments
         "params_place": len(function.arguments) + 1,  # place of the argument ``params``
         "quoted": ", ".join(f"'{name}'" for name in function.arguments),
-        "unpack": _unpacked(function, robot.n),  # statements that name the entries of the arguments
+        "unpack": _unpacked(function, robot.dof),  # statements that name the entries of the arguments
         "needed": wrapped([matlab_string(name) for name in needed], " ..."),
         "unpack_parameters": tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
         "hoists": bool(kernel.constants),  # whether there are values on parameters alone
@@ -191,7 +191,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         *inverse.function.notes,
     )
     turning = [
-        "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.joints)
+        "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.variables)
     ]
     return {
         "kernel": _function(inverse.function, program.parameters, robot, package),  # the texts of its program

@@ -53,10 +53,10 @@ def render(source: Source) -> dict[str, str]:
         "digest": robot.digest,
         "version": source.version,
         "convention": robot.convention.value,
-        "n": robot.n,
+        "n": robot.dof,
         "joints": [
             f"`{line}` {markdown_text(joint.name)}".rstrip()
-            for line, joint in zip(joint_lines(robot), robot.joints, strict=True)
+            for line, joint in zip(joint_lines(robot), robot.variables, strict=True)
         ],
         "files": [
             (name, PACKAGE if name.startswith("+") else FILES.get(name, ""))
@@ -82,8 +82,8 @@ def render(source: Source) -> dict[str, str]:
         "base": [(name, rounded) for name, (rounded, _) in written.items()],
         "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
         "free": free,
-        "example": ", ".join(["0.1"] * robot.n),
-        "column": "; ".join(["0.1"] * robot.n),
+        "example": ", ".join(["0.1"] * robot.dof),
+        "column": "; ".join(["0.1"] * robot.dof),
         "struct": ", ".join(f"'{name}', 1.0" for name in free),
         "example_parameters": ", ".join(f'"{name}": 1.0' for name in free),
     }

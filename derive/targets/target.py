@@ -52,7 +52,7 @@ def heading(source: Source, comment: Callable[[str], str]) -> dict[str, object]:
         "version": comment(source.version),
         "digest": robot.digest,
         "convention": robot.convention.value,
-        "dof": robot.n,
+        "dof": robot.dof,
         "joints": joint_lines(robot, comment),
     }
 
@@ -72,7 +72,7 @@ def joint_limits(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
     """Lower and upper limit of each joint [rad or m]; None where there is none or it has no number."""
     numbers = dict(robot.parameters)
     limits: list[tuple[float, float] | None] = []
-    for joint in robot.joints:
+    for joint in robot.variables:
         bounds = [exact_number(bound, numbers) for bound in joint.limits or ()]
         known = [to_float(bound) for bound in bounds if bound is not None]
         limits.append((known[0], known[1]) if len(known) == 2 else None)
@@ -88,7 +88,7 @@ def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:
     """Largest speeds [rad/s or m/s] and torques [N m or N] of joints by their constant, where some joint has one."""
     found = {}
     for key in ("speed", "torque"):
-        cells = [getattr(joint, key) for joint in robot.joints]
+        cells = [getattr(joint, key) for joint in robot.variables]
         if any(cells):
             found[f"{key.upper()}_LIMITS"] = tuple(None if cell is None else evaluate(cell, {}) for cell in cells)
     return found

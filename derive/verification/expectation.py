@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.verification.oracle.frames import Array
-from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
+from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, by_variables, stem
 from derive.verification.oracle.identification import fitting_states
 from derive.verification.oracle.rates import distance_from_singularity, task_mobility
 from derive.verification.samples import SampleSet
@@ -102,7 +102,8 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     oracle = sample_set.oracle
     if not arguments:
         return _base_parameters(oracle)
-    limits, known = Bounds(oracle, arguments[0], function), stem(function)
+    of_joints, known = oracle.of_joints(function, arguments), stem(function)
+    limits = Bounds(oracle, of_joints[0], function)
     if function == "forward_dynamics":
         return _accelerations(oracle, arguments, limits)
     value = oracle.evaluate(function, *arguments)
@@ -118,10 +119,12 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         assert oracle.identification is not None, "only robots with regressors have these functions"
         natural = regressor_size(limits, oracle.identification, function, arguments[1:])
     else:
-        natural = limits.natural_size(function, arguments)
+        natural = limits.natural_size(function, of_joints)
+        if oracle.arm.coupling is not None:
+            natural = by_variables(natural, np.abs(oracle.arm.coupling), FUNCTIONS[known].joints)
     yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
     if known in ANGLES:  # near singular ones rates grow with 1/distance, what rounding leaves with its square
-        distance = distance_from_singularity(oracle.seen(function), ANGLES[known], arguments[0])
+        distance = distance_from_singularity(oracle.seen(function), ANGLES[known], of_joints[0])
         regular = distance > NEAR
         near = np.where(regular, distance, 1.0)[..., None, None]
         return Expectation(oracle, arguments, value, np.maximum(np.abs(value), yardstick / near**2), regular)
@@ -150,16 +153,18 @@ def _eigenvalues(matrix: Array) -> Array:
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
     """Accelerations by solving with B, where it is regular."""
     q, qd, tau = arguments
-    matrix = oracle.evaluate("inertia_matrix", q)
+    matrix, s = oracle.evaluate("inertia_matrix", q), oracle.arm.coupling
+    inertia = limits.inertia if s is None else (np.sqrt(limits.inertia) @ np.abs(s)) ** 2
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
     regular = np.abs(_eigenvalues(matrix)).min(axis=-1) > SINGULAR
-    regular &= (diagonal > MASSLESS * limits.inertia).all(axis=-1)
+    regular &= (diagonal > MASSLESS * inertia).all(axis=-1)
     solvable = np.where(regular[..., None, None], matrix, np.eye(q.shape[-1]))
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
     value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
-    root = np.sqrt(np.maximum(diagonal, FLOOR * limits.inertia))
-    rate = largest(qd)
-    scale = FLOOR * limits.torque(rate, np.zeros_like(rate))
+    root = np.sqrt(np.maximum(diagonal, FLOOR * inertia))
+    rate = largest(qd if s is None else qd @ s.T)
+    torque = limits.torque(rate, np.zeros_like(rate))
+    scale = FLOOR * (torque if s is None else torque @ np.abs(s))
     return AccelerationExpectation(oracle, arguments, value, scale, regular, bias, root)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from derive.errors import ExpressionError, VerificationError
 from derive.model.identification.base_parameters import base_set
-from derive.robot.description import Joint
+from derive.robot.description import Joint, Variable
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import names
 from derive.robot.inertial_parameters import has_regressor
@@ -43,9 +43,9 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
     for index in range(number):
         parameters = _draw_parameters(robot, index, rng)
         oracle = Oracle.of(robot, parameters, base)
-        low, high = np.array([_range(joint, robot, parameters) for joint in robot.joints]).T
-        q = rng.uniform(low, high, (count, robot.n))
-        qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.n))
+        low, high = np.array([_range(joint, robot, parameters) for joint in robot.variables]).T
+        q = rng.uniform(low, high, (count, robot.dof))
+        qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.dof))
         q[0] = np.clip(0.0, low, high)
         qd[-1] = 0.0
         tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
@@ -54,7 +54,7 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
     return tuple(sets)
 
 
-def _range(joint: Joint, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:
+def _range(joint: Joint | Variable, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:
     """The limits where they are numbers in order, else a turn or a metre to each side."""
     widest = (-np.pi, np.pi) if joint.is_revolute else (-1.0, 1.0)
     if joint.limits is None:

@@ -190,7 +190,7 @@ def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
     """The module's constants are those of this robot."""
     constants = model.constants
     parameters = tuple(constants.get("PARAMETERS", ()))
-    rows = (("DOF", constants.get("DOF"), robot.n), ("PARAMETERS", parameters, free_symbols(robot)))
+    rows = (("DOF", constants.get("DOF"), robot.dof), ("PARAMETERS", parameters, free_symbols(robot)))
     for name, found, wanted in rows:
         if found != wanted:
             raise VerificationError(

@@ -58,7 +58,8 @@ class ColumnSolver:
     def __init__(self, domain: PolynomialDomain, residues: ResidueDomain) -> None:
         self.domain = domain
         self.residues = residues
-        self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), ends=False)
+        coupling = domain.coupling if domain.robot.coupled else ()
+        self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), False, coupling)
         self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
 
     def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Quotient]:
@@ -195,9 +196,10 @@ def _independent(
     domain: PolynomialDomain, candidates: Sequence[Parameter], samples: int
 ) -> tuple[ResidueDomain, tuple[int, ...], Array]:
     """The first independent columns from the left, and all columns in them, at points modulo a prime."""
-    n = domain.robot.n
+    n = domain.robot.dof
     residues = ResidueDomain(domain, samples)
-    units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), ends=False)
+    coupling = [[residues.value(entry) for entry in row] for row in domain.coupling] if domain.robot.coupled else ()
+    units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), False, coupling)
     place = {pair: k for k, pair in enumerate([(a, b) for a in range(n) for b in range(a, n)])}
     # Entries of B (upper triangle) and g at every sample, one column for each parameter.
     matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)

@@ -8,8 +8,9 @@ gamma being the acceleration of gravity; the rotor of joint i, on the link befor
 e_a) (w_b.u + k e_b), with u its axis and k its ratio for its own joint (e_i = 1). Both are linear in the parameters.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import product
 from operator import mul
 from typing import Any, Generic
 
@@ -17,6 +18,7 @@ from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, to_child
 from derive.mechanics.regressor import Screw, Screws, next_screws
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
+from derive.robot.coupling import projected
 from derive.robot.inertial_parameters import Parameter
 
 # Entries (a, b), a <= b, of a symmetric matrix; joints from 0, what is missing is zero.
@@ -27,8 +29,8 @@ _AXES = {"x": 0, "y": 1, "z": 2}
 class UnitDynamics(Generic[S]):
     """B and g of every unit parameter."""
 
-    def __init__(self, chain: Chain[S], ends: bool) -> None:
-        self.chain = chain
+    def __init__(self, chain: Chain[S], ends: bool, coupling: Sequence[Sequence[S]] = ()) -> None:
+        self.chain, self.coupling = chain, coupling
         self.ends = ends
         self._carried: dict[int, tuple[Screws[S], Vector[S]]] = {}
         self._known: dict[int, tuple[Screws[S], Vector[S]]] = {-1: ({}, chain.gravity)}
@@ -36,12 +38,12 @@ class UnitDynamics(Generic[S]):
     def inertia(self, parameter: Parameter) -> Pairs[S]:
         """B per unit of a parameter; of friction none."""
         i, part, signs = parameter.joint - 1, parameter.part, [joint.sign for joint in self.chain.joints]
-        if part == "Ia":
-            return {(i, i): self.chain.one}
         # what each joint does to the body, and the entry of two of them
         entry: Callable[[Any, Any], S] = dot
         moved: Mapping[int, Any] = {}
-        if part == "Im":
+        if part == "Ia":
+            moved, entry = {i: self.chain.one}, mul
+        elif part == "Im":
             joint = self.chain.joints[i]
             turned = {k: dot(screw.angular, axis(joint)) for k, screw in self._at(joint.parent)[0].items()}
             moved, entry = {**turned, i: joint.coupling}, mul
@@ -51,7 +53,16 @@ class UnitDynamics(Generic[S]):
             moved, entry = self._link(i)[0], partial(_body_entry, part)
         # B_ab is bilinear in what joints a and b do to the body; a reversed joint changes the sign.
         found = {(a, b): entry(moved[a], moved[b]) for a in moved for b in moved if a <= b}
-        return {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
+        found = {(a, b): value if signs[a] == signs[b] else -value for (a, b), value in found.items()}
+        if not self.coupling:
+            return found
+        # S^T B S, entry by entry of S
+        whole: dict[tuple[int, int], S] = {}
+        for (a, b), value in [*found.items(), *(((b, a), value) for (a, b), value in found.items() if a != b)]:
+            for (j, left), (k, right) in product(enumerate(self.coupling[a]), enumerate(self.coupling[b])):
+                if left and right and j <= k:
+                    whole[j, k] = whole.get((j, k), self.chain.zero) + left * value * right
+        return whole
 
     def gravity(self, parameter: Parameter) -> Mapping[int, S]:
         """g per unit of a parameter, by joints from 0; what is missing is zero."""
@@ -66,7 +77,12 @@ class UnitDynamics(Generic[S]):
                 along_z = {k: -dot(gamma, screw.linear) for k, screw in screws.items()}
             else:
                 along_z = {k: -cross(gamma, screw.angular)[_AXES[part[1]]] for k, screw in screws.items()}
-        return {k: value if self.chain.joints[k].sign > 0 else -value for k, value in along_z.items()}
+        felt = {k: value if self.chain.joints[k].sign > 0 else -value for k, value in along_z.items()}
+        if not self.coupling:
+            return felt
+        zero = self.chain.zero
+        values = projected([felt.get(k, zero) for k in range(self.chain.n)], self.coupling, zero)
+        return dict(enumerate(values))
 
     def _rotor_velocities(self, i: int) -> dict[int, Vector[S]]:
         joint = self.chain.joints[i]

@@ -98,6 +98,17 @@ def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
 def accelerations(trace: Trace) -> Iterator[Formulation]:
     """Formulations of qdd under given torques."""
     n = trace.n
+    if trace.robot.coupled:
+
+        def _projected() -> list[Value]:
+            bias = _newton_euler(trace, None)(_torque_choices(trace)[0])
+            half = trace.by_variables(flat(_cheapest_inertia(trace)), (n, n), 0)
+            entries, dof = trace.by_variables(half, (trace.robot.dof, n), 1), trace.robot.dof
+            rows = [entries[dof * i : dof * i + dof] for i in range(dof)]
+            return forward_dynamics(rows, trace.by_variables(bias, (n,), 0), trace.variables(TAU))
+
+        yield Formulation("inertia matrix and Newton-Euler of the variables, factorised without roots", _projected)
+        return
     if n <= POLICY.most_factorised:
 
         def _factorised() -> list[Value]:
@@ -161,7 +172,7 @@ def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
 
     starts = (*_torque_choices(trace), *_coriolis_choices(trace))
     yield from _searched(trace, "torque slopes", f"moving composite bodies {_BASE}", _values, (), starts)
-    if trace.n <= POLICY.most_differentiated:
+    if trace.n <= POLICY.most_differentiated and not trace.robot.coupled:
         found, choices = _newton_euler(trace, QDD), _torque_choices(trace)[0]
         words = f"Newton-Euler {_BASE}, its operations differentiated"
         yield Formulation(words, lambda: flat(gradient_columns(found(choices), trace.arguments(Q))))

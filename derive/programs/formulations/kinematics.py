@@ -71,7 +71,7 @@ def end_jacobians(trace: Trace) -> Iterator[Formulation]:
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
     """Formulations of dJ/dt."""
-    rates = dict(zip(trace.arguments(Q), trace.arguments(QD), strict=True))
+    rates = dict(zip(trace.variables(Q), trace.variables(QD), strict=True))
     yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
     for words, matrix, _ in _pairs(trace):
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
+from math import prod
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
@@ -23,7 +24,7 @@ from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.vectors import Frame
 from derive.programs.formulations.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
-from derive.programs.formulations.choice import FormulationChoice
+from derive.programs.formulations.choice import Formulation, FormulationChoice
 from derive.programs.formulations.frame_choice import (
     CHAIN_CHOICES,
     FrameChoices,
@@ -37,6 +38,7 @@ from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot import tree
+from derive.robot.coupling import coupling
 from derive.robot.evaluate import evaluate
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.options.style import Contraction
@@ -169,6 +171,7 @@ class Trace:
         self.robot = robot
         self.n = robot.n
         self.effort = effort
+        self._whole, self._places = whole, places
         self.graph: Graph = whole.graph if whole else Graph()
         self.domain = TapeDomain(whole.robot, self.graph, places) if whole else TapeDomain(robot, self.graph)
         self.chain: Chain[Value] = build_chain(robot, self.domain)
@@ -220,7 +223,9 @@ class Trace:
 
     @cached_property
     def closed_forms(self) -> tuple[ClosedForm, ...]:
-        """Closed forms in each choice of angles."""
+        """Closed forms in each choice of angles; none of coupled joints."""
+        if self.robot.coupled:
+            return ()
         has_sums = not self.chain.is_serial or any(len(run.placements) > 1 for run in self.runs)
         choices = (False, True) if has_sums else (False,)
         return tuple(ClosedForm(self.robot, self.domain, sums=sums) for sums in choices)
@@ -249,8 +254,42 @@ class Trace:
         return self._cheapest[name]
 
     def arguments(self, kind: str) -> list[Value]:
-        """An argument."""
+        """An argument, joint by joint."""
         return [self.domain.argument(kind, i) for i in range(self.n)]
+
+    def variables(self, kind: str) -> list[Value]:
+        """An argument as it is given, of coupled joints by variables."""
+        if not self.robot.coupled:
+            return self.arguments(kind)
+        return [self.domain.variable(kind, k) for k in range(self.robot.dof)]
+
+    @cached_property
+    def _matrix(self) -> list[list[Value]]:
+        """What turns velocities of the variables into those of the joints: S, or the choice of an arm's joints."""
+        if self.robot.coupled:
+            return coupling(self.robot, self.domain.constant)
+        whole = self._whole or self
+        return [[self.domain.number(int(place == k)) for k in range(whole.n)] for place in self._places]
+
+    def by_variables(self, values: Sequence[Value], shape: Sequence[int], axis: int) -> list[Value]:
+        """An array whose axis has an entry for each joint, with one for each variable: S^T v along the axis."""
+        step, matrix, found = prod(shape[axis + 1 :]), self._matrix, list[Value]()
+        columns = list(zip(*matrix, strict=True))
+        for start, column, place in product(range(prod(shape[:axis])), columns, range(step)):
+            entries = values[start * self.n * step + place : (start + 1) * self.n * step : step]
+            found.append(sum((s * v for s, v in zip(column, entries, strict=True)), self.chain.zero))
+        return found
+
+    def for_variables(
+        self, formulation: Formulation, sizes: Sequence[int | str], lengths: Mapping[str, int]
+    ) -> Formulation:
+        """What is computed joint by joint, for the variables of the whole robot."""
+        values = list(formulation.trace())
+        shape = [self.n if size == "n" else lengths[size] if isinstance(size, str) else size for size in sizes]
+        for axis in (axis for axis, size in enumerate(sizes) if size == "n"):
+            values = self.by_variables(values, shape, axis)
+            shape[axis] = len(self._matrix[0])
+        return Formulation(formulation.words, partial(list, values))
 
     def zeros(self) -> list[Value]:
         """An argument that vanishes."""

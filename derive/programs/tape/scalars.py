@@ -10,13 +10,27 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra import constants
-from derive.algebra.angles import decompose
+from derive.algebra.angles import composed, decompose
 from derive.errors import QuantityError
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
+from derive.robot.coupling import coupling
 from derive.robot.description import Joint
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
+from derive.robot.expression import (
+    ZERO,
+    Call,
+    Expression,
+    Name,
+    Number,
+    Pi,
+    Power,
+    Product,
+    Sum,
+    add,
+    multiply,
+    substitute,
+)
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -33,6 +47,7 @@ class TapeDomain:
     def __init__(self, robot: Robot, graph: Graph, places: Sequence[int] | None = None) -> None:
         self.graph = graph
         self._places = range(robot.n) if places is None else places
+        self._coupling = coupling(robot) if robot.coupled else []
         self._joints = [robot.joints[place] for place in self._places]
         self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
         self._known: dict[Expression, Value] = {
@@ -40,8 +55,19 @@ class TapeDomain:
         }
 
     def argument(self, kind: str, index: int) -> Value:
-        """One entry of an argument, of the joint with that index in the arm."""
-        return Value(self.graph, self.graph.input(kind, self._places[index] if kind in _OF_JOINTS else index))
+        """One entry of an argument; of q, its derivatives and tau that of the joint with that index in the arm."""
+        if kind not in _OF_JOINTS:
+            return self.variable(kind, index)
+        if not self._coupling:
+            return self.variable(kind, self._places[index])
+        row = enumerate(self._coupling[self._places[index]])
+        return sum(
+            (self.constant(factor) * self.variable(kind, k) for k, factor in row if factor != ZERO), self.number(0)
+        )
+
+    def variable(self, kind: str, index: int) -> Value:
+        """One entry of an argument of the function."""
+        return Value(self.graph, self.graph.input(kind, index))
 
     def number(self, value: int | Fraction) -> Value:
         """A rational."""
@@ -97,9 +123,20 @@ class TapeDomain:
         variable, offset = self.number(0), []
         for index, direction in turns:
             joint = self._joints[index]
-            variable = variable + direction * self._signed(index, joint)
+            if not self._coupling:
+                variable = variable + direction * self._signed(index, joint)
             offset.append(Product((Number(Fraction(direction)), joint.theta)))
-        return self._cosine_sine(variable, Sum(tuple(offset)))
+        return self._cosine_sine(self._coupled_sum(turns) if self._coupling else variable, Sum(tuple(offset)))
+
+    def _coupled_sum(self, turns: Sequence[tuple[int, int]]) -> Value:
+        """What is variable of a sum of angles of coupled joints; what cancels there costs nothing."""
+        rows = [(direction * self._joints[i].sign, self._coupling[self._places[i]]) for i, direction in turns]
+        total = self.number(0)
+        for k, column in enumerate(zip(*(row for _, row in rows), strict=True)):
+            signed = (multiply(Number(Fraction(sign)), factor) for (sign, _), factor in zip(rows, column, strict=True))
+            terms = composed(decompose(add(*signed)))
+            total = total + self.constant(terms) * self.variable(Q, k) if terms != ZERO else total
+        return total
 
     def joint_offset(self, index: int, joint: Joint) -> Value:
         """The offset ``sign*q + d`` of a prismatic joint."""

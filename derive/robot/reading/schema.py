@@ -203,6 +203,14 @@ class RootRow(Strict):
     link: BodyRow | None = Field(default=None, description="Its body, in its own frame.")
 
 
+class VariableRow(Strict):
+    """A variable of coupled joints."""
+
+    limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
+    speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
+    torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N], either way.")
+
+
 class RobotFile(Strict):
     """An arm or a tree: its Denavit-Hartenberg table and, if given, frames around it and its dynamics."""
 
@@ -229,6 +237,9 @@ class RobotFile(Strict):
         dict[str, Annotated[Annotated[RowName, Tag(_NAME)] | Annotated[EndRow, Tag(_BLOCK)], _block_if(dict)]] | None
     ) = Field(default=None, description="The ends of a tree: the row on which each is, or a block with its tool.")
     root: RootRow | None = Field(default=None, description="How the root moves; default: it stands.")
+    variables: dict[str, VariableRow] | None = Field(
+        default=None, description="Variables of coupled joints; default: those that the rows have for themselves."
+    )
     gravity: Vector3 | None = Field(
         default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )

@@ -58,6 +58,7 @@ class NumericArm:
     viscous: Array  # (n,) joint-side viscous friction
     coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
     task: tuple[str, ...]  # what is asked of the end effector, in the words of robot files
+    coupling: Array | None  # (n, v) positions of joints per unit of each variable; None where each joint has its own
 
     @property
     def n(self) -> int:
@@ -119,6 +120,16 @@ class _Numbers:
         joint, frame = self.place(end.after)
         return joint, frame @ self.matrix(end.tool)
 
+    def coupling(self) -> Array:
+        places = {variable.variable: k for k, variable in enumerate(self.robot.coupled)}
+        matrix = np.zeros((self.robot.n, len(places)))
+        for row, joint in zip(matrix, self.robot.joints, strict=True):
+            for name, factor in joint.drive:
+                row[places[name]] = to_float(factor, self.values)
+            if not joint.drive:
+                row[places[joint.variable]] = 1.0
+        return matrix
+
     def starts(self) -> Array | None:
         """From the frame of the joint that each row follows to where it begins; None where nothing is between."""
         stands = [joint.stand for joint in self.robot.joints]
@@ -168,6 +179,7 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         viscous=numbers(link.viscous for link in links),
         coulomb=np.array([numbers(link.dry[way] for link in links) for way in (0, 1)]),
         task=robot.inverse.task,
+        coupling=numbers.coupling() if robot.coupled else None,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
@@ -31,35 +31,49 @@ class Definition:
     most: float = inf  # joints up to which arms have it
     # Whether it needs to know which parameters are base parameters: its first argument is then an `Identification`.
     identifies: bool = False
+    joints: tuple[int, ...] = ()  # axes of its value, from the last, that have an entry for each joint
 
 
 def forward_dynamics(arm: NumericArm, q: Array, qd: Array, tau: Array) -> Array:
-    """Accelerations B^-1 (tau - C qd - g - friction)."""
-    bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd))
-    return np.linalg.solve(lagrange.inertia_matrix(arm, q), (tau - bias)[..., None])[..., 0]
+    """Accelerations B^-1 (tau - C qd - g - friction), of the variables where joints are coupled."""
+    s = np.eye(arm.n) if arm.coupling is None else arm.coupling
+    q, qd = q @ s.T, qd @ s.T
+    bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd)) @ s
+    return np.linalg.solve(s.T @ lagrange.inertia_matrix(arm, q) @ s, (tau - bias)[..., None])[..., 0]
 
 
+def by_variables(value: Array, matrix: Array, axes: Sequence[int]) -> Array:
+    """A value with an entry for each variable in place of each joint, along some axes: S^T v."""
+    for axis in axes:
+        value = np.moveaxis(np.tensordot(value, matrix, (axis, 0)), -1, axis)
+    return value
+
+
+# Axes that have an entry for each joint.
+LAST, BOTH = (-1,), (-1, -2)
 FUNCTIONS: Mapping[str, Definition] = {
     "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
     "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
-    "jacobian": Definition(("q",), False, frames.jacobian),
-    "jacobian_end": Definition(("q",), False, frames.jacobian_end),
-    "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot),
-    "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16),
-    "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy),
-    "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz),
-    "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix),
-    "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix),
-    "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1),
+    "jacobian": Definition(("q",), False, frames.jacobian, joints=LAST),
+    "jacobian_end": Definition(("q",), False, frames.jacobian_end, joints=LAST),
+    "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot, joints=LAST),
+    "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16, joints=BOTH),
+    "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy, joints=LAST),
+    "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz, joints=LAST),
+    "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix, joints=BOTH),
+    "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix, joints=BOTH),
+    "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1, joints=LAST),
     "kinetic_energy": Definition(("q", "qd"), True, lagrange.kinetic_energy, axes=0),
     "potential_energy": Definition(("q",), True, lagrange.potential_energy, axes=0),
-    "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1),
+    "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1, joints=LAST),
     "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
-    "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1),
-    "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq),
-    "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd),
-    "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
-    "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
+    "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1, joints=LAST),
+    "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq, joints=BOTH),
+    "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd, joints=BOTH),
+    "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True, joints=(-2,)),
+    "base_regressor": Definition(
+        ("q", "qd", "qdd"), True, identification.base_regressor, identifies=True, joints=(-2,)
+    ),
     "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
     "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
     **{
@@ -67,10 +81,14 @@ FUNCTIONS: Mapping[str, Definition] = {
         for k in ("position", "orientation")
     },
     "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
-    "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1),
-    "wrench_torques_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16),
-    "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1),
-    "wrench_torques_end_dq": Definition(("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16),
+    "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1, joints=LAST),
+    "wrench_torques_dq": Definition(
+        ("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16, joints=BOTH
+    ),
+    "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1, joints=LAST),
+    "wrench_torques_end_dq": Definition(
+        ("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16, joints=BOTH
+    ),
     "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
 }
 
@@ -111,6 +129,11 @@ class Oracle:
         ends = [f"_{end}" if end else "" for end in self.arm.ends]
         return tuple(name + end for name in FUNCTIONS for end in (ends if name.startswith(OF_AN_END) else ("",)))
 
+    @property
+    def dof(self) -> int:
+        """Number of variables."""
+        return self.arm.n if self.arm.coupling is None else self.arm.coupling.shape[1]
+
     def seen(self, name: str) -> NumericArm:
         """The numbers, seen from the end in the name of a function."""
         end = name.removeprefix(stem(name))[1:]
@@ -125,12 +148,14 @@ class Oracle:
             definition = FUNCTIONS[function]
             if function in ANGLES:
                 # whether the end effector's angles are regular in some configuration
-                q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.arm.n))
+                q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.dof))
+                q = self.of_joints(name, [q])[0]
                 present = bool((rates.distance_from_singularity(arm, ANGLES[function], q) > SINGULAR).any())
             elif definition.identifies:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= self.arm.coupling is None or not function.startswith("manipulability")
                 has_task = not self.is_tree and len(frames.task_rows(arm)) <= arm.n
                 present &= name != "task_inertia" or has_task
             names += [name] * present
@@ -140,4 +165,15 @@ class Oracle:
         """The value of a generated function."""
         arrays = together([np.asarray(argument, dtype=float) for argument in arguments])
         definition = FUNCTIONS[stem(name)]
-        return definition.function(self.identification if definition.identifies else self.seen(name), *arrays)
+        of = self.identification if definition.identifies else self.seen(name)
+        if definition.function is forward_dynamics:
+            return definition.function(of, *arrays)
+        value = definition.function(of, *self.of_joints(name, arrays))
+        return value if self.arm.coupling is None else by_variables(value, self.arm.coupling, definition.joints)
+
+    def of_joints(self, name: str, arguments: Sequence[Array]) -> tuple[Array, ...]:
+        """The arguments of a function, joint by joint: S q, S qd and S qdd of coupled joints."""
+        s, names = self.arm.coupling, FUNCTIONS[stem(name)].arguments
+        if s is None:
+            return tuple(arguments)
+        return tuple(array if each == "h" else array @ s.T for each, array in zip(names, arguments, strict=True))

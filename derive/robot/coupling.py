@@ -1,0 +1,31 @@
+"""How the joints of a robot follow its variables: joint positions are S q and constants, S a constant matrix."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from derive.robot.description import Description, Joint
+from derive.robot.expression import ONE, ZERO, Expression, Name, add, multiply, negate
+
+
+def drives(joint: Joint) -> tuple[tuple[str, Expression], ...]:
+    """The variables of a joint with their factors in its cell."""
+    return joint.drive or ((joint.variable, ONE if joint.sign > 0 else negate(ONE)),)
+
+
+def position(joint: Joint) -> Expression:
+    """What is variable of a joint's cell."""
+    return add(*(multiply(factor, Name(variable)) for variable, factor in drives(joint)))
+
+
+def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:
+    """S, a row for each joint and a column for each variable."""
+    rows = (dict(drives(joint)) if joint.drive else {joint.variable: ONE} for joint in robot.joints)
+    return [[scalar(row.get(variable.variable, ZERO)) for variable in robot.variables] for row in rows]
+
+
+def projected(values: Sequence[Any], matrix: Sequence[Sequence[Any]], zero: Any) -> list[Any]:
+    """S^T v: what joints feel, as the variables feel it."""
+    return [
+        sum((row[k] * value for row, value in zip(matrix, values, strict=True) if row[k]), zero)
+        for k in range(len(matrix[0]))
+    ]
