@@ -323,7 +323,7 @@ def _bodies(
         mass, inertia = domain.constant(motor.mass), domain.constant(motor.inertia)
         rotor = Body(mass, scale(mass, place), vectors.axial_tensor(inertia, u) + steiner(mass, place))
         bodies[carrier] = bodies[carrier] + rotor
-    for i, frame, link in fixed_bodies(robot, domain):
+    for i, frame, link in fixed_bodies(robot, domain) if robot.links else ():  # of a robot without bodies, none
         bodies[i + 1] = bodies[i + 1] + body_in(ends[i] @ frame if i >= 0 else frame, link, domain)
     return bodies
 
