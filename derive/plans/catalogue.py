@@ -28,7 +28,7 @@ robot: {robot}
 profile: quintic               # cubic, quintic, septic, trapezoidal, harmonic, spline
 sample: 0.01                   # time between two rows of a table [s]
 {values}
-# Joint values in the units of the robot file, cells as there; or a pose: {{pose: {{p: [x, y, z], rpy: [0, 0, 0]}}}}.
+# Joint values in the units of the robot file, cells as there{pose}.
 points:
   home: [{home}]
   A: [{away}]
@@ -64,6 +64,9 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
     units = "units of the robot file" if robot.units.parameters else "SI units"
     values = f"values: {{{chosen}}}   # {units}\n" if missing else ""
     known = {**dict.fromkeys(missing, 1.0), **{symbol: float(value) for symbol, value in numbers.items()}}
+    named = [end.name for end in robot.ends if end.name]
+    of_end = f", end: {named[0]}" if len(named) > 1 else ""
+    pose = "" if robot.root else f"; or a pose: {{pose: {{p: [x, y, z], rpy: [0, 0, 0]}}{of_end}}}"
     ends = []  # where each joint stands and where it goes, within its limits, in the units of the robot file
     for joint in robot.joints:
         angle = math.radians(1) if robot.units.degrees else 1.0
@@ -75,7 +78,7 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
             end = min(start + end, (start + high) / 2)
         ends.append((start / unit, end / unit))
     home, away = (", ".join(f"{value:.6g}" for value in column) for column in zip(*ends, strict=True))
-    return _NEW.format(name=name, robot=source, values=values, home=home, away=away)
+    return _NEW.format(name=name, robot=source, values=values, pose=pose, home=home, away=away)
 
 
 def plan_text(keys: Mapping[str, Any]) -> str:

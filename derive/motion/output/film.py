@@ -22,6 +22,9 @@ from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
+from derive.motion.torques.functions import arm_of
+from derive.robot.robot import Robot
+from derive.robot.tree import ends
 from derive.workspace.poses import RobotPoses
 
 SUFFIXES = (".gif", ".mp4")
@@ -38,7 +41,16 @@ _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 def frames_of(motion: Motion, times: Array, q: Array) -> Array:
     """Where the frames of the arm are."""
-    robot = motion.plan.robot
+    return _frames(motion, motion.plan.robot, times, q)
+
+
+def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
+    """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
+    arms = [arm_of(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
+    return [_frames(motion, arm, times, q[:, list(places)])[:, -1, :3, 3] for arm, places in arms]
+
+
+def _frames(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
     values = (*robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
     frames = np.array([poses.frames([float(value) for value in row]) for row in q])
@@ -96,16 +108,17 @@ class Film:
         return np.linspace(0.0, self._end, max(2, ceil(self._end * RATE / self.pace) + 1))
 
     @cached_property
-    def _poses(self) -> Array:
-        """Base frame 0, frames 1 to n and the end effector, (frames, n + 2, 4, 4)."""
+    def _q(self) -> Array:
+        """Joint variables, (frames, n)."""
         q = self.motion(self.times)[0]
         if self.run is not None:
             q = np.stack([np.interp(self.times, self.run.t, column) for column in self.run.q.T], axis=1)
-        return frames_of(self.motion, self.times, q)
+        return q
 
     @cached_property
     def _scenes(self) -> list[Scene]:
-        return [arm_scene(self.motion.plan.robot, frames) for frames in self._poses]
+        poses = frames_of(self.motion, self.times, self._q)
+        return [arm_scene(self.motion.plan.robot, frames) for frames in poses]
 
     @cached_property
     def _view(self) -> View:
@@ -114,27 +127,30 @@ class Film:
 
     @cached_property
     def _draw(self) -> Callable[[Any, int], None]:
-        """Draws a frame: the way that is wanted of the hand, the arm, and the trace of the hand up to then."""
+        """Draws a frame: the ways that are wanted of the hands, the arm, and the traces of the hands up to then."""
         scenes, view = self._scenes, self._view
-        trace = view.project(self._poses[:, -1, :3, 3])[:, :2]
-        wanted = trace
+        traces = [view.project(way)[:, :2] for way in ways_of(self.motion, self.times, self._q)]
+        wanted = traces
         if self.run is not None:
-            wanted = view.project(frames_of(self.motion, self.times, self.motion(self.times)[0])[:, -1, :3, 3])[:, :2]
-        flat = np.concatenate([wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
+            wanted = [view.project(way)[:, :2] for way in ways_of(self.motion, self.times, self.motion(self.times)[0])]
+        flat = np.concatenate([*wanted, *(view.project(scene.places)[:, :2] for scene in scenes)])
         low, high = flat.min(axis=0), flat.max(axis=0)
         scale = float(min((np.array((WIDTH, HEIGHT), dtype=float) - 2 * MARGIN) / np.maximum(high - low, 1e-9)))
         gaps = sorted(segment.length * scale for segment in scenes[0].segments)
         sizes = Sizes(float(np.clip(gaps[len(gaps) // 3] / 62.0, 0.55, 1.0)) if gaps else 1.0)
         right, up = (low + high) / 2 * scale
         page = FINE * np.array(((1.0, 0.0, WIDTH / 2 - right), (0.0, -1.0, HEIGHT / 2 + up)))
-        line, faint = ((way * scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in (trace, wanted))
+        lines, faint = (
+            [(way * scale @ page[:, :2].T + page[:, 2]).ravel().tolist() for way in ways] for ways in (traces, wanted)
+        )
 
         def _frame(pen: Any, k: int) -> None:
-            pen.line(faint, fill=_GHOST, width=2 * FINE)
+            for line in faint:
+                pen.line(line, fill=_GHOST, width=2 * FINE)
             faces, _ = solid_faces(scenes[k], scale, sizes)
             for corners, color, solid in seen(faces, view, page):
                 pen.polygon(corners, fill=_rgb(color), outline=_rgb(OUTLINE) if solid.edge else None)
-            if k:
+            for line in lines if k else ():
                 pen.line(line[: 2 * (k + 1)], fill=_TRACE, width=2 * FINE, joint="curve")
 
         return _frame

@@ -208,7 +208,9 @@ class Hand:
 
     def _follower(self, step: Step) -> Follower:
         arm = self._arm(step.end)
-        return Follower(arm.functions, arm.robot, self._values, step.location)
+        given = (arm.robot.inverse.given or ()) if step.end else ()  # an end is moved by what its poses are solved for
+        held = tuple(k for k, joint in enumerate(arm.robot.joints) if joint.variable in given)
+        return Follower(arm.functions, arm.robot, self._values, step.location, held)
 
     def _check_arrival(self, step: Step, joints: Joints) -> None:
         """A point that is given by joint variables is reached with these."""

@@ -171,6 +171,7 @@ class Follower:
     robot: Robot  # the arm
     values: Mapping[str, float]  # numbers of its symbols
     location: Location  # where the plan asks for it
+    held: tuple[int, ...] = ()  # its joints that stand on the way
 
     @cached_property
     def rows(self) -> tuple[int, ...]:
@@ -194,7 +195,7 @@ class Follower:
             # nu = V sd, nu' = V sdd + V' sd^2: velocity and bend of the way by its fraction, of place and rotation.
             (_, *rates), (_, *spins) = way.place(float(s)), way.turned(float(s))
             twist, bend = (np.concatenate(parts) for parts in zip(rates, spins, strict=True))
-            jacobian = self.functions("jacobian", q)[list(self.rows)]
+            jacobian = self._jacobian(q)
             if self.regularity(q) <= SINGULAR:
                 inside = f"leads through a singular configuration {passed:.4g} s after its start"
                 where = inside if passed else "starts at a singular configuration"
@@ -237,23 +238,35 @@ class Follower:
             if np.abs(wanted).max() <= CLOSED * (1 + np.abs(pose[:3, 3]).max()):
                 return q
             # Newton: q + J^+ e, the least step where the arm has more joints than the task has rows.
-            jacobian = self.functions("jacobian", q)[list(self.rows)]
-            q = q + np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
+            jacobian = self._jacobian(q)
+            q = q + self._least(jacobian, wanted)
         raise self._error(f"the arm does not reach the way {after:.4g} s after its start")
+
+    def _jacobian(self, q: Array) -> Array:
+        """Rows of the task; columns of joints that stand are zero."""
+        found = self.functions("jacobian", q)[list(self.rows)]
+        found[:, list(self.held)] = 0.0
+        return found
+
+    def _least(self, jacobian: Array, wanted: Array) -> Array:
+        """The least step of the joints."""
+        found = np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
+        found[list(self.held)] = 0.0
+        return found
 
     @cached_property
     def _rank(self) -> int:
-        return usual_rank(self.functions, self.rows)
+        return usual_rank(self.functions, self.rows, self.held)
 
     def regularity(self, q: Array) -> float:
         """The smallest singular value of J in what the task asks for, relative to the largest."""
         # Of rows that are never independent the last singular values are zero everywhere: the usual rank counts.
-        values = np.linalg.svd(self.functions("jacobian", q)[list(self.rows)], compute_uv=False)
+        values = np.linalg.svd(self._jacobian(q), compute_uv=False)
         return float(values[self._rank - 1] / values[0]) if self._rank else 1.0
 
     def _solve(self, jacobian: Array, twist: Array, after: float) -> Array:
         wanted = twist[list(self.rows)]
-        found = np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
+        found = self._least(jacobian, wanted)
         if np.abs(jacobian @ found - wanted).max() > 1e-8 * (1 + np.abs(wanted).max()):
             raise self._error(f"the arm cannot follow the way {after:.4g} s after its start")
         return found
@@ -266,9 +279,10 @@ class Follower:
 # -- where an arm loses a direction of its end effector, and which of its singularities that is
 
 
-def usual_rank(functions: Functions, rows: Sequence[int]) -> int:
-    """In how many directions the end effector moves where the arm is not singular."""
-    return max(int(np.linalg.matrix_rank(jacobian[list(rows)], tol=1e-9)) for jacobian in _jacobians(functions))
+def usual_rank(functions: Functions, rows: Sequence[int], held: Sequence[int] = ()) -> int:
+    """In how many directions the end effector moves where the arm is not singular, some joints standing."""
+    moving = (np.delete(jacobian[list(rows)], held, axis=1) for jacobian in _jacobians(functions))
+    return max(int(np.linalg.matrix_rank(jacobian, tol=1e-9)) for jacobian in moving)
 
 
 def all_directions(functions: Functions) -> int:
