@@ -128,7 +128,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function.startswith("manipulability"):  # what rounding leaves of w^2 is large in w, and in its slope, near zero
         name = known.removesuffix("_dq") + function.removeprefix(known)
         volume = value if name == function else oracle.evaluate(name, *arguments)
-        share = volume / np.maximum(volume.max(), FLOOR * limits.natural_size(name, arguments))
+        share = volume / np.maximum(max(volume.max(), TINY), FLOOR * limits.natural_size(name, arguments))
         regular, axes = share > NEAR, tuple(range(volume.ndim, value.ndim))
         near = np.expand_dims(np.where(regular, share, 1.0), axes)
         size = np.maximum(np.abs(value[regular]).max(initial=0.0), yardstick)
