@@ -169,8 +169,10 @@ def _base_parameters(oracle: Oracle) -> BaseExpectation:
     q, qd, qdd = fitting_states(oracle.identification)
     torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
     rates = largest(qd)
-    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * Bounds(oracle, q).torque(rates, rates))
-    size = np.where(size > 0, size, 1.0)
+    size, natural = np.abs(torques).max(axis=0), Bounds(oracle, q).torque(rates, rates)
+    # A joint that nothing loads has torques of rounding, and its parameters what the fit of the others leaves.
+    is_loaded = size > TOLERANCE * natural
+    size = np.where(is_loaded, np.maximum(size, FLOOR * natural), np.where(natural > 0, natural, 1.0))
     matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
     flat = matrix.reshape(-1, matrix.shape[-1])
     column = np.abs(flat).max(axis=0)
