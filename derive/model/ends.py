@@ -164,5 +164,6 @@ def _of_each_end(function: Method, finish: Callable[[Any, Sequence[int], int], A
 
 def spread(matrix: Matrix, places: Sequence[int], n: int) -> Matrix:
     """A matrix with a column for each joint of an arm, with one for each joint of the tree."""
-    columns, zero = dict(zip(places, range(len(places)), strict=True)), sympy.zeros(matrix.shape[0], 1)
+    columns = dict(zip(places, range(len(places)), strict=True))
+    zero = sympy.ImmutableMatrix.zeros(matrix.shape[0], 1)
     return sympy.ImmutableMatrix.hstack(*(matrix[:, columns[k]] if k in columns else zero for k in range(n)))

@@ -131,7 +131,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function.startswith("manipulability"):  # what rounding leaves of w^2 is large in w, and in its slope, near zero
         name = known.removesuffix("_dq") + function.removeprefix(known)
         volume = value if name == function else oracle.evaluate(name, *arguments)
-        share = volume / np.maximum(volume.max(), FLOOR * limits.natural_size(name, arguments))
+        share = volume / np.maximum(max(volume.max(), TINY), FLOOR * limits.natural_size(name, arguments))
         regular, axes = share > NEAR, tuple(range(volume.ndim, value.ndim))
         near = np.expand_dims(np.where(regular, share, 1.0), axes)
         size = np.maximum(np.abs(value[regular]).max(initial=0.0), yardstick)
@@ -174,8 +174,10 @@ def _base_parameters(oracle: Oracle) -> BaseExpectation:
     q, qd, qdd = fitting_states(oracle.identification)
     torques = oracle.evaluate("inverse_dynamics", q, qd, qdd)
     rates = largest(qd)
-    size = np.maximum(np.abs(torques).max(axis=0), FLOOR * Bounds(oracle, q).torque(rates, rates))
-    size = np.where(size > 0, size, 1.0)
+    size, natural = np.abs(torques).max(axis=0), Bounds(oracle, q).torque(rates, rates)
+    # A joint that nothing loads has torques of rounding, and its parameters what the fit of the others leaves.
+    is_loaded = size > TOLERANCE * natural
+    size = np.where(is_loaded, np.maximum(size, FLOOR * natural), np.where(natural > 0, natural, 1.0))
     matrix = oracle.evaluate("base_regressor", q, qd, qdd) / size[:, None]
     flat = matrix.reshape(-1, matrix.shape[-1])
     column = np.abs(flat).max(axis=0)

@@ -30,6 +30,7 @@ def check_ends(n: Numbers) -> None:
         pose, jacobian, last = (
             of[end.name] if isinstance(of, OfEnds) else of for of in (n.model.T, n.model.J, n.model.J_end)
         )
+        assert all(map(hash, (pose, jacobian, last))), "which what can be changed has not"
         n.check(f"forward_kinematics{suffix}", pose)
         n.check(f"jacobian{suffix}", jacobian)
         n.check(f"jacobian_end{suffix}", last)

@@ -22,6 +22,7 @@ from derive.verification.samples import sample_sets
 from derive.verification.verify import trials
 from tests.inverse.arms import arm_of, random_arm
 from tests.random_robots import random_robot, sampled, seeds
+from tests.random_trees import random_tree
 from tests.targets.languages import languages, nearest, running
 from tests.targets.test_inverse import PARAMETERS, STUCK, UR5, elbow, model_of, program_of
 
@@ -52,6 +53,13 @@ def assert_right(language: str, robot: Robot, program: Program) -> None:
 @pytest.mark.parametrize("seed", seeds(10, usual=1))
 def test_functions_of_random_robots_are_those_of_the_oracle(language: str, seed: int) -> None:
     robot = Robot.from_text(random_robot(random.Random(900 + seed), 1 + seed % 5).text)
+    assert_right(language, robot, full_program(robot))
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize("seed", seeds(12, usual=1, swept=4))
+def test_functions_of_random_trees_are_those_of_the_oracle(language: str, seed: int) -> None:
+    robot = random_tree(random.Random(seed), 2 + seed % 4).robot
     assert_right(language, robot, full_program(robot))
 
 
