@@ -34,6 +34,7 @@ from derive.version import __version__
 
 # Left out where the closed form of the dynamics is not derived.
 CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler")
+OF_CHAINS = ("singularities", "newton-euler")  # what a sentence stands for on the sheet of a tree
 # About one end effector: a tree with several ends has them for each of these, one end after the other.
 OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")
 
@@ -74,6 +75,8 @@ def section_of(context: Context, name: str) -> Section | None:
     title, make = parts[name]
     if name in CLOSED_FORMS and not context.has_closed_dynamics:
         return None
+    if name in OF_CHAINS and context.robot.is_tree and not context.end:
+        return Section(name, title, (context.paragraph("Of a tree this is left out."),))
     blocks = tuple(make(context))
     title = f"{title}: `{context.end}`" if context.end else title
     return Section(name, title, blocks, context.end) if blocks else None
@@ -81,7 +84,7 @@ def section_of(context: Context, name: str) -> Section | None:
 
 def sections_of(context: Context, names: Sequence[str]) -> Iterator[Section]:
     """Parts in their order; those about one end effector come together for each end of a tree."""
-    for of_ends, group in groupby(names, lambda name: len(context.ends) > 1 and name in OF_ENDS):
+    for of_ends, group in groupby(names, lambda name: context.ends[0] is not context and name in OF_ENDS):
         parts = tuple(group)
         for own in context.ends if of_ends else (context,):
             yield from (section for name in parts if (section := section_of(own, name)) is not None)

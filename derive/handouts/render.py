@@ -114,7 +114,7 @@ def _arm(context: Context) -> Viewer | None:
         return None
     assumed = {name: value for name, value, _ in context.poses.assumed}
     robot = context.robot
-    dragged = None if robot.is_tree else dragging(robot, symbol_values(robot, (), assumed))
+    dragged = dragging(robot, symbol_values(robot, (), assumed))
     asked = robot if dragged is None else replace(robot, inverse=dragged.task)
     names = FUNCTIONS_OF_TREES if robot.is_tree else FUNCTIONS
     program = build_program(asked, Effort.QUICK, names=names, inverse=dragged is not None)

@@ -299,7 +299,7 @@ def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S
 
     Each comes with its own frame in the DH frame of that link.
     """
-    for row in robot.fixed:
+    for row in robot.fixed if robot.links else ():  # without the links of joints these have none either
         joint, frame = way_frame(robot, row.name, domain)
         if row.link is not None and frame is not None:
             yield joint, frame, row.link

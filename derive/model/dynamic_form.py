@@ -208,10 +208,7 @@ def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:
 
 
 def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
-    """The robot with one body alone, a link or a rotor: every other link massless, no armature.
-
-    Bodies of rows without motion count behind link n.
-    """
+    """The robot with one body alone, a link or a rotor: every other link massless, no armature."""
     own, bare = tree.bodies(robot)[i - 1], Link()
     body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
     fixed = (replace(row, link=body if k == i else bare) for k, row in enumerate(robot.fixed, robot.n + 1))

@@ -194,10 +194,7 @@ class ModelEntries:
         return self._inertia(self.model.dynamic_form)
 
     def inertia_part(self, i: int, of_rotor: bool) -> Entries:
-        """The part of B, nxn, of link i without any rotor, or of the rotor of joint i without its armature.
-
-        Bodies of rows without motion count behind link n.
-        """
+        """The part of B, nxn, of link i without any rotor, or of the rotor of joint i without its armature."""
         return self._inertia(self.model.dynamic_form.of_part(i, of_rotor))
 
     def _inertia(self, form: DynamicForm) -> Entries:

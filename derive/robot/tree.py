@@ -234,7 +234,7 @@ def constant_cells(robot: Description) -> tuple[list[Expression], list[Expressio
 
 
 def bodies(robot: Description) -> tuple[Link, ...]:
-    """The links of the joints, then those of rows without motion; of a robot without dynamics none."""
+    """The links of the joints, behind link n those of rows without motion; of a robot without dynamics none."""
     return (*robot.links, *(row.link or Link() for row in robot.fixed if robot.links))
 
 

@@ -19,7 +19,7 @@ import sympy
 from derive.arrays import Array
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.projection import view_along
-from derive.handouts.figure.scene import upwards
+from derive.handouts.figure.scene import arm_scene, upwards
 from derive.handouts.notation.notation import Notation
 from derive.handouts.page.player import Playback, player_texts
 from derive.handouts.parts.inverse_words import branch_name
@@ -241,8 +241,8 @@ def _configuration(
 
 def _tree(robot: Robot, numbers: Mapping[str, float]) -> dict[str, object]:
     """The rows with what is constant before each, the ends with their poses in the frames of rows, and names."""
-    poses = RobotPoses(robot)
-    frames, labels, before = np.array(poses.frames((0.0,) * robot.n)), tree.labels(robot), tree.antecedents(robot)
+    frames = np.array(RobotPoses(robot).frames((0.0,) * robot.n))
+    scene, labels, before = arm_scene(robot, frames.tolist()), tree.labels(robot), tree.antecedents(robot)
     moving = len(robot.root.variables) if robot.root else 0
 
     def _within(frame: Array, label: str) -> object:
@@ -259,9 +259,11 @@ def _tree(robot: Robot, numbers: Mapping[str, float]) -> dict[str, object]:
             joint = tree.way_to(robot, row.name).joint + 1
             rows[-1] |= {"joint": joint, "pose": _within(frames[k + 1], labels[joint])}
     ends = []
-    for end, frame in zip(tree.ends(robot), frames[-len(tree.ends(robot)) :], strict=True):
-        at = labels.index(end.after)
-        ends.append({"row": at, "pose": _within(frame, end.after), "ball": bool(end.name) and at > robot.n})
+    for end, pose, hand in zip(tree.ends(robot), frames[-len(tree.ends(robot)) :], scene.hands, strict=True):
+        across = np.cross(hand.approach, hand.opening)
+        grip = np.vstack([np.column_stack([hand.opening, across, hand.approach, hand.end]), [0.0, 0.0, 0.0, 1.0]])
+        at = {"row": labels.index(end.after), "ball": hand.is_fixed}
+        ends.append(at | {"pose": _within(pose, end.after), "hand": _within(grip, end.after)})
     names = [str(i) if i <= robot.n else label for i, label in enumerate(labels)]
     names += [end.name or "e" for end in tree.ends(robot)]
     return {"rows": rows, "ends": ends, "names": names, "stands": robot.root is None}
@@ -314,6 +316,8 @@ def _words(_: Text) -> dict[str, str]:
 
 def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     """How an end effector can be dragged; None where it moves neither in a plane nor in space. Numbers in m and rad."""
+    if robot.is_tree:  # its inverse kinematics are those of serial arms, which no generated function has
+        return None
     # The Jacobian at five generic configurations: ranks that all of them agree on are those of the arm.
     columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
     linear = np.hstack([own[:3] for own in columns])

@@ -298,16 +298,10 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     letter, gravity = context.symbols.inertia_letter, context.robot.gravity is not None
     by_direction = any(isinstance(link.coulomb, tuple) for link in context.robot.links)
     yield textbook("equations_of_motion", B=letter, gravity=gravity, friction=friction, by_direction=by_direction)
-    if context.ends == (context,):
-        yield context.paragraph(
-            "If the environment acts on the end effector with a force and a moment, $\\mathbf{h}$, then "
-            "$\\boldsymbol{\\tau}$ is less by $\\mathbf{J}^T \\mathbf{h}$."
-        )
-    else:
-        yield context.paragraph(
-            "If the environment acts on an end with a force and a moment, $\\mathbf{h}$, then $\\boldsymbol{\\tau}$ is "
-            "less by $\\mathbf{J}^T \\mathbf{h}$, with $\\mathbf{J}$ of that end."
-        )
+    yield context.paragraph(
+        "If the environment acts on the end effector with a force and a moment, $\\mathbf{h}$, then "
+        "$\\boldsymbol{\\tau}$ is less by $\\mathbf{J}^T \\mathbf{h}$."
+    )
     entries, is_compact = context.entries, context.dynamics.is_compact
     if is_compact(entries.C) and is_compact(entries.tau):
         if context.steps:

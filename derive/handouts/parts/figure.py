@@ -18,6 +18,7 @@ from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
 from derive.workspace.poses import RobotPoses
 
+Frames = Sequence[Sequence[Sequence[float]]]  # 4x4 each
 _DIGITS = 4  # significant digits of a number in a caption
 
 
@@ -32,13 +33,18 @@ def arm(context: Context) -> tuple[Block, ...]:
 
 
 def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
-    _ = context.text
-    robot, chosen = context.robot, poses.configuration
+    chosen = poses.configuration
     frames = [poses.frames(poses.zero)] + ([poses.frames(chosen)] if chosen is not None else [])
-    view = arm_view(arm_scene(robot, frames[-1]))
-    if robot.is_tree:
-        yield from _tree(context, poses, view)
-        return
+    view = arm_view(arm_scene(context.robot, frames[-1]))
+    yield from (_tree if context.robot.is_tree else _arm)(context, poses, frames, view)
+    yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
+    if poses.assumed:
+        values = stated_values(context, poses.assumed)
+        yield context.paragraph("Numbers assumed for the drawing only: %(values)s.", values=values)
+
+
+def _arm(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: View) -> Iterator[Block]:
+    _, robot = context.text, context.robot
     title = _("The arm with its Denavit-Hartenberg frames at the zero configuration")
     caption = _("The arm with its Denavit-Hartenberg frames at the zero configuration.")
     moved = [(joint, cell) for joint, cell in zip(robot.joints, poses.zero_cells, strict=True) if cell != ZERO]
@@ -50,38 +56,24 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
             values=_positions(context, moved),
         )
     yield Figure(arm_drawing(robot, context.data, frames[0], title, view), caption)
-    if chosen is not None:
+    if len(frames) > 1:
         title = _("The arm with its Denavit-Hartenberg frames at the configuration of the figure")
         caption = _(
             "The arm with its Denavit-Hartenberg frames at %(configuration)s.",
             configuration=_positions(context, list(zip(robot.joints, robot.figure.q or (), strict=True))),
         )
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
-    yield from _legend(context, poses)
 
 
-def _legend(context: Context, poses: RobotPoses) -> Iterator[Block]:
-    yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
-    if poses.assumed:
-        values = stated_values(context, poses.assumed)
-        yield context.paragraph("Numbers assumed for the drawing only: %(values)s.", values=values)
-
-
-def _tree(context: Context, poses: RobotPoses, view: View) -> Iterator[Block]:
-    """The tree once, at the configuration that the robot file asks for, else at the zero configuration."""
-    _, robot, chosen = context.text, context.robot, poses.configuration
-    cells = poses.zero_cells if chosen is None else robot.figure.q or ()
-    moved = [(joint, cell) for joint, cell in zip(robot.joints, cells, strict=True) if cell != ZERO]
-    caption = _("The robot with its Denavit-Hartenberg frames at the zero configuration.")
-    if moved:
-        caption = _(
-            "The robot with its Denavit-Hartenberg frames at %(configuration)s.",
-            configuration=_positions(context, moved),
-        )
-    frames = poses.frames(chosen or poses.zero)
+def _tree(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: View) -> Iterator[Block]:
+    """The tree at the configuration that the robot file asks for, else at the zero configuration."""
+    _, robot = context.text, context.robot
+    cells = zip(robot.joints, robot.figure.q or poses.zero_cells, strict=True)
+    values = _positions(context, [(joint, cell) for joint, cell in cells if cell != ZERO])
+    where = values or "$\\mathbf{q} = \\mathbf{0}$"
+    caption = _("The robot with its Denavit-Hartenberg frames at %(configuration)s.", configuration=where)
     title = _("The robot with its Denavit-Hartenberg frames")
-    yield Figure(arm_drawing(robot, context.data, frames, title, view), caption)
-    yield from _legend(context, poses)
+    yield Figure(arm_drawing(robot, context.data, frames[-1], title, view), caption)
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
@@ -113,8 +105,8 @@ def convention(context: Context) -> Iterator[Block]:
             "$\\mathbf{M}_i$ is the identity where none is given:"
         )
         turned = any(stand.gamma != ZERO or stand.b != ZERO for stand in tree.stands(context.robot))
-        name = "standard_row" if context.is_standard else "modified_row"
-        yield textbook(name, A=context.symbols.frame("A", "i", "p").tex, turned=turned)
+        symbol = context.symbols.frame("A", "i", "p").tex
+        yield textbook("row_of_tree", A=symbol, standard=context.is_standard, turned=turned)
     else:
         symbol = context.symbols.frame("A", "i", "i-1").tex
         yield context.paragraph("Row $i$ of the table takes frame $i$ into frame $i-1$:")

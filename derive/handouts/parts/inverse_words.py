@@ -76,7 +76,7 @@ def _product(context: Context, origin: Origin) -> str:
     first, last, n = origin.first, origin.last, context.robot.n
     left = [_inverted(_between(context, 0, first - 1))] if first > 1 else []
     left += [_inverted(BASE)] if robot.base != IDENTITY and not origin.has_base else []
-    right = [_inverted(tool_of(context))] if robot.tool != IDENTITY and not origin.has_tool else []
+    right = [_inverted(tool_of(context.end))] if robot.tool != IDENTITY and not origin.has_tool else []
     right += [_inverted(_between(context, last, n))] if last < n else []
     own = _between(context, first - 1, last) if last >= first else Box("\\mathbf{I}", 8.0)
     if not left and not right and not origin.inverse:
@@ -85,7 +85,7 @@ def _product(context: Context, origin: Origin) -> str:
     if first == 1 and last == n and not origin.inverse:
         own = frame("T", n, 0)
     base = [BASE] if origin.has_base and robot.base != IDENTITY else []
-    tool = [tool_of(context)] if origin.has_tool and robot.tool != IDENTITY else []
+    tool = [tool_of(context.end)] if origin.has_tool and robot.tool != IDENTITY else []
     own = concatenate(*base, own, *tool)
     if origin.inverse:
         whole, own = (_inverted(whole) if left or right else script(whole, sup=_INVERSE)), _inverted(own)

@@ -66,24 +66,19 @@ def jacobian(context: Context) -> Iterator[Block]:
 
 def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
     joints, index = context.robot.joints, axes.index("i")
-    z, o = (axes.symbol(letter, index).tex for letter in "zo")
+    names = {letter: axes.symbol(letter, index).tex for letter in "zo"} | {"p": "\\mathbf{p}", "frame": index}
     if axes.at_begin:
         yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ through the origin $%(o)s$ of the frame in "
             "which row $i$ begins: that of the row which it follows, behind the mount; $%(p)s$ is the origin of the "
             "end effector, all in the world.",
-            z=z,
-            o=o,
-            p="\\mathbf{p}",
+            **names,
         )
     else:
         yield context.paragraph(
             "Joint $i$ turns about $%(z)s$ or slides along it, the axis $z$ of frame $%(frame)s$ through its origin "
             "$%(o)s$; $%(p)s$ is the origin of the end effector, all in the world.",
-            z=z,
-            o=o,
-            p="\\mathbf{p}",
-            frame=index,
+            **names,
         )
     column = script(bold("J"), italic("i"))
     if any(joint.is_revolute for joint in joints):

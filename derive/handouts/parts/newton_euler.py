@@ -40,12 +40,6 @@ from derive.robot.names import acceleration_name, velocity_name
 def newton_euler(context: Context) -> Iterator[Block]:
     """The recursion: equations of the joint types that occur, constants of every link, all of it written out."""
     _ = context.text
-    if context.robot.is_tree:
-        yield context.paragraph(
-            "The recursion of a tree, in which a link receives the forces of all that follow it, is left out here; "
-            "`inverse_dynamics` in `model_numpy.py` computes it."
-        )
-        return
     recursion = Recursion(context.is_standard, context.symbols)
     yield Paragraph(_introduction(context))
     yield Paragraph(_("The base is at rest, gravity acts as an acceleration of the base, and nothing loads the end."))

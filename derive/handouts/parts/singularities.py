@@ -26,9 +26,6 @@ _LETTER_WIDTH = 6.0  # of running text in mathematics [pt]
 
 def singularities(context: Context) -> Iterator[Block]:
     """Where J loses rank."""
-    if context.robot.is_tree:
-        yield context.paragraph("The singularities of the ends of a tree are left out here.")
-        return
     found = context.entries.model.singularities
     if found.shape[1] == 1 and not found.task:
         yield context.paragraph("A single joint has no singularity: its column of $\\mathbf{J}$ is never zero.")

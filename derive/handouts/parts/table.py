@@ -26,7 +26,7 @@ from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
 from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot import tree
-from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, Root, RootType, Stand
+from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, RootType, Stand
 from derive.robot.expression import ZERO
 from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.names import free_symbols
@@ -52,8 +52,17 @@ def dh_table(context: Context) -> Iterator[Block]:
     standard = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
     modified = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
     yield Paragraph(f"{standard if context.is_standard else modified} {_units(context)}")
-    if context.robot.root:
-        yield from _root(context, context.robot.root)
+    if root := context.robot.root:
+        symbols = [f"${context.notation.glyph(name).box.tex.strip()}$" for name in root.variables]
+        slides, axes = (2, "$z$") if root.type is RootType.PLANAR else (3, "$z$, $y$, $x$")
+        yield context.paragraph(
+            "The root moves: row `base` is displaced by %(slides)s along the axes of frame $0$ and turned by %(turns)s "
+            "about its own axes %(axes)s, in this order. These are joints 1 to %(n)s.",
+            slides=", ".join(symbols[:slides]),
+            turns=", ".join(symbols[slides:]),
+            axes=axes,
+            n=len(symbols),
+        )
     yield from table_rows(context)
     if context.robot.is_tree:
         yield from _mounts_and_ends(context)
@@ -66,38 +75,11 @@ def dh_table(context: Context) -> Iterator[Block]:
         yield Rows(tuple(frames))
 
 
-def _root(context: Context, root: Root) -> Iterator[Block]:
-    x, y, *others = (f"${context.notation.glyph(name).box.tex.strip()}$" for name in root.variables)
-    if root.type is RootType.PLANAR:
-        yield context.paragraph(
-            "The root moves in a plane: row `base` is displaced by %(x)s and %(y)s along $x$ and $y$ of frame $0$ and "
-            "turned by %(angle)s about its $z$. These are joints 1 to 3.",
-            x=x,
-            y=y,
-            angle=others[0],
-        )
-    else:
-        yield context.paragraph(
-            "The root moves in space: row `base` is displaced by %(x)s, %(y)s and %(z)s along the axes of frame $0$ "
-            "and turned by $\\mathrm{Rot}(z)\\,\\mathrm{Rot}(y)\\,\\mathrm{Rot}(x)$ with %(angles)s. These are joints "
-            "1 to 6.",
-            x=x,
-            y=y,
-            z=others[0],
-            angles=", ".join(others[1:]),
-        )
-
-
-def mount_of(context: Context, label: str) -> Box:
-    """The mount of a row."""
-    return script(bold("M"), context.name(label))
-
-
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
     """The constant transforms of a tree as matrices, and which end is on which row."""
     robot = context.robot
     rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand and row.stand.mount != IDENTITY)
-    lines = [line for label, mount in rows for line in _matrix(context, mount_of(context, label), mount)]
+    lines = [line for label, mount in rows for line in _matrix(context, script(bold("M"), context.name(label)), mount)]
     if lines:
         yield context.paragraph("Mounts, which come before all else of their rows:")
         yield Rows(tuple(lines))
@@ -107,7 +89,7 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
     frames = [] if robot.base == IDENTITY else _matrix(context, BASE, robot.base)
     for end in tree.ends(robot):
-        frames += [] if end.tool == IDENTITY else _matrix(context, _tool(end.name), end.tool)
+        frames += [] if end.tool == IDENTITY else _matrix(context, tool_of(end.name), end.tool)
     if frames:
         yield context.paragraph(
             "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row."
@@ -139,12 +121,8 @@ def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]
     return [line for symbol, frame in pairs if frame != IDENTITY for line in _matrix(context, symbol, frame)]
 
 
-def tool_of(context: Context) -> Box:
-    """The tool of the end effector."""
-    return _tool(context.end)
-
-
-def _tool(end: str) -> Box:
+def tool_of(end: str) -> Box:
+    """The tool of an end."""
     return script(bold("T"), concatenate(upright("tool"), italic(","), upright(end))) if end else TOOL
 
 
@@ -247,13 +225,10 @@ def parameters(context: Context) -> Iterator[Block]:
     for i, link in enumerate(tree.bodies(context.robot), 1):
         if (i > context.robot.n and link == Link()) or i <= moving:
             continue
-        yield context.paragraph("Link %(index)s:", index=body_name(context, i))
+        yield context.paragraph(
+            "Link %(index)s:", index=i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
+        )
         yield Rows(tuple(equation_lines(link_equations(context, link))))
-
-
-def body_name(context: Context, i: int) -> str:
-    """How a link is called in running text: by its number, or by the name of its row without motion."""
-    return str(i) if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
 
 
 def link_equations(context: Context, link: Link) -> Iterator[Equation]:
