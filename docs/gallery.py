@@ -21,9 +21,9 @@ MOST_COLUMNS = 400
 
 
 def gallery() -> None:
-    """Write the page of every robot of one chain, and the page that lists them."""
+    """Write the page of every robot, and the page that lists them."""
     PAGES.mkdir(parents=True, exist_ok=True)
-    names = [name for name in catalogue_names() if not Robot.load(name).is_tree]  # trees have no figure yet
+    names = catalogue_names()
     with ProcessPoolExecutor(2) as pool:
         entries = list(pool.map(entry, names))
     listed = "\n".join(entries)
@@ -39,8 +39,8 @@ def entry(name: str) -> str:
     robot = Robot.load(name)
     run("plot", name, "--force", "--quiet", "-o", str(GALLERY / f"{name}.svg"))
     run("handout", name, "--html", "--force", "--quiet", "--out", str(PAGES))
-    pose = run("show", name, "T", "--format", "latex").strip()
-    formula = f"$$\n{pose}\n$$\n" if max(map(len, pose.splitlines())) < MOST_COLUMNS else ""
+    pose = "" if robot.is_tree else run("show", name, "T", "--format", "latex").strip()  # a tree has one for each end
+    formula = f"$$\n{pose}\n$$\n" if pose and max(map(len, pose.splitlines())) < MOST_COLUMNS else ""
     (GALLERY / f"{name}.md").write_text(
         f"# {name}\n\n{robot.title}\n\n![{name} with its frames]({name}.svg)\n\n{formula}\n"
         f'<a href="../pages/{name}.html">The handout as a page, with an arm that moves</a>\n\n'

@@ -78,7 +78,8 @@ def plot(
     refuse_taken([path], force=force)
     require_matplotlib()
     chosen = load(robot, remarks_on_bodies=False)
-    require_chain(chosen, "the workspace" if workspace else "the figure")
+    if workspace:
+        require_chain(chosen, "the workspace")
     poses, found = RobotPoses(chosen), None
     if workspace:
         found = find_workspace(poses, None if progress is None else partial(progress, chosen.name))

@@ -1,8 +1,8 @@
 """From a robot to its handout, part by part."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import groupby
 
-from derive.errors import DeriveError
 from derive.handouts.parts.conversion import conversion
 from derive.handouts.parts.dynamics import (
     christoffel,
@@ -23,30 +23,26 @@ from derive.handouts.parts.kinematics import end_effector, orientation, transfor
 from derive.handouts.parts.newton_euler import newton_euler
 from derive.handouts.parts.singularities import singularities
 from derive.handouts.parts.table import dh_table, parameters
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, poses_of
 from derive.handouts.sheet.document import Block, Document, Section
 from derive.handouts.sheet.language import text_for
 from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
 from derive.version import __version__
-from derive.workspace.poses import RobotPoses
 
 # Left out where the closed form of the dynamics is not derived.
 CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler")
+OF_CHAINS = ("singularities", "newton-euler")  # what a sentence stands for on the sheet of a tree
+# About one end effector: a tree with several ends has them for each of these, one end after the other.
+OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
-    require_chain(robot, "the handout")
     chosen = options or robot.handout
-    try:
-        poses = RobotPoses(robot)
-    except DeriveError:
-        poses = None
-    return Context(ModelEntries(Model(robot)), chosen, text_for(chosen.language), __version__, poses)
+    return Context(ModelEntries(Model(robot)), chosen, text_for(chosen.language), __version__, poses_of(robot))
 
 
 def section_of(context: Context, name: str) -> Section | None:
@@ -54,7 +50,7 @@ def section_of(context: Context, name: str) -> Section | None:
     _ = context.text
     links = _("Jacobians of links and motors") if has_rotors(context.robot) else _("Jacobians of links")
     parts: dict[str, tuple[str, Callable[[Context], Iterable[Block]]]] = {  # heading, and what makes the content
-        "figure": (_("The arm"), arm),
+        "figure": (_("The robot") if context.robot.is_tree else _("The arm"), arm),
         "table": (_("Denavit-Hartenberg table"), dh_table),
         "convention": (_("Convention"), convention),
         "parameters": (_("Parameters"), parameters),
@@ -79,14 +75,28 @@ def section_of(context: Context, name: str) -> Section | None:
     title, make = parts[name]
     if name in CLOSED_FORMS and not context.has_closed_dynamics:
         return None
+    if name in OF_CHAINS and context.robot.is_tree and not context.end:
+        return Section(name, title, (context.paragraph("Of a tree this is left out."),))
     blocks = tuple(make(context))
-    return Section(name, title, blocks) if blocks else None
+    title = f"{title}: `{context.end}`" if context.end else title
+    return Section(name, title, blocks, context.end) if blocks else None
+
+
+def sections_of(context: Context, names: Sequence[str]) -> Iterator[Section]:
+    """Parts in their order; those about one end effector come together for each end of a tree."""
+    for of_ends, group in groupby(names, lambda name: context.ends[0] is not context and name in OF_ENDS):
+        parts = tuple(group)
+        for own in context.ends if of_ends else (context,):
+            yield from (section for name in parts if (section := section_of(own, name)) is not None)
 
 
 def document(context: Context) -> Document:
     """The handout of a robot: the parts that are asked for, in the order of `PARTS`."""
     robot = context.robot
-    sections = (section_of(context, name) for name in PARTS if name in context.options.parts)
+    # The singularities of a tree are one sentence, before what is said of each end.
+    shown = [name for name in PARTS if name in context.options.parts]
+    if context.robot.is_tree:
+        shown.sort(key=lambda name: PARTS.index("inverse" if name in OF_ENDS else name))
     return Document(
         title=robot.title,
         subtitle="",
@@ -97,5 +107,5 @@ def document(context: Context) -> Document:
         footer=context.text(
             "derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]
         ),
-        sections=tuple(section for section in sections if section is not None),
+        sections=tuple(sections_of(context, shown)),
     )

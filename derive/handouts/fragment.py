@@ -7,11 +7,11 @@ smaller, all by the ``\linewidth`` that it finds.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
-from derive.handouts.assemble import context_of, section_of
+from derive.handouts.assemble import context_of, sections_of
 from derive.handouts.figure.writers import PREAMBLE, latex_drawing
 from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
 from derive.handouts.layout.quantity import Item, LaidOut, Namer
@@ -52,9 +52,10 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
         allowed = "allowed: a number with pt, mm, cm, in or em, such as 84mm"
         raise QuantityError(f"width {quoted(width)}", allowed=allowed)
     name, context = " ".join(name.split()), context_of(robot, options)
-    section = section_of(context, name) if name in PARTS else _quantity(context, name)
-    if section is None:
+    sections = tuple(sections_of(context, [name])) if name in PARTS else (_quantity(context, name),)
+    if not sections:
         raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
+    section = replace(sections[0], blocks=tuple(block for own in sections for block in own.blocks))
     return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 
 

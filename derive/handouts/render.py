@@ -108,7 +108,7 @@ def _arm(context: Context) -> Viewer | None:
     """The arm to move where it can be drawn."""
     from derive.handouts.figure.projection import plane_normal
     from derive.handouts.figure.scene import arm_scene
-    from derive.handouts.page.viewer import FUNCTIONS, dragging, symbol_values, viewer
+    from derive.handouts.page.viewer import FUNCTIONS, FUNCTIONS_OF_TREES, dragging, symbol_values, viewer
 
     if context.poses is None:
         return None
@@ -116,7 +116,8 @@ def _arm(context: Context) -> Viewer | None:
     robot = context.robot
     dragged = dragging(robot, symbol_values(robot, (), assumed))
     asked = robot if dragged is None else replace(robot, inverse=dragged.task)
-    program = build_program(asked, Effort.QUICK, names=FUNCTIONS, inverse=dragged is not None)
+    names = FUNCTIONS_OF_TREES if robot.is_tree else FUNCTIONS
+    program = build_program(asked, Effort.QUICK, names=names, inverse=dragged is not None)
     normal = plane_normal([arm_scene(robot, context.poses.frames(context.poses.zero))])
     return viewer(robot, program, assumed, context.text, notation=context.notation, dragged=dragged, normal=normal)
 

@@ -203,7 +203,7 @@ def _mount(robot: Robot, stand: Stand | None, way: tree.Way, domain: Domain[S]) 
     """From the DH frame of the joint that a row follows to where the row begins; None where nothing is between."""
     if stand is None:
         return None
-    found = _stand_frame(stand, domain)
+    found = stand_frame(stand, domain)
     for row in reversed(way.rows):
         found = _fixed_frame(robot, row, domain) @ found
     return found
@@ -215,7 +215,7 @@ def way_frame(robot: Robot, label: str, domain: Domain[S]) -> tuple[int, Frame[S
     return way.joint, reduce(matmul, [_fixed_frame(robot, row, domain) for row in way.rows]) if way.rows else None
 
 
-def _stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
+def stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
     """Mount Rot(z, gamma) Trans(z, b)."""
     return constant_frame(stand.mount, domain) @ _about_z(stand.gamma, stand.b, domain)
 
@@ -224,7 +224,7 @@ def _fixed_frame(robot: Robot, row: FixedRow, domain: Domain[S]) -> Frame[S]:
     """The frame of a row without motion in the DH frame that it follows."""
     own, link = _about_z(row.theta, row.d, domain), link_factor(row.a, row.alpha, domain)
     in_row = own @ link if robot.convention is Convention.STANDARD else link @ own
-    return _stand_frame(row.stand, domain) @ in_row
+    return stand_frame(row.stand, domain) @ in_row
 
 
 def _about_z(angle: Expression, offset: Expression, domain: Domain[S]) -> Frame[S]:
@@ -299,7 +299,7 @@ def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S
 
     Each comes with its own frame in the DH frame of that link.
     """
-    for row in robot.fixed:
+    for row in robot.fixed if robot.links else ():  # without the links of joints these have none either
         joint, frame = way_frame(robot, row.name, domain)
         if row.link is not None and frame is not None:
             yield joint, frame, row.link

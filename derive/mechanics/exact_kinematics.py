@@ -88,9 +88,10 @@ class Kinematics:
         return [(x, y, z) for x, y, z in zip(*rows, strict=True)]
 
     def com(self, i: int) -> PolynomialVector:
-        """Centre of mass of link i in the world."""
-        frame = self.frame(i)
-        return add(frame.position, multiply(frame.rotation, constant_vector(self.robot.links[i - 1].com, self.domain)))
+        """Centre of mass of link i in the world; bodies of rows without motion count behind link n."""
+        frame = self.frame(i) if i <= self.robot.n else self.chain.base @ self.between("", tree.labels(self.robot)[i])
+        com = tree.bodies(self.robot)[i - 1].com
+        return add(frame.position, multiply(frame.rotation, constant_vector(com, self.domain)))
 
     def motor_place(self, i: int) -> PolynomialVector:
         """Where the rotor of joint i sits, in the world."""

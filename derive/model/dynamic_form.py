@@ -23,6 +23,7 @@ from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.mechanics.regressor import coulomb_column
+from derive.robot import tree
 from derive.robot.description import Link
 from derive.robot.expression import Expression
 from derive.robot.inertial_parameters import coulomb_parts
@@ -208,9 +209,11 @@ def times_rate(value: Expr, rate: Expr, rates: Rates) -> Expr:
 
 def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
     """The robot with one body alone, a link or a rotor: every other link massless, no armature."""
-    own, bare = robot.links[i - 1], Link()
+    own, bare = tree.bodies(robot)[i - 1], Link()
     body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
-    return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)))
+    fixed = (replace(row, link=body if k == i else bare) for k, row in enumerate(robot.fixed, robot.n + 1))
+    links = tuple(body if k == i else bare for k in range(1, robot.n + 1))
+    return replace(robot, links=links, fixed=tuple(fixed))
 
 
 def friction_torque(link: Link, rate: Expr, write: Callable[[Expression], Expr]) -> Expr:

@@ -54,11 +54,6 @@ class TreeModel:
         self._require_index(i, 0)
         return i
 
-    @property
-    def _labels(self) -> list[str]:
-        """The rows of a tree as its frames are numbered: frame 0, the joints, the rows without motion."""
-        return ["", *(joint.label for joint in self.robot.joints), *(row.name for row in self.robot.fixed)]
-
     def frame_number(self, row: str, *, or_end: bool = False) -> int:
         """The number of a frame of a tree: that of its joint, and behind these those of the rows without motion.
 
@@ -69,7 +64,7 @@ class TreeModel:
         Raises:
             QuantityError: There is no such row.
         """
-        labels = self._labels
+        labels = tree.labels(self.robot)
         if row not in labels and row != BASE:
             ends = [end.name for end in self.robot.ends if end.name and or_end]
             known = dict.fromkeys([*ends, BASE, *labels[1:]])
@@ -79,7 +74,7 @@ class TreeModel:
 
     def _label(self, i: int | str) -> str:
         """The label of a row of a tree."""
-        number, labels = self.frame_number(i) if isinstance(i, str) else i, self._labels
+        number, labels = self.frame_number(i) if isinstance(i, str) else i, tree.labels(self.robot)
         if not 0 <= number < len(labels):
             raise QuantityError(f"frame {number} of {self.robot.name}", allowed=f"allowed: 0 to {len(labels) - 1}")
         return labels[number]

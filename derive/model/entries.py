@@ -22,6 +22,7 @@ from derive.mechanics.vectors import Frame, Vector
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, friction_torque
 from derive.model.long_chain import NestedKinematics, TermCount, nested_term_counts
 from derive.model.model import Model
+from derive.robot import tree
 from derive.robot.expression import ZERO
 
 Triple = tuple[int, int, int]  # i, j, k of the Christoffel symbol c_ijk, from 1, with j <= k
@@ -93,6 +94,16 @@ class ModelEntries:
             return self._keep(("frame", i), lambda: _written((4, 4), lambda: self.model.frame(i)))
         return self._keep(("frame", i), lambda: self._frame(self.model.kinematics.frame(i)))
 
+    def between(self, one: str, other: str) -> Entries:
+        """The frame of a row of a tree, 4x4, in that of another one, both by their labels, of frame 0 empty."""
+        return self._keep(("between", one, other), lambda: self._frame(self.model.kinematics.between(one, other)))
+
+    def begin(self, i: int) -> Entries:
+        """The frame, 4x4, in the world in which row i of a tree begins, about z of which it moves (standard)."""
+        kinematics = self.model.kinematics
+        joint = kinematics.chain.joints[i - 1]
+        return self._keep(("begin", i), lambda: self._frame(kinematics.joint_frame(joint.parent + 1) @ joint.fixed))
+
     @cached_property
     def T(self) -> Entries:
         """T, 4x4: the end effector in the world. Of a long arm only entries that are short enough are derived."""
@@ -161,7 +172,10 @@ class ModelEntries:
     def angular_jacobian(self, i: int, of_rotor: bool) -> Entries:
         """J_w of link i or of the rotor of joint i, its spin included, 3xn: angular velocity per rate, world frame."""
         kinematics = self.model.kinematics
-        return self._columns(kinematics.motor_angular_columns(i) if of_rotor else kinematics.angular_columns(i))
+        if of_rotor:
+            return self._columns(kinematics.motor_angular_columns(i))
+        carrier = tree.way_to(self.robot, tree.labels(self.robot)[i]).joint + 1
+        return self._columns(kinematics.angular_columns(carrier))
 
     def _body_position(self, i: int, of_rotor: bool) -> Vector[Polynomial]:
         kinematics = self.model.kinematics

@@ -120,6 +120,29 @@ def parents(robot: Description) -> tuple[int, ...]:
     return tuple(way.joint for way in ways(robot))
 
 
+def antecedents(robot: Description) -> dict[str, str]:
+    """For each row its label and that of the row that it follows, empty for frame 0; a root that moves is one row."""
+    found = {joint.label: (joint.stand or usual).after for joint, usual in _stands(robot)}
+    found |= {row.name: row.stand.after for row in robot.fixed}
+    moving = robot.root.variables if robot.root else ()
+    found = {label: after for label, after in found.items() if label not in moving}
+    return {label: after if after in found else "" for label, after in found.items()}
+
+
+def labels(robot: Description) -> tuple[str, ...]:
+    """The rows as frames are numbered: frame 0, the joints, the rows without motion."""
+    return ("", *(joint.label for joint in robot.joints), *(row.name for row in robot.fixed))
+
+
+def rows_to(robot: Description, label: str) -> tuple[str, ...]:
+    """The labels of the rows from frame 0, which is none, to a row, that row included."""
+    before, found = antecedents(robot), []
+    while label in before:
+        found.append(label)
+        label = before[label]
+    return tuple(reversed(found))
+
+
 def path(robot: Description, last: int) -> tuple[int, ...]:
     """The joints that move a joint's link, from the base outwards, that joint included; of -1 none."""
     before, found = parents(robot), []
@@ -208,6 +231,11 @@ def constant_cells(robot: Description) -> tuple[list[Expression], list[Expressio
     for link in (row.link for row in robot.fixed if row.link):
         values += (link.mass, *link.com, *(getattr(link.inertia, key) for key in INERTIA))
     return values, [stand.gamma for stand in between] + [a for row in robot.fixed for a in (row.theta, row.alpha)]
+
+
+def bodies(robot: Description) -> tuple[Link, ...]:
+    """The links of the joints, behind link n those of rows without motion; of a robot without dynamics none."""
+    return (*robot.links, *(row.link or Link() for row in robot.fixed if robot.links))
 
 
 def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:

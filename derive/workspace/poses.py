@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from derive.errors import DeriveError, ExpressionError
-from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.chain import Chain, build_chain, constant_frame, stand_frame, way_frame
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import advance
 from derive.mechanics.vectors import Frame
+from derive.robot import tree
 from derive.robot.description import Joint
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Call, Expression, Number, Product, Sum, children, names
@@ -37,14 +38,16 @@ class RobotPoses:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = replace(robot, links=(), gravity=None)  # its kinematics
+        self.robot = replace(robot, links=(), gravity=None, fixed=tree.massless(robot.fixed))  # its kinematics
         known = parameter_values(self.robot)
         known |= {name: to_float(value, known) for name, value in robot.figure.values}
         missing = [name for name in robot_symbols(self.robot) if name not in known]
         # Symbols of angles: in cells theta and alpha, or under a sine, cosine or tangent anywhere else.
         joints, unit = self.robot.joints, _longest(self.robot, known)
-        angles = {name for joint in joints for cell in (joint.theta, joint.alpha) for name in names(cell)}
-        pending = [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
+        values, turns = tree.constant_cells(self.robot)
+        turns += [cell for joint in joints for cell in (joint.theta, joint.alpha)]
+        angles = {name for cell in turns for name in names(cell)}
+        pending = [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row] + values
         pending += [cell for joint in joints for cell in (joint.d, joint.a)]
         while pending:
             node = pending.pop()
@@ -58,6 +61,10 @@ class RobotPoses:
             try:
                 domain = FloatDomain(self.robot, (0.0,) * robot.n, self.values)
                 self._chain: Chain[Any] = build_chain(self.robot, domain)
+                self._rows = [way_frame(self.robot, row.name, domain) for row in self.robot.fixed]
+                self._stands = [stand_frame(row.stand, domain) for row in self.robot.fixed]
+                ends = [(*way_frame(self.robot, e.after, domain), constant_frame(e.tool, domain)) for e in robot.ends]
+                self._ends = [(joint, tool if row is None else row @ tool) for joint, row, tool in ends]
             except (ExpressionError, ArithmeticError):
                 continue
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
@@ -104,14 +111,24 @@ class RobotPoses:
         return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]."""
-        inner = list(self._joint_frames(q, math.cos, math.sin))
-        tip = (inner[-1] if inner else self._chain.base) @ self._chain.tool
-        ends = (frame @ end for frame, end in zip(inner, self._chain.ends, strict=True))
+        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m].
+
+        Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
+        they begin, and last the ends.
+        """
+        inner, chain = list(self._joint_frames(q, math.cos, math.sin)), self._chain
+        rows = [chain.base, *(frame @ end for frame, end in zip(inner, chain.ends, strict=True))]
+        tips = [rows[joint + 1] @ end for joint, end in self._ends] or [(inner[-1] if inner else rows[0]) @ chain.tool]
+        if self.robot.is_tree:
+            starts = [rows[j.parent + 1] if j.mount is None else rows[j.parent + 1] @ j.mount for j in chain.joints]
+            fixed = [rows[joint + 1] if row is None else rows[joint + 1] @ row for joint, row in self._rows]
+            known = dict(zip(tree.labels(self.robot), [*rows, *fixed], strict=True))
+            stands = zip(self.robot.fixed, self._stands, strict=True)
+            rows += [*fixed, *starts, *(known.get(row.stand.after, rows[0]) @ stand for row, stand in stands)]
         poses = []
-        for frame in (self._chain.base, *ends, tip):
-            rows = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
-            poses.append((*rows, (0.0, 0.0, 0.0, 1.0)))
+        for frame in (*rows, *tips):
+            upper = (tuple(map(float, (*row, x))) for row, x in zip(frame.rotation, frame.position, strict=True))
+            poses.append((*upper, (0.0, 0.0, 0.0, 1.0)))
         return tuple(poses)
 
     def joint_frames(self, q: Sequence[Any]) -> list[Frame[Any]]:
@@ -150,15 +167,15 @@ class RobotPoses:
 
     def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
         """Frames 1 to n that move with the joints, each with the axis of its joint as z."""
-        frame = self._chain.base
+        frames = [self._chain.base]
         for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):
             if joint.is_revolute:
                 angle = joint.sign * value + to_float(joint.theta, self.values)
                 moved = replace(row, cosine=cosine(angle), sine=sine(angle))
             else:
                 moved = replace(row, offset=joint.sign * value + to_float(joint.d, self.values))
-            frame = advance(frame, moved)
-            yield frame
+            frames.append(advance(frames[row.parent + 1], moved))
+            yield frames[-1]
 
 
 def _turned(frame: Frame[float], vector: Sequence[Any]) -> list[Any]:

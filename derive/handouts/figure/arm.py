@@ -14,9 +14,10 @@ from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, 
 from derive.handouts.figure.projection import View, best_view, paint, view_along
 from derive.handouts.figure.scene import LETTERS, LinkSegment, Scene, arm_scene
 from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
-from derive.handouts.notation.pieces import joined
+from derive.handouts.notation.pieces import joined, upright
 from derive.handouts.notation.printer import DataPrinter
-from derive.robot.description import Convention
+from derive.robot import tree
+from derive.robot.description import Convention, FixedRow, Joint
 from derive.robot.expression import Name, Number, Product, Sum, names
 from derive.robot.robot import Robot
 
@@ -102,15 +103,17 @@ class _Stage:
             arrows.append((axis, self.view.flat(origin), self.view.flat(end)))
         for axis, start, tip in arrows:
             self.paper.arrow(start, tip, AXIS_COLORS[axis.letter], 0.9)
+        names = frame_names(self.robot)
         for axis, (x, y), tip in arrows:
             if LETTERS[axis.letter] != "y":
-                latex = ",".join(f"{LETTERS[axis.letter]}_{{{'e' if k < 0 else k}}}" for k in axis.frames)
+                latex = ",".join(f"{LETTERS[axis.letter]}_{{{names[k]}}}" for k in axis.frames)
                 places = around(tip, (tip[0] - x, tip[1] - y), 6.5, label_width(latex))
                 self.paper.label(latex, places, AXIS_COLORS[axis.letter])
         for segment in self.scene.segments:
             self._draw_length(segment)
-        if self.robot.n <= _MOST_NAMES:
-            for joint, center in zip(self.robot.joints, joint_centers(self.scene, self.scale, sizes), strict=True):
+        joints = self.robot.joints[-len(self.scene.joints) :]
+        if len(joints) <= _MOST_NAMES:
+            for joint, center in zip(joints, joint_centers(self.scene, self.scale, sizes), strict=True):
                 latex = self.data.notation.glyph(joint.variable).box.tex.strip()
                 places = around(self.view.flat(center), (1.0, 0.3), 11.0 + 4.0 * sizes.factor)
                 self.paper.label(latex, places, DIMENSION)
@@ -148,19 +151,26 @@ class _Stage:
 
 def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:
     """The cell of the table that a segment shows, as LaTeX; its symbol where the cell is too wide."""
-    if segment.cell == "tool":
+    if segment.cell in ("tool", "mount"):
         return ""
-    joint = robot.joints[segment.row]
+    rows: tuple[Joint | FixedRow, ...] = (*robot.joints, *robot.fixed)
+    joint = rows[segment.row]
     cell = joint.a if segment.cell == "a" else joint.d
-    if segment.cell == "d" and not joint.is_revolute:
+    if segment.cell == "d" and isinstance(joint, Joint) and not joint.is_revolute:
         cell = Sum((Product((Number(Fraction(joint.sign)), Name(joint.variable))), cell))
     latex = joined(data.length(cell)).tex.strip()
     if not any(True for _ in names(cell)):
         latex += r"\,\mathrm{mm}" if robot.units.millimetres else r"\,\mathrm{m}"
     if label_width(latex) <= LONGEST_LABEL and "frac{" not in latex and "\\sqrt" not in latex:
         return latex
-    behind = segment.cell == "a" and robot.convention is Convention.MODIFIED
-    return f"{segment.cell}_{{{segment.row + (0 if behind else 1)}}}"
+    behind = segment.cell == "a" and robot.convention is Convention.MODIFIED and not robot.is_tree
+    return f"{segment.cell}_{{{frame_names(robot)[segment.row + (0 if behind else 1)]}}}"
+
+
+def frame_names(robot: Robot) -> list[str]:
+    """The names of frames 0 to n, of rows without motion and of the ends, as LaTeX."""
+    words = [*(row.name for row in robot.fixed), *(end.name or "e" for end in tree.ends(robot))]
+    return [*map(str, range(robot.n + 1)), *(upright(word).tex if len(word) > 1 else word for word in words)]
 
 
 # -- the arm in several configurations over each other: a line for all whose links cover each other

@@ -1,12 +1,13 @@
-"""What there is to draw of an arm: axes of frames, joints, links and lengths, in space and still without a view."""
+"""What there is to draw of an arm or a tree: axes of frames, joints, links, lengths, in space and without a view."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from derive.arrays import Array
-from derive.robot.description import Convention
+from derive.robot import tree
+from derive.robot.description import BASE, Convention, FixedRow, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.robot import Robot
@@ -24,7 +25,7 @@ class FrameAxis:
     origin: Array  # where they start
     direction: Array  # unit vector
     letter: int  # 0, 1 or 2 for x, y or z
-    frames: tuple[int, ...]  # indices of the frames; -1 for an end effector with a frame of its own
+    frames: tuple[int, ...]  # numbers of the frames; of ends with frames of their own from behind, the last one -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +34,8 @@ class LinkSegment:
 
     start: Array  # its first point
     end: Array  # its last point
-    row: int  # row of the table, from 0; n for the tool
-    cell: str  # ``d``, ``a`` or ``tool``
+    row: int  # the joint, from 0, or a row without motion behind them; then the ends
+    cell: str  # ``d``, ``a``, ``mount`` or ``tool``
 
     @property
     def length(self) -> float:
@@ -53,18 +54,27 @@ class JointAxis:
 
 
 @dataclass(frozen=True, eq=False)
+class Hand:
+    """What is at an end."""
+
+    end: Array  # where it is
+    approach: Array  # direction in which it points
+    opening: Array  # direction in which it opens
+    joint: int  # the last joint before it, by its place in the scene
+    is_fixed: bool  # whether it is one of several on a row without motion, as a head is, and drawn as a ball
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
-    """An arm in space."""
+    """An arm or a tree in space."""
 
     axes: tuple[FrameAxis, ...]  # axes of all frames
-    joints: tuple[JointAxis, ...]  # the joints from the base outwards
+    joints: tuple[JointAxis, ...]  # the joints from the base outwards, without those of a root that moves
     segments: tuple[LinkSegment, ...]  # links with a length
     places: Array  # (k, 3) distinct origins and corners of links
     up: tuple[float, float, float]  # what points up
-    approach: Array  # direction in which the hand points
-    opening: Array  # direction in which the hand opens
-    end: Array  # where the hand is
-    base_axis: Array  # direction of z of frame 0, along which the pedestal stands
+    hands: tuple[Hand, ...]  # one at each end
+    base_axis: Array | None  # direction of z of frame 0, along which the pedestal stands; None under a root that moves
 
     @property
     def size(self) -> float:
@@ -75,34 +85,47 @@ class Scene:
 def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scene:
     """The scene of a robot whose frames are known."""
     poses = np.array(frames, dtype=float)
-    joints, parts = _links(robot, poses)
-    points = np.concatenate([poses[:, :3, 3], np.stack([joint.offset_end for joint in joints])])
+    joints, corners, parts = _links(robot, poses)
+    shown = [*_numbers(robot), *range(-len(tree.ends(robot)), 0)]
+    points = np.concatenate([poses[shown, :3, 3], np.stack(corners)])
     size = float(np.max(np.linalg.norm(points - points[0], axis=1))) or 1.0
     segments = tuple(s for s in parts if s.length > SAME_PLACE * size)
     places: list[Array] = []
     for point in points:
         if all(np.linalg.norm(point - other) > SAME_PLACE * size for other in places):
             places.append(point)
-    # The hand continues the last link along an axis of the end effector, or points along z; it opens along y or x.
-    end = poses[-1, :3, :3]
-    approach = end[:, 2]
-    if last := [s for s in segments if s.row >= robot.n - 1]:
-        components = end.T @ ((last[-1].end - last[-1].start) / last[-1].length)
-        best = int(np.argmax(np.abs(np.round(components, 9))))
-        if abs(components[best]) > _SAME_DIRECTION:
-            approach = end[:, best] * np.sign(components[best])
-    opening = end[:, 1] if abs(approach @ end[:, 1]) < 0.5 else end[:, 0]
     return Scene(
-        axes=_axes(poses, SAME_PLACE * size),
+        axes=_axes(robot, poses, SAME_PLACE * size),
         joints=tuple(joints),
         segments=segments,
         places=np.stack(places),
         up=upwards(robot),
-        approach=approach,
-        opening=opening,
-        end=poses[-1, :3, 3],
-        base_axis=poses[0, :3, 2],
+        hands=tuple(_hands(robot, poses, segments)),
+        base_axis=None if robot.root else poses[0, :3, 2],
     )
+
+
+def _numbers(robot: Robot) -> list[int]:
+    """The frames that are drawn, ends left out: none between the coordinates of a root that moves."""
+    first = len(robot.root.variables) + 1 if robot.root else 1
+    return [0, *range(first, len(tree.labels(robot)))]
+
+
+def _hands(robot: Robot, poses: Array, segments: Sequence[LinkSegment]) -> Iterator[Hand]:
+    # A hand continues the last link along an axis of its end, or points along z; it opens along y or x.
+    labels, ends = tree.labels(robot)[1:], tree.ends(robot)
+    for k, end in enumerate(ends):
+        frame = poses[k - len(ends), :3, :3]
+        approach = frame[:, 2]
+        if last := [s for s in segments if s.row in (labels.index(end.after), len(labels) + k)]:
+            components = frame.T @ ((last[-1].end - last[-1].start) / last[-1].length)
+            best = int(np.argmax(np.abs(np.round(components, 9))))
+            if abs(components[best]) > _SAME_DIRECTION:
+                approach = frame[:, best] * np.sign(components[best])
+        opening = frame[:, 1] if abs(approach @ frame[:, 1]) < 0.5 else frame[:, 0]
+        joint = tree.way_to(robot, end.after).joint - (len(robot.root.variables) if robot.root else 0)
+        is_fixed = bool(end.name) and labels.index(end.after) >= robot.n
+        yield Hand(poses[k - len(ends), :3, 3], approach, opening, joint, is_fixed)
 
 
 def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
@@ -122,25 +145,41 @@ def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[fl
     return (x, y, z)
 
 
-def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[LinkSegment]]:
-    """Joints and parts of links, from the frames alone: the offset d is what lies along z between two of them."""
+def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Array], list[LinkSegment]]:
+    """Joints, corners and parts of links, from frames alone: the offset d is what lies along z between two of them."""
     # A link leads along z by d, then along x by a (standard); along x by a, then along z by d (modified).
-    joints, parts = [], []
-    is_standard = robot.convention is Convention.STANDARD
-    for row, joint in enumerate(robot.joints):
-        start, end, z = poses[row][:3, 3], poses[row + 1][:3, 3], poses[row if is_standard else row + 1][:3, 2]
+    joints, corners, parts = [], [], []
+    is_standard, labels = robot.convention is Convention.STANDARD, tree.labels(robot)
+    starts, before = poses[len(labels) :] if robot.is_tree else poses, tree.antecedents(robot)
+    rows: tuple[Joint | FixedRow, ...] = (*robot.joints, *robot.fixed)
+    for row in (number - 1 for number in _numbers(robot)[1:] if labels[number] != BASE):
+        start, end, z = (
+            starts[row][:3, 3],
+            poses[row + 1][:3, 3],
+            (starts[row] if is_standard else poses[row + 1])[:3, 2],
+        )
         offset = z * (z @ (end - start))
         corner = start + offset if is_standard else end - offset
-        joints.append(JointAxis(*((start, corner) if is_standard else (corner, end)), z, joint.is_revolute))
+        corners.append(corner)
+        if row < robot.n:
+            offset_ends = (start, corner) if is_standard else (corner, end)
+            joints.append(JointAxis(*offset_ends, z, robot.joints[row].is_revolute))
         first, second = "da" if is_standard else "ad"
+        parts.append(LinkSegment(poses[labels.index(before[rows[row].label]), :3, 3], start, row, "mount"))
         parts += [LinkSegment(start, corner, row, first), LinkSegment(corner, end, row, second)]
-    return joints, [*parts, LinkSegment(poses[-2, :3, 3], poses[-1, :3, 3], robot.n, "tool")]
+    for k, tool in enumerate(tree.ends(robot)):
+        tip = poses[k - len(tree.ends(robot)), :3, 3]
+        parts.append(LinkSegment(poses[labels.index(tool.after), :3, 3], tip, len(rows) + k, "tool"))
+    return joints, corners, parts
 
 
-def _axes(poses: Array, near: float) -> tuple[FrameAxis, ...]:
+def _axes(robot: Robot, poses: Array, near: float) -> tuple[FrameAxis, ...]:
     """Axes that would cover each other are one axis with several names."""
-    own_end = not np.allclose(poses[-1], poses[-2], atol=1e-9)
-    numbered = [*enumerate(poses[:-1]), *([(-1, poses[-1])] if own_end else [])]
+    ends, labels = tree.ends(robot), tree.labels(robot)
+    numbered = [(number, poses[number]) for number in _numbers(robot)]
+    for k, end in enumerate(ends, -len(ends)):
+        if not np.allclose(poses[k], poses[labels.index(end.after)], atol=1e-9):
+            numbered.append((k, poses[k]))
     found: list[FrameAxis] = []
     for index, pose in numbered:
         for letter in range(3):

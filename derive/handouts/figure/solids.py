@@ -9,7 +9,7 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.scene import Scene
+from derive.handouts.figure.scene import Hand, Scene
 
 LIGHT = np.array((-0.35, 0.75, 0.56))  # direction of the light: right, up, towards the viewer
 OUTLINE: Color = (0.25, 0.25, 0.28)
@@ -105,11 +105,16 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
         if _length(center - anchor) > 1e-6:
             faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
         lines += [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
-    hand, hand_lines = _hand(scene, scale, sizes, centers[-1])
-    foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
-    pedestal = prism(foot - scene.base_axis * 4.0 * sizes.factor, foot, 15.0 * sizes.factor, BASE, sides=28)
-    rim = pedestal[-1].corners[1]
-    return [*faces, *hand, *pedestal], [*lines, *hand_lines, np.concatenate([rim, rim[:1]])]
+    for hand in scene.hands:
+        parts, sides = _hand(hand, scale, sizes, centers[hand.joint])
+        faces += parts
+        lines += sides
+    if scene.base_axis is not None:
+        foot = scene.places[0] * scale - scene.base_axis * sizes.cylinder[1] * 0.55
+        faces += prism(foot - scene.base_axis * 4.0 * sizes.factor, foot, 15.0 * sizes.factor, BASE, sides=28)
+        rim = faces[-1].corners[1]
+        lines.append(np.concatenate([rim, rim[:1]]))
+    return faces, lines
 
 
 def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
@@ -127,11 +132,13 @@ def joint_centers(scene: Scene, scale: float, sizes: Sizes) -> list[Array]:
     return centers
 
 
-def _hand(scene: Scene, scale: float, sizes: Sizes, last: Array) -> tuple[list[Faces], list[Array]]:
-    """Two fingers on a palm ahead of the end effector's origin, and ahead of a last joint that is drawn there."""
+def _hand(hand: Hand, scale: float, sizes: Sizes, last: Array) -> tuple[list[Faces], list[Array]]:
+    """A ball, or two fingers on a palm ahead of the end, and ahead of a last joint that is drawn there."""
     # A last joint whose cylinder covers the origin of the end effector pushes the hand ahead of it.
     k = sizes.factor
-    end, along, across = scene.end * scale, scene.approach, scene.opening
+    if hand.is_fixed:
+        return [_ball(hand.end * scale, 9.0 * k, HAND)], []
+    end, along, across = hand.end * scale, hand.approach, hand.opening
     ahead = float((last - end) @ along)
     covered = ahead + sizes.cylinder[1] / 2 if ahead > 0 and _length(last - end - ahead * along) < 1.0 else 0.0
     palm = end + (covered + 5.0 * k) * along

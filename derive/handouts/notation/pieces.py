@@ -68,7 +68,7 @@ def italic(text: str) -> Box:
 @cache
 def upright(text: str) -> Box:
     """A word in roman letters."""
-    return Box(f"\\mathrm{{{text}}}", sum(_UPRIGHT.get(char, 500) / 100 for char in text))
+    return Box("\\mathrm{" + text.replace("_", "\\_") + "}", sum(_UPRIGHT.get(char, 500) / 100 for char in text))
 
 
 @cache

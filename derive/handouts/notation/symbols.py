@@ -19,7 +19,8 @@ def bold(letter: str) -> Box:
 class Symbols:
     """Names of entries for one robot."""
 
-    def __init__(self, notation: Notation, n: int) -> None:
+    def __init__(self, notation: Notation, n: int, end: str = "") -> None:
+        self.end = end  # of a tree with several ends that of which T and J are
         self.options = notation.options
         self._taken = notation.taken
         self._comma = "," if n > 9 else ""
@@ -30,16 +31,23 @@ class Symbols:
         """Letter of the inertia matrix: B, M or D; its entries have the lower-case one."""
         return self.options.inertia.value
 
-    def frame(self, letter: str, frame: int | str, reference: int | str) -> Box:
+    def of_end(self, letter: str) -> Box:
+        """T or J: of a tree with the name of the end."""
+        return script(bold(letter), upright(self.end)) if self.end else bold(letter)
+
+    def frame(self, letter: str, frame: int | str | Box, reference: int | str | Box) -> Box:
         r"""A matrix of one frame in another: \mathbf{A}_{1}^{0}, or {}^{0}\mathbf{A}_{1} with frames on the left."""
-        lower, upper = italic(str(frame)), italic(str(reference))
+        lower, upper = (i if isinstance(i, Box) else italic(str(i)) for i in (frame, reference))
         if self.options.frames is FrameIndices.RIGHT:
             return script(bold(letter), lower, upper)
         return concatenate(script(Box("{}", 0.0), sup=upper), script(bold(letter), lower))
 
     def entry(self, letter: str, row: int, column: int) -> Box:
         """Entry of a matrix."""
-        return self._free(letter, f"{row}{self._comma}{column}")
+        indices = f"{row}{self._comma}{column}"
+        if self.end and letter in "tJ":
+            return script(bracketed(self.of_end(letter.upper())), italic(indices))
+        return self._free(letter, indices)
 
     def component(self, letter: str, row: int) -> Box:
         """Entry of a vector."""
@@ -61,7 +69,8 @@ class Symbols:
         letters = letters or ["\\Lambda "]
         letter = letters[group % len(letters)]
         text = str(index) if group < len(letters) else f"{group // len(letters)},{index}"
-        return script(italic(letter), italic(text))
+        behind = [upright(self.end), italic(",")] if self.end else []
+        return script(italic(letter), concatenate(*behind, italic(text)))
 
     def _free(self, letter: str, indices: str) -> Box:
         plain = script(italic(letter), italic(indices))

@@ -19,7 +19,7 @@ import sympy
 from derive.arrays import Array
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.projection import view_along
-from derive.handouts.figure.scene import upwards
+from derive.handouts.figure.scene import arm_scene, upwards
 from derive.handouts.notation.notation import Notation
 from derive.handouts.page.player import Playback, player_texts
 from derive.handouts.parts.inverse_words import branch_name
@@ -30,7 +30,8 @@ from derive.inverse.words.postures import postures
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import jacobian
 from derive.programs.program import Program
-from derive.robot.description import Convention
+from derive.robot import tree
+from derive.robot.description import BASE, Convention, FixedRow, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.options.inverse import POSE, InverseOptions
@@ -38,8 +39,10 @@ from derive.robot.robot import Robot
 from derive.targets.escape import html_text
 from derive.targets.javascript import camel_case, javascript_body
 from derive.targets.templating import render
+from derive.workspace.poses import RobotPoses
 
 FUNCTIONS = ("forward_kinematics", "link_transforms")  # what the figure needs of a robot's program
+FUNCTIONS_OF_TREES = ("link_transforms",)  # and of a tree's, whose ends stand still in frames of rows
 _SMALL = 1e-7  # singular values below it, of a matrix whose largest one is 1, are zero
 _FALLBACK = 1.0  # drawn for a symbol of which nothing is known
 _STYLES = {"italic": "i", "mono": "code"}
@@ -96,7 +99,7 @@ def viewer(
         spans = zip(ways, playback.ranges, strict=True)
         ways = tuple(replace(way, lower=min(way.lower, a), upper=max(way.upper, b)) for way, (a, b) in spans)
     inverse = program.inverse if dragged else None
-    functions = (*FUNCTIONS, *(playback.functions if playback else ()))
+    functions = (*(FUNCTIONS_OF_TREES if robot.is_tree else FUNCTIONS), *(playback.functions if playback else ()))
     needed = Program(tuple(program[name] for name in functions), program.parameters, inverse)
     notation = notation or Notation.of(robot, robot.handout.notation)
     target = None
@@ -106,6 +109,7 @@ def viewer(
     script = render(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
+        tree=robot.is_tree,
         configuration=_configuration(
             robot, program, numbers, ways, dragged if target else None, playback, normal, comma=text.comma
         ),
@@ -127,6 +131,7 @@ def viewer(
         words={name: html_text(word) for name, word in _words(text).items()},
         assumed=assumed,
         entries=range(4),
+        ends=[end.name for end in robot.ends],
         target=target,
         player=player_texts(playback, robot, rows, text) if playback else None,
     )
@@ -138,6 +143,7 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
     """A number for every symbol [m, rad]: the caller's, else the robot file's, else 1."""
     cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
     cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
+    cells += [cell for own in tree.constant_cells(replace(robot, fixed=tree.massless(robot.fixed))) for cell in own]
     cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
     symbols = (*(name for cell in cells for name in names(cell)), *parameters)
     known = {name: evaluate(number, {}) for name, number in dict(robot.parameters).items()}
@@ -149,9 +155,10 @@ def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
     given = robot.figure.q or (None,) * robot.n
     lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
     longest = float(f"{max(lengths) or 1.0:.2g}")
-    ways = []
+    ways, rooted = [], robot.root.variables if robot.root else ()
     for joint, cell in zip(robot.joints, given, strict=True):
         low, high = (-math.pi, math.pi) if joint.is_revolute else (0.0, longest)
+        low = -longest if joint.variable in rooted and not joint.is_revolute else low
         with suppress(ArithmeticError):  # limits that are no numbers do not count
             lower, upper = (evaluate(limit, numbers) for limit in joint.limits) if joint.limits else (low, high)
             low, high = (lower, upper) if lower < upper else (low, high)
@@ -221,6 +228,8 @@ def _configuration(
         "facing": None if normal is None else view_along(normal, upwards(robot, numbers)).rows[2].tolist(),
         "comma": comma,
     }
+    if robot.is_tree:
+        value |= _tree(robot, numbers)
     if dragged is not None and program.inverse is not None:
         lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
         step = float(f"{0.01 * (sum(lengths) or 1.0):.1g}")
@@ -228,6 +237,36 @@ def _configuration(
     if playback is not None:
         value["playback"] = playback.configuration
     return json.dumps(value, allow_nan=False).replace("<", "\\u003c")
+
+
+def _tree(robot: Robot, numbers: Mapping[str, float]) -> dict[str, object]:
+    """The rows with what is constant before each, the ends with their poses in the frames of rows, and names."""
+    frames = np.array(RobotPoses(robot).frames((0.0,) * robot.n))
+    scene, labels, before = arm_scene(robot, frames.tolist()), tree.labels(robot), tree.antecedents(robot)
+    moving = len(robot.root.variables) if robot.root else 0
+
+    def _within(frame: Array, label: str) -> object:
+        return np.round(np.linalg.solve(frames[labels.index(label)], frame), 12).tolist()
+
+    rows: list[dict[str, object]] = []
+    own: tuple[Joint | FixedRow, ...] = (*robot.joints, *robot.fixed)
+    for k, row in enumerate(own):
+        drawn: dict[str, object] = {"hidden": k < moving or row.label == BASE, "fixed": isinstance(row, FixedRow)}
+        drawn |= {"revolute": isinstance(row, Joint) and row.is_revolute, "a": evaluate(row.a, numbers)}
+        after = before.get(row.label, "")
+        rows.append(drawn | {"before": labels.index(after), "begin": _within(frames[len(labels) + k], after)})
+        if isinstance(row, FixedRow):
+            joint = tree.way_to(robot, row.name).joint + 1
+            rows[-1] |= {"joint": joint, "pose": _within(frames[k + 1], labels[joint])}
+    ends = []
+    for end, pose, hand in zip(tree.ends(robot), frames[-len(tree.ends(robot)) :], scene.hands, strict=True):
+        across = np.cross(hand.approach, hand.opening)
+        grip = np.vstack([np.column_stack([hand.opening, across, hand.approach, hand.end]), [0.0, 0.0, 0.0, 1.0]])
+        at = {"row": labels.index(end.after), "ball": hand.is_fixed}
+        ends.append(at | {"pose": _within(pose, end.after), "hand": _within(grip, end.after)})
+    names = [str(i) if i <= robot.n else label for i, label in enumerate(labels)]
+    names += [end.name or "e" for end in tree.ends(robot)]
+    return {"rows": rows, "ends": ends, "names": names, "stands": robot.root is None}
 
 
 def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict[str, object]]:
@@ -258,6 +297,7 @@ def _words(_: Text) -> dict[str, str]:
         "pose": _("Pose of the end effector"),
         "matrix": _("Homogeneous transform in the world frame"),
         "position": _("Position"),
+        "end": _("End"),
         "angles": _("Roll, pitch, yaw"),
         "target": _("Target of the end effector"),
         "coordinate": _("coordinate of the target"),
@@ -276,6 +316,8 @@ def _words(_: Text) -> dict[str, str]:
 
 def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     """How an end effector can be dragged; None where it moves neither in a plane nor in space. Numbers in m and rad."""
+    if robot.is_tree:  # its inverse kinematics are those of serial arms, which no generated function has
+        return None
     # The Jacobian at five generic configurations: ranks that all of them agree on are those of the arm.
     columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
     linear = np.hstack([own[:3] for own in columns])

@@ -57,7 +57,11 @@ def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
         "failed": _("The browser does not allow copying"),
     }
     sections = [
-        {"anchor": html_text(section.part), "title": writer.words(section.title), "body": writer.blocks(section.blocks)}
+        {
+            "anchor": html_text(section.anchor),
+            "title": writer.words(section.title),
+            "body": writer.blocks(section.blocks),
+        }
         for section in document.sections
     ]
     content = templating.render(

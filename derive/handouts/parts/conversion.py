@@ -14,6 +14,7 @@ from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.mechanics.convention import Conversion, convert
 from derive.model.entries import ModelEntries
 from derive.model.model import Model
+from derive.robot import tree
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -31,6 +32,7 @@ _DEFINITIONS = (
 def conversion(context: Context) -> Iterator[Block]:
     """Both tables as one product, the new table with its transforms, and the links in its frames."""
     _ = context.text
+    tree.require_chain(context.robot, "the table of the other convention")
     found = convert(context.robot)
     other = Robot.of(found.result)
     new = Context(ModelEntries(Model(other)), context.options, _, context.version, policy=context.policy)
@@ -55,7 +57,7 @@ def conversion(context: Context) -> Iterator[Block]:
     both = concatenate(NEW_BASE, EQUALS, BASE, first), concatenate(NEW_TOOL, EQUALS, last, TOOL)
     if moved := pack(compress(both, ends)):
         yield Rows(tuple(moved))
-    yield table_rows(new)
+    yield from table_rows(new)
     if lines := end_lines(new, NEW_BASE, NEW_TOOL):
         yield Rows(tuple(lines))
     yield from transforms(new)

@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from derive.handouts.layout.lines import Equation, equation_lines
-from derive.handouts.notation.pieces import Box, concatenate, fraction, italic, script
+from derive.handouts.notation.pieces import Box, concatenate, fraction, italic, script, upright
 from derive.handouts.notation.symbols import Group, bold
+from derive.handouts.parts.jacobian import JointAxes
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
 from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
+from derive.robot import tree
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -19,20 +21,22 @@ class MassBody:
     """A link or a rotor that has mass or inertia."""
 
     place: int  # its place among the bodies, from 0
-    index: int  # its link or joint, from 1
+    index: int  # its link or joint, from 1; of a row without motion behind them
     is_rotor: bool  # whether it is the rotor of a motor
+    name: Box  # how the index is written
 
     def symbol(self, letter: str, sub: str = "") -> Box:
         """A matrix or vector of the body: B_{l_1}, p_{m_2}, or J_v^{l_1}."""
-        body = italic(f"{'m' if self.is_rotor else 'l'}_{{{self.index}}}")
+        body = italic(f"{'m' if self.is_rotor else 'l'}_{{{self.name.tex}}}")
         return script(bold(letter), italic(sub), body) if sub else script(bold(letter), body)
 
 
 def bodies(robot: Robot) -> tuple[MassBody, ...]:
     """Links with mass or inertia, each followed by the rotor of its joint."""
-    kinds = [(link.mass != ZERO or link.inertia != Inertia(), has_rotor(link)) for link in robot.links]
+    kinds = [(link.mass != ZERO or link.inertia != Inertia(), has_rotor(link)) for link in tree.bodies(robot)]
     found = [(i, is_rotor) for i, has in enumerate(kinds, 1) for is_rotor in (False, True) if has[is_rotor]]
-    return tuple(MassBody(place, *body) for place, body in enumerate(found))
+    names = [italic(str(i)) if i <= robot.n else upright(label) for i, label in enumerate(tree.labels(robot))]
+    return tuple(MassBody(place, i, is_rotor, names[i]) for place, (i, is_rotor) in enumerate(found))
 
 
 def has_rotor(link: Link) -> bool:
@@ -48,15 +52,24 @@ def has_rotors(robot: Robot) -> bool:
 def link_jacobians(context: Context) -> Iterator[Block]:
     """J_v and J_w of every link and rotor."""
     _ = context.text
-    yield context.paragraph(
-        "In the world frame, $\\mathbf{p}_{l_i}$ being the centre of mass of link $i$. Column $j$ is the velocity "
-        "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
-        "for a joint does not move the links before it."
-    )
-    joints = context.robot.joints
+    if context.robot.is_tree:
+        yield context.paragraph(
+            "In the world frame, $\\mathbf{p}_{l_i}$ being the centre of mass of link $i$. Column $j$ is the velocity "
+            "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero unless joint "
+            "$j$ is on the way from the base to the link."
+        )
+    else:
+        yield context.paragraph(
+            "In the world frame, $\\mathbf{p}_{l_i}$ being the centre of mass of link $i$. Column $j$ is the velocity "
+            "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
+            "for a joint does not move the links before it."
+        )
+    joints, axes = context.robot.joints, JointAxes(context)
+    z, o = (axes.symbol(letter, axes.index("j")).tex for letter in "zo")
     yield textbook(
         "link_jacobians",
-        k="j-1" if context.is_standard else "j",
+        z=z,
+        o=o,
         revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
         prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
     )
@@ -67,11 +80,18 @@ def link_jacobians(context: Context) -> Iterator[Block]:
             joints=opposed,
         )
     if has_rotors(context.robot):
-        yield context.paragraph(
-            "The rotor that drives joint $i$ sits on its axis $\\mathbf{z}_{m_i}$ at $\\mathbf{p}_{m_i}$, is "
-            "carried by link $i-1$ and spins at $k_{r_i}\\dot{q}_i$: columns $j < i$ are those of a point of link "
-            "$i-1$, column $i$ is the spin, the others are zero."
-        )
+        if context.robot.is_tree:
+            yield context.paragraph(
+                "The rotor that drives joint $i$ sits on its axis $\\mathbf{z}_{m_i}$ at $\\mathbf{p}_{m_i}$, is "
+                "carried by the link which the joint follows and spins at $k_{r_i}\\dot{q}_i$: column $i$ is the spin, "
+                "the others are those of a point of that link."
+            )
+        else:
+            yield context.paragraph(
+                "The rotor that drives joint $i$ sits on its axis $\\mathbf{z}_{m_i}$ at $\\mathbf{p}_{m_i}$, is "
+                "carried by link $i-1$ and spins at $k_{r_i}\\dot{q}_i$: columns $j < i$ are those of a point of link "
+                "$i-1$, column $i$ is the spin, the others are zero."
+            )
         yield textbook("rotor_jacobians")
     items = []
     for body in bodies(context.robot):
@@ -114,7 +134,7 @@ def energies(context: Context) -> Iterator[Block]:
     if context.steps:
         items = []
         for body in bodies(context.robot):
-            link = context.robot.links[body.index - 1]
+            link = tree.bodies(context.robot)[body.index - 1]
             mass = link.motor.mass if body.is_rotor and link.motor is not None else link.mass
             if mass != ZERO:
                 position = context.entries.body_position(body.index, body.is_rotor)

@@ -19,6 +19,7 @@ from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Number, Pi, Product
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+from derive.robot.tree import massless
 from derive.workspace.poses import middle
 
 # Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish.
@@ -39,7 +40,7 @@ Values = Sequence[Sequence[float]]
 def example(context: Context) -> Iterator[Block]:
     """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing."""
     given = context.robot
-    if _unnumbered(replace(given, links=(), gravity=None)) and context.poses is None:
+    if _unnumbered(replace(given, links=(), gravity=None, fixed=massless(given.fixed))) and context.poses is None:
         return
     # lengths and angles without a number, with those of the drawing
     assumed: dict[str, Expression] = {
@@ -49,9 +50,12 @@ def example(context: Context) -> Iterator[Block]:
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     chosen = configuration(robot)
     yield from _stated(context, chosen, assumed)
-    yield context.paragraph("The end effector; lengths are in metres:")
     task = context.text("Compute the transform of the end effector in numbers, lengths in metres.")
-    yield _matrix(context, bold("T"), value_at(robot, "T", chosen.q), "forward_kinematics", task)
+    numbered = [(own, replace(own.robot, figure=replace(robot.figure, q=None))) for own in context.ends]
+    for own, arm in numbered:
+        yield context.paragraph("The end effector; lengths are in metres:")
+        value = value_at(arm, "T", [chosen.q[place] for place in own.places])
+        yield _matrix(context, own.symbols.of_end("T"), value, own.function("forward_kinematics"), task)
     if all(joint.is_revolute for joint in robot.joints):
         yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
     else:
@@ -59,7 +63,11 @@ def example(context: Context) -> Iterator[Block]:
             "The Jacobian; rows 1 to 3 are in metres in the columns of revolute joints, all else is without unit:"
         )
     task = context.text("Compute the Jacobian in numbers.")
-    yield _matrix(context, bold("J"), value_at(robot, "J", chosen.q), "jacobian", task)
+    for own, arm in numbered:
+        rows = value_at(arm, "J", [chosen.q[place] for place in own.places])
+        columns = dict(zip(own.places, zip(*rows, strict=True), strict=True))
+        spread = [list(row) for row in zip(*(columns.get(k, (0.0,) * 6) for k in range(robot.n)), strict=True)]
+        yield _matrix(context, own.symbols.of_end("J"), spread, own.function("jacobian"), task)
     if missing := _unnumbered(robot) if robot.has_dynamics else ():
         yield context.answer(
             "Inertia matrix and gravity vector need numbers for %(symbols)s, which the robot file does not give.",

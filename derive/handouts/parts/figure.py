@@ -7,15 +7,18 @@ from fractions import Fraction
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing, arm_view
 from derive.handouts.figure.convention import convention_drawing
+from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.pieces import EMPTY, joined, magnitude
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Figure, Paragraph
 from derive.handouts.sheet.formula import textbook
+from derive.robot import tree
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Expression
 from derive.workspace.poses import RobotPoses
 
+Frames = Sequence[Sequence[Sequence[float]]]  # 4x4 each
 _DIGITS = 4  # significant digits of a number in a caption
 
 
@@ -30,10 +33,18 @@ def arm(context: Context) -> tuple[Block, ...]:
 
 
 def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
-    _ = context.text
-    robot, chosen = context.robot, poses.configuration
+    chosen = poses.configuration
     frames = [poses.frames(poses.zero)] + ([poses.frames(chosen)] if chosen is not None else [])
-    view = arm_view(arm_scene(robot, frames[-1]))
+    view = arm_view(arm_scene(context.robot, frames[-1]))
+    yield from (_tree if context.robot.is_tree else _arm)(context, poses, frames, view)
+    yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
+    if poses.assumed:
+        values = stated_values(context, poses.assumed)
+        yield context.paragraph("Numbers assumed for the drawing only: %(values)s.", values=values)
+
+
+def _arm(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: View) -> Iterator[Block]:
+    _, robot = context.text, context.robot
     title = _("The arm with its Denavit-Hartenberg frames at the zero configuration")
     caption = _("The arm with its Denavit-Hartenberg frames at the zero configuration.")
     moved = [(joint, cell) for joint, cell in zip(robot.joints, poses.zero_cells, strict=True) if cell != ZERO]
@@ -45,17 +56,24 @@ def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
             values=_positions(context, moved),
         )
     yield Figure(arm_drawing(robot, context.data, frames[0], title, view), caption)
-    if chosen is not None:
+    if len(frames) > 1:
         title = _("The arm with its Denavit-Hartenberg frames at the configuration of the figure")
         caption = _(
             "The arm with its Denavit-Hartenberg frames at %(configuration)s.",
             configuration=_positions(context, list(zip(robot.joints, robot.figure.q or (), strict=True))),
         )
         yield Figure(arm_drawing(robot, context.data, frames[1], title, view), caption)
-    yield context.paragraph("Axes x are red, y green and z blue; cylinders are revolute joints, boxes prismatic ones.")
-    if poses.assumed:
-        values = stated_values(context, poses.assumed)
-        yield context.paragraph("Numbers assumed for the drawing only: %(values)s.", values=values)
+
+
+def _tree(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: View) -> Iterator[Block]:
+    """The tree at the configuration that the robot file asks for, else at the zero configuration."""
+    _, robot = context.text, context.robot
+    cells = zip(robot.joints, robot.figure.q or poses.zero_cells, strict=True)
+    values = _positions(context, [(joint, cell) for joint, cell in cells if cell != ZERO])
+    where = values or "$\\mathbf{q} = \\mathbf{0}$"
+    caption = _("The robot with its Denavit-Hartenberg frames at %(configuration)s.", configuration=where)
+    title = _("The robot with its Denavit-Hartenberg frames")
+    yield Figure(arm_drawing(robot, context.data, frames[-1], title, view), caption)
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
@@ -81,11 +99,20 @@ def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) ->
 def convention(context: Context) -> Iterator[Block]:
     """The general A matrix of the convention, its picture, and how sines and cosines are abbreviated."""
     _ = context.text
-    symbol = context.symbols.frame("A", "i", "i-1").tex
-    yield context.paragraph("Row $i$ of the table takes frame $i$ into frame $i-1$:")
-    name = "standard_convention" if context.is_standard else "modified_convention"
-    yield textbook(name, A=symbol, blank=f"\\phantom{{{symbol}}}")
-    yield Figure(convention_drawing(context.robot.convention), _("The four parameters of row $i$."))
+    if context.robot.is_tree:
+        yield context.paragraph(
+            "Row $i$ of the table takes its frame into frame $p$, that of the row which it follows; a mount "
+            "$\\mathbf{M}_i$ is the identity where none is given:"
+        )
+        turned = any(stand.gamma != ZERO or stand.b != ZERO for stand in tree.stands(context.robot))
+        symbol = context.symbols.frame("A", "i", "p").tex
+        yield textbook("row_of_tree", A=symbol, standard=context.is_standard, turned=turned)
+    else:
+        symbol = context.symbols.frame("A", "i", "i-1").tex
+        yield context.paragraph("Row $i$ of the table takes frame $i$ into frame $i-1$:")
+        name = "standard_convention" if context.is_standard else "modified_convention"
+        yield textbook(name, A=symbol, blank=f"\\phantom{{{symbol}}}")
+        yield Figure(convention_drawing(context.robot.convention), _("The four parameters of row $i$."))
     texts, notation, labelled = [], context.notation, tuple(context.notation.labels)
     if labelled and notation.abbreviates:
         angle = notation.glyph(labelled[0]).box.tex

@@ -34,6 +34,9 @@ Factors = Sequence[SingularFactor]  # of det J
 
 def inverse(context: Context) -> Iterator[Block]:
     """How the joint variables follow from the pose."""
+    if context.robot.root:
+        yield context.paragraph("The root moves, and a pose of an end alone does not determine the joint variables.")
+        return
     task = usual_task(context.robot)
     equations = (equation for node in solve(context.robot, task).nodes for equation in node.formulas[0].equations)
     if sum(len(p) for equation in equations for p in equation.terms.values()) > MOST_TERMS:
@@ -43,6 +46,11 @@ def inverse(context: Context) -> Iterator[Block]:
     if task != found.graph.task:
         found = Model(replace(context.robot, inverse=InverseOptions(task))).inverse
     part = _InversePart(context, found)
+    if context.places != tuple(range(context.robot.n)):
+        yield context.paragraph(
+            "Joints, axes and frames are counted along this arm from 1: they are joints %(joints)s of the tree.",
+            joints=", ".join(f"${place + 1}$" for place in context.places),
+        )
     yield from part.given()
     if not found.graph.is_closed:
         yield part.why_not()
@@ -66,6 +74,8 @@ def inverse(context: Context) -> Iterator[Block]:
 def _too_long(context: Context) -> Paragraph:
     _ = context.text
     words = _("The formulas of this arm are too long to print; `inverse_kinematics` in `model_numpy.py` computes them.")
+    if context.whole.robot.is_tree:
+        words = _("The formulas of this arm are too long to print.")
     return Paragraph(words, is_answer=True)
 
 
@@ -86,16 +96,16 @@ class _InversePart:
             yield self.context.paragraph(
                 "Given the pose $%(end)s$ of the end effector in the world frame, find all values of the joint "
                 "variables that reach it. The entries of the pose are written",
-                end=bold("T").tex,
+                end=self.context.symbols.of_end("T").tex,
             )
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
-            yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
+            yield Rows((concatenate(self.context.symbols.of_end("T"), EQUALS, matrix(cells)).tex,))
         else:
             entries = and_list(self.context.text, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield self.context.paragraph(
                 "Given the entries %(entries)s of the pose $%(end)s$ of the end effector, find all values of the "
                 "joint variables that reach them.",
-                end=bold("T").tex,
+                end=self.context.symbols.of_end("T").tex,
                 entries=entries,
             )
 
@@ -113,7 +123,7 @@ class _InversePart:
             "Its configurations are computed in numbers: Newton's method with the Jacobian, its steps damped near "
             "singularities, from many configurations."
         )
-        return Paragraph(f"{reason} {rest}")
+        return Paragraph(reason if self.context.whole.robot.is_tree else f"{reason} {rest}")
 
     def counted(self) -> Iterator[Block]:
         """Redundancy, the conditions on the pose, the number of solutions, and the three cases."""
@@ -173,7 +183,7 @@ class _InversePart:
             words += " " + _(
                 "Of the %(leaves)s choices of signs some miss the pose; putting them into $%(end)s$ tells which.",
                 leaves=found.graph.leaves,
-                end=bold("T").tex,
+                end=self.context.symbols.of_end("T").tex,
             )
         return Paragraph(words, is_answer=True)
 
@@ -231,7 +241,8 @@ class _InversePart:
         if sum(map(len, written)) > LONGEST_SUM:
             yield _too_long(self.context)
             return
-        factors = self.context.entries.model.singularities.factors
+        is_chain = not self.context.robot.is_tree  # singularities are those of one chain
+        factors = self.context.entries.model.singularities.factors if is_chain else ()
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
             if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):
                 yield from self._step(step, merged, free)

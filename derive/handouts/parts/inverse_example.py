@@ -13,7 +13,6 @@ from derive.errors import DeriveError
 from derive.handouts.figure.arm import branches_drawing
 from derive.handouts.layout.lines import EQUALS, matrix
 from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
-from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.example import configuration, copied
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
@@ -69,9 +68,10 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     rows = value_at(robot, "T", q)
     whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
     cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
-    yield Rows((concatenate(bold("T"), EQUALS, matrix(cells)).tex,))
+    yield Rows((concatenate(context.symbols.of_end("T"), EQUALS, matrix(cells)).tex,))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
-    rest = _("All configurations below reach this pose (checked by substitution into $%(end)s$):", end=bold("T").tex)
+    end = context.symbols.of_end("T").tex
+    rest = _("All configurations below reach this pose (checked by substitution into $%(end)s$):", end=end)
     yield Paragraph(f"{words} {rest}", is_answer=True)
     yield from _results(context, solutions)
     if len(solutions) > 1:

@@ -12,8 +12,7 @@ from derive.handouts.notation.derivation import LONGEST_PAIR, derivation_python,
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, bracketed, concatenate, joined, script
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
-from derive.handouts.notation.symbols import bold
-from derive.handouts.parts.table import BASE, TOOL
+from derive.handouts.parts.table import BASE, tool_of
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Entry, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
@@ -77,16 +76,16 @@ def _product(context: Context, origin: Origin) -> str:
     first, last, n = origin.first, origin.last, context.robot.n
     left = [_inverted(_between(context, 0, first - 1))] if first > 1 else []
     left += [_inverted(BASE)] if robot.base != IDENTITY and not origin.has_base else []
-    right = [_inverted(TOOL)] if robot.tool != IDENTITY and not origin.has_tool else []
+    right = [_inverted(tool_of(context.end))] if robot.tool != IDENTITY and not origin.has_tool else []
     right += [_inverted(_between(context, last, n))] if last < n else []
     own = _between(context, first - 1, last) if last >= first else Box("\\mathbf{I}", 8.0)
     if not left and not right and not origin.inverse:
-        return f"${bold('T').tex}$"
-    whole = concatenate(*left, bold("T"), *right)
+        return f"${context.symbols.of_end('T').tex}$"
+    whole = concatenate(*left, context.symbols.of_end("T"), *right)
     if first == 1 and last == n and not origin.inverse:
         own = frame("T", n, 0)
     base = [BASE] if origin.has_base and robot.base != IDENTITY else []
-    tool = [TOOL] if origin.has_tool and robot.tool != IDENTITY else []
+    tool = [tool_of(context.end)] if origin.has_tool and robot.tool != IDENTITY else []
     own = concatenate(*base, own, *tool)
     if origin.inverse:
         whole, own = (_inverted(whole) if left or right else script(whole, sup=_INVERSE)), _inverted(own)

@@ -26,25 +26,33 @@ from derive.handouts.notation.pieces import (
     upright,
 )
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.parts.table import BASE, TOOL
+from derive.handouts.parts.table import BASE, tool_of
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.handouts.sheet.formula import entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.model.entries import Entries
+from derive.robot import tree
 from derive.robot.description import IDENTITY
 
 _FEW_FACTORS = 8  # so many factors of a product are all written; of more the first and the last
 _DOTS = Box("\\cdots ", 15.0)
-_END = bold("T")
 
 
 def transforms(context: Context) -> Iterator[Block]:
     """A_1 ... A_n; those that fit share lines, the others are given entry by entry."""
-    yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
+    if context.robot.is_tree:
+        yield context.paragraph(
+            "The transform of each row of the table, from its frame to that of the row which it follows:"
+        )
+        pairs = [(pair, context.entries.between(*pair[::-1])) for pair in tree.antecedents(context.robot).items()]
+        matrices = [(context.symbols.frame("A", *map(context.name, pair)), quantity) for pair, quantity in pairs]
+    else:
+        yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
+        numbers = range(1, context.robot.n + 1)
+        matrices = [(context.symbols.frame("A", i, i - 1), context.entries.A(i)) for i in numbers]
     task = context.text("Write the transform of each row of the table.")
     rows: list[LaidOut] = []
-    for i in range(1, context.robot.n + 1):
-        symbol, quantity = context.symbols.frame("A", i, i - 1), context.entries.A(i)
+    for i, (symbol, quantity) in enumerate(matrices, 1):
         fitting = small(context, symbol, quantity, entry_namer(symbol))
         rows.append(fitting or _laid_out(context, symbol, quantity, Group.row(i)))
     yield from (formula(context, laid_out, "link_transforms", task) for laid_out in in_rows(rows))
@@ -52,26 +60,31 @@ def transforms(context: Context) -> Iterator[Block]:
 
 def end_effector(context: Context) -> Iterator[Block]:
     """T as a product and by its entries, and the names of its columns."""
-    end = context.layouter.lay_out(_END, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
+    symbol, n = context.symbols.of_end("T"), context.path.last
+    end = context.layouter.lay_out(symbol, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
     yield context.paragraph("The end effector in the world:")
-    n, frame = context.robot.n, context.symbols.frame
-    factors = [frame("A", i, i - 1) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
+    factors = [_row(context, i) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
     if n > _FEW_FACTORS:
         factors.insert(3, _DOTS)
-    yield Rows((concatenate(_END, EQUALS, *_between_base_and_tool(context, factors)).tex,))
+    yield Rows((concatenate(symbol, EQUALS, *_between_base_and_tool(context, factors)).tex,))
     if context.steps:
         yield Steps(context.text("The product, row by row"), tuple(_steps(context)))
     if end.omitted:
         yield from _partial_products(context)
-    task = context.text("Find the transform $%(end)s$ of the end effector.", end=_END.tex)
-    yield formula(context, end, "forward_kinematics", task)
+    task = context.text("Find the transform $%(end)s$ of the end effector.", end=symbol.tex)
+    yield formula(context, end, context.function("forward_kinematics"), task)
     yield context.paragraph(
         "The columns of $%(end)s$: $%(n)s$, $%(s)s$ and $%(a)s$ are the axes $x$, $y$ and $z$ of the end "
         "effector in the world, $%(p)s$ is its origin.",
-        end=_END.tex,
+        end=symbol.tex,
         **{letter: bold(letter).tex for letter in "nsap"},
     )
-    yield textbook("columns_of_T")
+    yield textbook("columns_of_T", T=symbol.tex)
+
+
+def _row(context: Context, i: int) -> Box:
+    """A of the row at a place on the way to the end effector."""
+    return context.symbols.frame("A", context.path.names[i], context.path.names[i - 1])
 
 
 def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> LaidOut:
@@ -81,22 +94,20 @@ def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> L
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:
     """The factors of the arm with those of base and tool, where these are not the identity."""
     base = [BASE] if context.robot.base != IDENTITY else []
-    return [*base, *factors, *([TOOL] if context.robot.tool != IDENTITY else [])]
+    return [*base, *factors, *([tool_of(context.end)] if context.robot.tool != IDENTITY else [])]
 
 
 def _steps(context: Context) -> Iterator[Block]:
     """T_i^0 = T_{i-1}^0 A_i, with its entries as long as they are short."""
-    robot, frame = context.robot, context.symbols.frame
-    yield Rows((concatenate(frame("T", 1, 0), EQUALS, frame("A", 1, 0)).tex,))
-    last = robot.n - 1 if robot.base == IDENTITY == robot.tool else robot.n
-    products = {
-        i: concatenate(frame("T", i, 0), EQUALS, frame("T", i - 1, 0), frame("A", i, i - 1))
-        for i in range(1, robot.n + 1)
-    }
+    robot, path, names = context.robot, context.path, context.path.names
+    frames = [context.symbols.frame("T", name, names[0]) for name in names]
+    yield Rows((concatenate(frames[1], EQUALS, _row(context, 1)).tex,))
+    last = path.last - 1 if robot.base == IDENTITY == robot.tool else path.last
+    products = {i: concatenate(frames[i], EQUALS, frames[i - 1], _row(context, i)) for i in range(1, path.last + 1)}
     limit = context.policy.matrix_terms
-    long = next((i for i in range(2, last + 1) if not context.entries.transform(0, i).is_short(limit)), last + 1)
+    long = next((i for i in range(2, last + 1) if not path.between(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
-        symbol, quantity = frame("T", i, 0), context.entries.transform(0, i)
+        symbol, quantity = frames[i], path.between(0, i)
         if (on_one_line := small(context, products[i], quantity, entry_namer(symbol))) is not None:
             yield formula(context, side_by_side([on_one_line]))
         else:
@@ -104,32 +115,34 @@ def _steps(context: Context) -> Iterator[Block]:
             yield formula(context, _laid_out(context, symbol, quantity, Group.product(i)), "link_transforms")
     if long <= last:
         yield context.paragraph("From here on the entries are too long for a step:")
-    end = concatenate(_END, EQUALS, *_between_base_and_tool(context, [frame("T", robot.n, 0)]))
-    yield Rows(tuple(pack([*(products[i] for i in range(long, robot.n + 1)), end])))
+    end = concatenate(context.symbols.of_end("T"), EQUALS, *_between_base_and_tool(context, [frames[-1]]))
+    yield Rows(tuple(pack([*(products[i] for i in range(long, path.last + 1)), end])))
 
 
 def _partial_products(context: Context) -> Iterator[Block]:
     """Where T is too long: the arm as a product of a few transforms that can be printed, if it is long enough."""
-    n, frame = context.robot.n, context.symbols.frame
-    cuts = [0]
-    for end in range(1, n + 1):
-        quantity = context.entries.transform(cuts[-1], end)
+    path, cuts = context.path, [0]
+    for end in range(1, path.last + 1):
+        quantity = path.between(cuts[-1], end)
         longest = max(quantity.terms(*place) for place in quantity.places)
         if end > cuts[-1] + 1 and longest > context.policy.factor_terms:
             cuts.append(end - 1)
-    cuts.append(n)
+    cuts.append(path.last)
     if len(cuts) == 2:
         return
     yield context.paragraph(
         "Multiplied out, the entries are too long to print; here they are as a product of shorter transforms:"
     )
+
+    def _frame(start: int, end: int) -> Box:
+        return context.symbols.frame("T", path.names[end], path.names[start])
+
     for start, end in pairwise(cuts):
-        quantity = context.entries.transform(start, end)
-        laid_out = _laid_out(context, frame("T", end, start), quantity, Group.factor(start))
+        laid_out = _laid_out(context, _frame(start, end), path.between(start, end), Group.factor(start))
         yield formula(context, laid_out, "link_transforms", context.text("Multiply these transforms out."))
     yield context.paragraph("The arm as a whole is")
-    factors = (TexPiece(frame("T", end, start), Break.COMMA) for start, end in pairwise(cuts))
-    yield Rows(tuple(equation_lines([Equation(frame("T", n, 0), tuple(factors))])))
+    factors = (TexPiece(_frame(start, end), Break.COMMA) for start, end in pairwise(cuts))
+    yield Rows(tuple(equation_lines([Equation(_frame(0, path.last), tuple(factors))])))
 
 
 # -- position and orientation
@@ -147,16 +160,18 @@ Place = tuple[int, int]
 def orientation(context: Context) -> Iterator[Block]:
     """The position of the end effector, and its orientation by two sets of angles."""
     yield context.paragraph(
-        "The position of the end effector in the world is the fourth column of $%(end)s$:", end=_END.tex
+        "The position of the end effector in the world is the fourth column of $%(end)s$:",
+        end=context.symbols.of_end("T").tex,
     )
     quantity = context.entries.T.part((1, 2, 3), (4,))
     entries = [context.symbols.entry("t", i, 4) for i in (1, 2, 3)]
     if quantity.is_short(context.policy.compact_terms):
         letters = [script(italic("p"), italic(axis)) for axis in "xyz"]
         names = [t if p.tex in context.notation.taken else p for p, t in zip(letters, entries, strict=True)]
-        group = Group.row(context.robot.n + 1)
+        group = Group.row(len(tree.labels(context.robot)))
         laid_out = context.layouter.lay_out(bold("p"), lambda i, _: names[i - 1], quantity, group=group)
-        yield formula(context, laid_out, "forward_kinematics", context.text("Find the position of the end effector."))
+        task = context.text("Find the position of the end effector.")
+        yield formula(context, laid_out, context.function("forward_kinematics"), task)
     else:
         yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
     yield from _roll_pitch_yaw(context)
@@ -258,7 +273,10 @@ def _angles(
 ) -> Iterator[Block]:
     """The angles by entries of T, then written out if those entries are short, which an exercise asks for."""
     is_short = _terms(context, *used) <= SHORT_ANGLES
-    yield Paragraph(context.text("With the entries $t_{ij}$ of $%(end)s$:", end=_END.tex), is_answer=is_short)
+    words = context.text("With the entries $t_{ij}$ of $%(end)s$:", end=bold("T").tex)
+    if context.end:
+        words = context.text("With the entries of $%(end)s$:", end=context.symbols.of_end("T").tex)
+    yield Paragraph(words, is_answer=is_short)
     yield Rows(tuple(equation_lines(map(Equation, names, by_entries))), is_answer=is_short)
     if not is_short:
         return

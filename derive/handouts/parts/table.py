@@ -7,13 +7,26 @@ from itertools import chain
 import sympy
 
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import BRACKET_WIDTH, Box, Break, TexPiece, italic, joined, list_separator, script
+from derive.handouts.notation.pieces import (
+    BRACKET_WIDTH,
+    Box,
+    Break,
+    TexPiece,
+    concatenate,
+    italic,
+    joined,
+    list_separator,
+    script,
+    upright,
+)
 from derive.handouts.notation.printer import Cell
+from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
 from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.robot.description import IDENTITY, Link
+from derive.robot import tree
+from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, RootType, Stand
 from derive.robot.expression import ZERO
 from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.names import free_symbols
@@ -25,6 +38,7 @@ TOOL = Box("\\mathbf{T}_{\\mathrm{tool}}", 30.0)
 
 _TABLE_WIDTH = 470.0  # room for a table [pt]
 _FIRST_COLUMNS = 90.0
+_TREE_COLUMNS = 90.0  # more of a tree
 _COLUMN_GAP = 12.0
 _LONGEST_TABLE = 30  # rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align
 _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
@@ -33,17 +47,52 @@ _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
 
 def dh_table(context: Context) -> Iterator[Block]:
-    """The convention in words, the DH table, base and tool."""
-    n = context.robot.n
-    standard = context.text("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
-    modified = context.text("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    """The convention in words, the DH table, base and tool; of a tree its root, mounts and ends."""
+    _, n = context.text, context.robot.n
+    standard = _("Standard Denavit-Hartenberg convention, %(n)s joints.", n=n)
+    modified = _("Modified Denavit-Hartenberg convention, %(n)s joints.", n=n)
     yield Paragraph(f"{standard if context.is_standard else modified} {_units(context)}")
-    yield table_rows(context)
-    if frames := end_lines(context):
+    if root := context.robot.root:
+        symbols = [f"${context.notation.glyph(name).box.tex.strip()}$" for name in root.variables]
+        slides, axes = (2, "$z$") if root.type is RootType.PLANAR else (3, "$z$, $y$, $x$")
+        yield context.paragraph(
+            "The root moves: row `base` is displaced by %(slides)s along the axes of frame $0$ and turned by %(turns)s "
+            "about its own axes %(axes)s, in this order. These are joints 1 to %(n)s.",
+            slides=", ".join(symbols[:slides]),
+            turns=", ".join(symbols[slides:]),
+            axes=axes,
+            n=len(symbols),
+        )
+    yield from table_rows(context)
+    if context.robot.is_tree:
+        yield from _mounts_and_ends(context)
+    elif frames := end_lines(context):
         yield context.paragraph(
             "Constant transforms: the base takes frame $0$ into the world, "
             "the tool the end effector into frame $%(n)s$.",
             n=n,
+        )
+        yield Rows(tuple(frames))
+
+
+def _mounts_and_ends(context: Context) -> Iterator[Block]:
+    """The constant transforms of a tree as matrices, and which end is on which row."""
+    robot = context.robot
+    rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand and row.stand.mount != IDENTITY)
+    lines = [line for label, mount in rows for line in _matrix(context, script(bold("M"), context.name(label)), mount)]
+    if lines:
+        yield context.paragraph("Mounts, which come before all else of their rows:")
+        yield Rows(tuple(lines))
+    places = [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]
+    if places:
+        named = ", ".join(f"`{name}` ({after})" for name, after in places)
+        yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
+    frames = [] if robot.base == IDENTITY else _matrix(context, BASE, robot.base)
+    for end in tree.ends(robot):
+        frames += [] if end.tool == IDENTITY else _matrix(context, tool_of(end.name), end.tool)
+    if frames:
+        yield context.paragraph(
+            "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row."
         )
         yield Rows(tuple(frames))
 
@@ -68,54 +117,89 @@ def _units(context: Context) -> str:
 
 def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
     """Base and tool as matrices, where they are not the identity."""
-    lines: list[str] = []
-    for symbol, frame in ((base, context.robot.base), (tool, context.robot.tool)):
-        if frame != IDENTITY:
-            value, length = context.data.value, context.data.length
-            rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
-            lines += matrix_lines(symbol, rows, entry_namer(symbol))
-    return lines
+    pairs = ((base, context.robot.base), (tool, context.robot.tool))
+    return [line for symbol, frame in pairs if frame != IDENTITY for line in _matrix(context, symbol, frame)]
 
 
-def table_rows(context: Context) -> Block:
-    """The table, or its cells joint by joint where it is too wide for the page."""
-    _ = context.text
-    joints = context.robot.joints
-    has_limits = any(joint.limits is not None for joint in joints)
-    data, rows = context.data, []
-    for joint in joints:
-        variable = joint.sign * sympy.Symbol(joint.variable)
-        length = row_in_file_units(joint, context.robot.units).d
-        theta, d = expression_to_sympy(joint.theta), expression_to_sympy(length)
-        theta, d = (theta + variable, d) if joint.is_revolute else (theta, d + variable)
-        moving, fixed = [data.angle(theta), data.value(d)], [data.length(joint.a), data.angle(joint.alpha)]
-        row = moving + fixed if context.is_standard else fixed[::-1] + moving
-        rows.append([*row, data.limits(joint)] if has_limits else row)
+def tool_of(end: str) -> Box:
+    """The tool of an end."""
+    return script(bold("T"), concatenate(upright("tool"), italic(","), upright(end))) if end else TOOL
+
+
+def _matrix(context: Context, symbol: Box, frame: Matrix) -> list[str]:
+    value, length = context.data.value, context.data.length
+    rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
+    return matrix_lines(symbol, rows, entry_namer(symbol))
+
+
+def table_rows(context: Context) -> Iterator[Block]:
+    """The table, or its cells row by row where it is too wide for the page."""
+    _, robot = context.text, context.robot
+    table = tree.table(robot)
+    has_limits = any(joint.limits is not None for joint in robot.joints)
+    has_turns = any(stand.gamma != ZERO or stand.b != ZERO for stand in tree.stands(robot))
+    words = {True: _("revolute"), False: _("prismatic")}
+    rows = [_cells(context, row, has_turns=has_turns, has_limits=has_limits) for row in table]
+    kinds = [words[row.is_revolute] if isinstance(row, Joint) else _("fixed") for row in table]
+    heads: list[tuple[str, ...]] = [(f"${i}$", kind) for i, kind in enumerate(kinds, 1)]
+    header = ["$i$", _("joint")]
+    if robot.is_tree:
+        before = tree.antecedents(robot)
+        places = [[f"${context.name(label).tex}$" for label in (row.label, before[row.label])] for row in table]
+        named = [[f"`{row.name}`" if isinstance(row, Joint) and row.name else ""] for row in table]
+        named = named if any(name for (name,) in named) else [[] for _row in table]
+        heads = [(*place, *name, kind) for place, name, kind in zip(places, named, kinds, strict=True)]
+        header = ["$i$", _("after"), *([_("name")] if named[0] else []), _("joint")]
     boxes = [[joined(cell) for cell in row] for row in rows]
     widths = (max(box.width for box in column) for column in zip(*boxes, strict=True))
-    if _FIRST_COLUMNS + sum(width + _COLUMN_GAP for width in widths) > _TABLE_WIDTH:
-        named = (equation_lines(_named_cells(context, i, row)) for i, row in enumerate(rows, 1))
-        return Rows(tuple(line for lines in named for line in lines))
-    names = ("\\theta_i", "d_i", "a_i", "\\alpha_i")
-    if not context.is_standard:
-        names = ("\\alpha_{i-1}", "a_{i-1}", "\\theta_i", "d_i")
-    header = ("$i$", _("joint"), *(f"${name}$" for name in names), *([_("limits")] if has_limits else []))
-    words = {True: _("revolute"), False: _("prismatic")}
+    names = [f"{letter}_{{{i}}}" if len(i) > 1 else f"{letter}_{i}" for letter, i in _letters(context, "i", has_turns)]
+    room = _FIRST_COLUMNS + (_TREE_COLUMNS if robot.is_tree else 0.0)
+    if room + sum(width + _COLUMN_GAP for width in widths) > _TABLE_WIDTH:
+        if robot.is_tree:
+            yield Table(tuple(header), tuple(heads), len(rows) > _LONGEST_TABLE)
+        pairs = zip(table, rows, strict=True)
+        lines = (equation_lines(_named_cells(context, row, cells, has_turns)) for row, cells in pairs)
+        yield Rows(tuple(line for own in lines for line in own))
+        return
+    header += [*(f"${name}$" for name in names), *([_("limits")] if has_limits else [])]
     cells = tuple(
-        (f"${i}$", words[joint.is_revolute], *(f"${box.tex.strip()}$" for box in row))
-        for i, (joint, row) in enumerate(zip(joints, boxes, strict=True), 1)
+        (*head, *(f"${box.tex.strip()}$" if box.tex else "" for box in row))
+        for head, row in zip(heads, boxes, strict=True)
     )
-    return Table(header, cells, len(rows) > _LONGEST_TABLE)
+    yield Table(tuple(header), cells, len(rows) > _LONGEST_TABLE)
 
 
-def _named_cells(context: Context, i: int, row: list[Cell]) -> Iterator[Equation]:
-    names = ("\\theta", i), ("d", i), ("a", i), ("\\alpha", i)
+def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limits: bool) -> list[Cell]:
+    """The cells of a row of the table."""
+    data, length = context.data, row_in_file_units(row, context.robot.units).d
+    theta, d = expression_to_sympy(row.theta), expression_to_sympy(length)
+    if isinstance(row, Joint):
+        variable = row.sign * sympy.Symbol(row.variable)
+        theta, d = (theta + variable, d) if row.is_revolute else (theta, d + variable)
+    moving, fixed = [data.angle(theta), data.value(d)], [data.length(row.a), data.angle(row.alpha)]
+    cells = moving + fixed if context.is_standard else fixed[::-1] + moving
+    if has_turns:
+        stand = row.stand or Stand("")
+        cells = [data.angle(stand.gamma), data.length(stand.b), *cells]
+    return [*cells, data.limits(row) if isinstance(row, Joint) else ()] if has_limits else cells
+
+
+def _letters(context: Context, index: str, has_turns: bool, before: str = "i-1") -> list[tuple[str, str]]:
+    """The letters of the cells of a row with their indices."""
+    names = [(letter, index) for letter in ("\\theta", "d", "a", "\\alpha")]
     if not context.is_standard:
-        names = ("\\alpha", i - 1), ("a", i - 1), ("\\theta", i), ("d", i)
-    for (letter, index), cell in zip(names, row, strict=False):
-        yield Equation(script(Box(letter, 6.5), italic(str(index))), cell)
-    if context.robot.joints[i - 1].limits is not None:
-        yield Equation(Box(f"\\text{{limits {i}}}", 45.0), row[-1])
+        behind = index if context.robot.is_tree else before
+        names = [("\\alpha", behind), ("a", behind), *names[:2]]
+    return [("\\gamma", index), ("b", index), *names] if has_turns else names
+
+
+def _named_cells(context: Context, row: Joint | FixedRow, cells: list[Cell], has_turns: bool) -> Iterator[Equation]:
+    number = tree.labels(context.robot).index(row.label)
+    index = context.name(row.label)
+    for (letter, i), cell in zip(_letters(context, index.tex, has_turns, str(number - 1)), cells, strict=False):
+        yield Equation(script(Box(letter, 6.5), index if i == index.tex else italic(i)), cell)
+    if isinstance(row, Joint) and row.limits is not None:
+        yield Equation(Box(f"\\text{{limits {number}}}", 45.0), cells[-1])
 
 
 # -- parameters and links
@@ -132,13 +216,18 @@ def parameters(context: Context) -> Iterator[Block]:
     if free := pack(glyph(name).box for name in free_symbols(context.robot)):
         yield context.paragraph("Arguments of the generated functions, in this order:")
         yield Rows(tuple(free))
+    moving = len(context.robot.root.variables) if context.robot.root else 0
     if context.robot.links:
         yield context.paragraph(
             "Links: centre of mass, and inertia about it, in the axes of the link's own frame. Moments of inertia, "
             "motors and friction that are zero are left out."
         )
-    for i, link in enumerate(context.robot.links, 1):
-        yield context.paragraph("Link %(index)s:", index=i)
+    for i, link in enumerate(tree.bodies(context.robot), 1):
+        if (i > context.robot.n and link == Link()) or i <= moving:
+            continue
+        yield context.paragraph(
+            "Link %(index)s:", index=i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
+        )
         yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 

@@ -5,7 +5,7 @@ estimate is on the high side.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 
@@ -161,16 +161,16 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
     if not limit or pages(document) <= most:
         return document
     # Greedy: after each cut the pages are counted anew, and the first document that fits is taken.
-    sections = {section.part: section for section in document.sections}
+    sections = {section.anchor: section for section in document.sections}
     touched: list[str] = []
-    for part, shorter in _shortened(sections, _Sparing(limit, text)):
-        if shorter == sections.get(part):
+    for anchor, shorter in _shortened(sections, _Sparing(limit, text)):
+        if shorter == sections.get(anchor):
             continue
-        touched += [part] if part not in touched else []
+        touched += [anchor] if anchor not in touched else []
         if shorter is None:
-            del sections[part]
+            del sections[anchor]
         else:
-            sections[part] = shorter
+            sections[anchor] = shorter
         found = _said(document, sections, touched, limit, text)
         if pages(found) <= most:
             return found
@@ -190,18 +190,21 @@ def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tupl
         lambda block: isinstance(block, SheetFormula) and height(block) > _LONG,
     )
     for test in tests:  # from what is missed least to what is missed most, through all parts each time
-        for part in USEFULNESS:
-            if part in sections:
-                yield part, replace(sections[part], blocks=sparing.blocks(sections[part].blocks, test))
-    for part in USEFULNESS[:-1]:
-        if part in sections:
-            yield part, None
+        for anchor in _least_useful(sections, USEFULNESS):
+            yield anchor, replace(sections[anchor], blocks=sparing.blocks(sections[anchor].blocks, test))
+    for anchor in _least_useful(sections, USEFULNESS[:-1]):
+        yield anchor, None
+
+
+def _least_useful(sections: dict[str, Section], parts: Sequence[str]) -> list[str]:
+    """The anchors of the sections, the least useful first."""
+    return [anchor for part in parts for anchor, section in sections.items() if section.part == part]
 
 
 def _said(document: Document, sections: dict[str, Section], touched: list[str], limit: int, text: Text) -> Document:
     """The shorter document with a sentence at its head that names what it lacks."""
-    titles = ", ".join(section.title for section in document.sections if section.part in touched)
+    titles = ", ".join(section.title for section in document.sections if section.anchor in touched)
     sentence = text("Omitted or shortened because of the %(pages)s-page limit: %(titles)s.", pages=limit, titles=titles)
-    kept = [sections[section.part] for section in document.sections if section.part in sections]
+    kept = [sections[section.anchor] for section in document.sections if section.anchor in sections]
     first = replace(kept[0], blocks=(Paragraph(sentence, is_answer=True), *kept[0].blocks))
     return replace(document, sections=(first, *kept[1:]))

@@ -1,18 +1,43 @@
 """What the parts of one handout share: the robot, its closed forms, the options, and what prints them."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
+import sympy
+
+from derive.errors import DeriveError
 from derive.handouts.layout.quantity import POLICY, Layouter, SheetPolicy
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.pieces import Box, italic, upright
 from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.sheet.document import Paragraph
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
-from derive.model.entries import ModelEntries
+from derive.model.entries import Entries, ModelEntries
+from derive.robot import tree
 from derive.robot.description import Convention
 from derive.robot.options.handout import Derivation, HandoutOptions
+from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """The frames from frame 0 to an end effector."""
+
+    entries: ModelEntries
+    names: tuple[Box, ...]  # how they are written
+    labels: tuple[str, ...]  # of the rows of a tree, that of frame 0 empty; none of a chain
+
+    @property
+    def last(self) -> int:
+        """The place of the last frame, that of frame 0 being 0."""
+        return len(self.names) - 1
+
+    def between(self, i: int, j: int) -> Entries:
+        """The frame at one place, 4x4, in that at another one."""
+        return self.entries.between(self.labels[i], self.labels[j]) if self.labels else self.entries.transform(i, j)
 
 
 class Context:
@@ -26,22 +51,67 @@ class Context:
         version: str,  # version of the tool
         poses: RobotPoses | None = None,  # where its frames are, for figures; None where nothing is drawn
         policy: SheetPolicy = POLICY,  # how much is printed
+        whole: "Context | None" = None,  # of the serial arm that leads to an end of a tree: the tree
+        end: str = "",  # and the name of that end
+        places: tuple[int, ...] = (),  # and the joints of the tree that the arm has, from 0
     ) -> None:
         self.entries, self.options, self.text, self.version = entries, options, text, version
         self.poses, self.policy = poses, policy
         robot = self.robot = entries.robot
+        self.whole, self.end, self.places = whole or self, end, places or tuple(range(robot.n))
         # Whether the convention is the standard one, in which joint i moves about z of frame i-1.
         self.is_standard = robot.convention is Convention.STANDARD
         # Whether the closed form of the dynamics is derived: it has links, few joints.
         self.has_closed_dynamics = robot.has_dynamics and robot.n <= policy.closed_form_joints
         self.steps = options.derivation is Derivation.STEPS  # whether intermediate steps are shown
         notation = Notation.of(robot, options.notation, comma=text.comma)
-        self.notation = replace(notation, degrees=robot.units.degrees)  # how symbols are written
-        self.symbols = Symbols(self.notation, robot.n)  # names of entries
+        # how symbols are written
+        self.notation: Notation = whole.notation if whole else replace(notation, degrees=robot.units.degrees)
+        self.symbols = Symbols(self.notation, self.whole.robot.n, end)  # names of entries
         self.printer = LatexPrinter(self.notation)  # prints expressions
         self.layouter = Layouter(self.printer, policy, self.symbols.term, text("terms"))  # lays out quantities
         self.data = DataPrinter(robot, self.notation)  # prints cells of the robot file
         self.dynamics = DynamicsLayout(entries, self.layouter, self.symbols)  # lays out the dynamics
+
+    @cached_property
+    def ends(self) -> "tuple[Context, ...]":
+        """What the parts about one end effector are made from: of a tree with several ends one for each of these."""
+        return tuple(map(self._of_end, (end.name for end in self.robot.ends if end.name))) or (self,)
+
+    def _of_end(self, name: str) -> "Context":
+        arm, places = self.entries.model.arm(name)
+        poses = self.poses and poses_of(arm.robot)
+        entries, options = ModelEntries(arm), self.options
+        return Context(entries, options, self.text, self.version, poses, self.policy, self, name, places)
+
+    def name(self, label: str) -> Box:
+        """How the frame of a row of a tree is written: by its number, or by the name of a row without motion."""
+        number = tree.labels(self.whole.robot).index(label)
+        return italic(str(number)) if number <= self.whole.robot.n else upright(label)
+
+    @cached_property
+    def path(self) -> Path:
+        """The way to the end effector."""
+        robot, is_tree = self.robot, bool(self.end) or self.robot.is_tree
+        labels = ("", *tree.rows_to(robot, tree.ends(robot)[0].after)) if is_tree else ()
+        names = tuple(map(self.name, labels)) or tuple(italic(str(i)) for i in range(robot.n + 1))
+        return Path(self.entries, names, labels)
+
+    @property
+    def J(self) -> Entries:
+        """The geometric Jacobian, 6xn: joints of a tree that do not move its end have columns of zeros."""
+        own, columns = self.entries.J, {place: k for k, place in enumerate(self.places, 1)}
+        if not self.end:
+            return own
+        return Entries(
+            (6, self.whole.robot.n),
+            lambda i, j: own.terms(i, columns[j - 1]) if j - 1 in columns else 0,
+            lambda i, j: own.entry(i, columns[j - 1]) if j - 1 in columns else sympy.S.Zero,
+        )
+
+    def function(self, name: str) -> str:
+        """A generated function of the end effector."""
+        return f"{name}_{self.end}" if self.end else name
 
     def paragraph(self, message: str, **values: object) -> Paragraph:
         """A message in the reader's language."""
@@ -50,3 +120,11 @@ class Context:
     def answer(self, message: str, **values: object) -> Paragraph:
         """The same, of what an exercise asks for."""
         return Paragraph(self.text(message, **values), is_answer=True)
+
+
+def poses_of(robot: Robot) -> RobotPoses | None:
+    """Where the frames of a robot are; None where nothing can be drawn."""
+    try:
+        return RobotPoses(robot)
+    except DeriveError:
+        return None

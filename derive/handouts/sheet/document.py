@@ -112,9 +112,15 @@ Block: TypeAlias = Paragraph | Rows | SheetFormula | Blank | Table | Figure | St
 class Section:
     """A part of the handout."""
 
-    part: str  # its name in ``handout: parts:``, also its anchor
+    part: str  # its name in ``handout: parts:``
     title: str  # its heading
     blocks: tuple[Block, ...]  # its content
+    end: str = ""  # the end of a tree that it is about, if it is about one
+
+    @property
+    def anchor(self) -> str:
+        """What it is called, unlike any other section of the sheet."""
+        return f"{self.part}-{self.end}" if self.end else self.part
 
 
 @dataclass(frozen=True, slots=True)
