@@ -22,7 +22,7 @@ MESSAGE = " of torso, whose table is a tree; allowed: robots of one chain; deriv
 PLAN = "robot: torso.yaml\npoints: {home: [0, 0], away: [1, 1]}\npath: [home, {to: away, time: 1}]\n"
 REFUSED = [
     *(f"handout torso.yaml {option}" for option in ("", "--exercise", "--html", "--pdf", "--fragment B")),
-    *(f"export torso.yaml --format {to}" for to in ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")),
+    *(f"export torso.yaml --format {to}" for to in ("rtb", "corke", "rigidbodytree", "csv")),
     *(f"show torso.yaml {name}" for name in ("inverse", "singularities", "workspace", "aspects", "ik")),
     *(f"plot torso.yaml {option} -o arm.svg" for option in ("", "--workspace")),
     *(f"build torso.yaml --target {targets}" for targets in ("numpy,latex", "latex --only --check")),
@@ -36,7 +36,6 @@ REFUSED = [
 ]
 CALLS: dict[str, Callable[[Any], object]] = {
     "Robot.convert": lambda robot: robot.convert("modified"),
-    "Robot.to_urdf": lambda robot: robot.to_urdf(),
     "possible": api.possible,
     "fragment": lambda robot: api.fragment(robot, "T"),
     "Motion": lambda robot: api.Motion(replace(api.Motion.load("scara-pick-and-place").plan, robot=robot)),
