@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from derive.api.convert import convert, possible
     from derive.api.export import export
     from derive.api.handout import fragment, handout
-    from derive.api.importing import import_all, import_urdf, verify_import
+    from derive.api.importing import import_all, import_tree, import_urdf, verify_import
     from derive.api.move import move
     from derive.api.plot import plot
     from derive.api.robots import Robot, catalogue, load
@@ -56,6 +56,7 @@ __all__ = [
     "fragment",
     "handout",
     "import_all",
+    "import_tree",
     "import_urdf",
     "load",
     "move",
@@ -73,7 +74,7 @@ _NAMES = {
     "derive.api.convert": ("convert", "possible"),
     "derive.api.export": ("export",),
     "derive.api.handout": ("fragment", "handout"),
-    "derive.api.importing": ("import_all", "import_urdf", "verify_import"),
+    "derive.api.importing": ("import_all", "import_tree", "import_urdf", "verify_import"),
     "derive.api.move": ("move",),
     "derive.api.plot": ("plot",),
     "derive.api.robots": ("Robot", "catalogue", "load"),

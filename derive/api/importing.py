@@ -1,21 +1,26 @@
 """Robots from URDF and xacro, from Python: what ``derive import`` makes and ``derive verify`` tests again."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from hashlib import sha256
 from pathlib import Path
 from typing import Unpack
 
 from derive.errors import RobotFileError, TargetError, VerificationError, quoted
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
+from derive.exchange.from_tree import ImportedTree
+from derive.exchange.from_tree import import_tree as of_tree
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
+from derive.exchange.read_mjcf import IS_MJCF, read_mjcf
+from derive.exchange.read_urdf import MOST_BYTES
 from derive.exchange.source import ChainSource, open_urdf, opened, relative
 from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
-from derive.robot.load import is_robot_name, robot_file_bytes
+from derive.robot.load import file_bytes, is_robot_name, robot_file_bytes
 from derive.robot.robot import Robot
 
 
@@ -38,11 +43,47 @@ def import_urdf(
         RobotFileError: The file is no URDF, has no such chain, or a joint of it has no place in a table.
         TargetError: lxml or xacrodoc is not installed.
     """
+    wanted = _wanted(options)
+    urdf, source = _found(file, wanted)
+    return of_urdf(urdf, base, tip, wanted, source)
+
+
+def import_tree(
+    file: str | Path | bytes, *, root: str | None = None, ends: Sequence[str] = (), **options: Unpack[ImportKeywords]
+) -> ImportedTree:
+    """The tree of all joints of a URDF or an MJCF, as ``derive import --tree`` makes it.
+
+    Args:
+        file: Path of a URDF, a .xacro file or an MJCF, or the contents of a URDF or an MJCF.
+        root: ``planar`` or ``floating``: how the link moves on which all hang; None where it stands, or is free in an
+            MJCF.
+        ends: Links that are ends; without them those behind the last joints of limbs, at most twelve.
+        options: ``convention``, ``snap``, ``name``, ``packages``, ``arguments``, ``folder``, as of `import_urdf`.
+
+    Returns:
+        Text of the robot file, the robot, how far it is from the file at random states, and what a reader should know.
+
+    Raises:
+        RobotFileError: The file is neither, is no tree, or a joint of it is no row of a table.
+        TargetError: lxml, xacrodoc or mujoco is not installed.
+    """
+    wanted = _wanted(options)
+    path = Path(file) if not isinstance(file, bytes) else None
+    data = file if isinstance(file, bytes) else file_bytes(path, MOST_BYTES) if path and path.is_file() else b""
+    if IS_MJCF.match(data):
+        urdf, digest = read_mjcf(data, str(path or "<stdin>"), path), sha256(data).hexdigest()
+    else:
+        urdf, source = _found(file, wanted)
+        digest = source.sha256
+    where = relative(path, Path(wanted.folder)) if path else "standard input"
+    return of_tree(urdf, root or "", ends, wanted, f"derive import --tree, of {quoted(where, 200)}, sha256 {digest}")
+
+
+def _wanted(options: ImportKeywords) -> ImportOptions:
     wanted = ImportOptions(**options)
     if wanted.name is not None and not is_robot_name(wanted.name):
         raise RobotFileError(f"{quoted(wanted.name)} is not a robot name", allowed="allowed: a-z, 0-9 and -, not first")
-    urdf, source = _found(file, wanted)
-    return of_urdf(urdf, base, tip, wanted, source)
+    return wanted
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""``derive import``: robot files from URDF and xacro."""
+"""``derive import``: robot files from URDF, xacro and MJCF."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from derive.cli.terminal import DONE, one_line, print_json
 from derive.errors import DeriveError
 
 if TYPE_CHECKING:
+    from derive.exchange.from_tree import ImportedTree
     from derive.exchange.from_urdf import Imported
 
 DESCRIPTION = """\
@@ -19,11 +20,12 @@ Read a URDF, or a .xacro file, and write the robot file of one of its chains.
 
 The Denavit-Hartenberg table follows from the joint axes by common normals, with a constant base and tool. The head of
 the file states a bound on the pose error between table and URDF over all joint values, proven in ball arithmetic;
-`derive verify` tests it again. Without -o the file is printed.
+`derive verify` tests it again. Without -o the file is printed. --tree takes a whole URDF or MJCF as one tree.
 
   derive import panda.urdf --tip panda_hand -o panda.yaml
   derive import ur5.urdf --chain base..tool0 -o ur5.yaml
   derive import torso.urdf --all -o arms
+  derive import humanoid.urdf --tree --root floating -o humanoid.yaml
   derive import arm.urdf.xacro --packages ~/ros/src --arg name=arm -o arm.yaml
 """
 
@@ -35,7 +37,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--tip", metavar="LINK", help="end link of the chain (default: the only leaf link)")
     add("--chain", metavar="BASE..TIP", help="first and end link; the chain may first lead up the tree")
     add("--all", action="store_true", help="one robot file for every end link, in the folder given by -o")
-    convention = "standard or modified (default: that of the table that the URDF carries, else standard)"
+    add("--tree", action="store_true", help="one robot file of all joints, a tree with several ends; also of an MJCF")
+    add("--root", metavar="KIND", help="with --tree: planar or floating, how the root moves (default: it stands)")
+    add("--ends", metavar="LINK,...", help="with --tree: links that are ends (default: those at the ends of limbs)")
+    convention = (
+        "standard or modified (default: that of the table that the URDF carries, else standard; of a tree modified)"
+    )
     add("--convention", metavar="NAME", help=convention)
     add("--snap", default="1e-6", metavar="RAD", help="round angles this close to fractions of pi (default 1e-6)")
     add_shared(parser, "inertia")
@@ -50,7 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and write."""
-    from derive.api.importing import import_all, import_urdf
+    from derive.api.importing import import_all, import_tree, import_urdf
     from derive.publish.atomic_folder import refuse_taken
 
     base, tip = None, arguments.tip
@@ -62,6 +69,10 @@ def run(arguments: argparse.Namespace) -> int:
             raise DeriveError(f"--chain {arguments.chain!r}", allowed="allowed: two names of links as BASE..TIP")
     if arguments.all and tip is not None:
         raise DeriveError("--all with --tip or --chain", remedy="leave one out")
+    if arguments.tree and (arguments.all or tip is not None):
+        raise DeriveError("--tree with --all, --tip or --chain", remedy="leave one out")
+    if not arguments.tree and (arguments.root or arguments.ends):
+        raise DeriveError("--root and --ends are of trees alone", remedy="write --tree, too")
     file = sys.stdin.buffer.read() if arguments.file == "-" else arguments.file
     options = keywords(arguments, "convention", "snap", "name", "packages", "inertia", "symbols")
     options["arguments"] = {}
@@ -73,15 +84,20 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.all:
         refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
         folder = arguments.out.parent if arguments.out else Path()
-        found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
+        found: Imported | ImportedTree
+        if arguments.tree:
+            ends = arguments.ends.split(",") if arguments.ends else ()
+            found = import_tree(file, root=arguments.root, ends=ends, folder=folder, **options)
+        else:
+            found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
         return _deliver({arguments.out: found}, {}, arguments)
     folder = arguments.out or Path()
     every = import_all(file, folder=folder, **options)
-    arms = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
+    arms: dict[Path, Imported | ImportedTree] = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
     return _deliver(arms, every.refused, arguments)
 
 
-def _deliver(arms: dict[Path, Imported], refused: Any, arguments: argparse.Namespace) -> int:
+def _deliver(arms: dict[Path, Imported | ImportedTree], refused: Any, arguments: argparse.Namespace) -> int:
     from derive.api.robots import Robot, tell
     from derive.publish.atomic_folder import write_files
 

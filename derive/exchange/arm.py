@@ -144,11 +144,12 @@ def tips(urdf: Urdf) -> tuple[str, ...]:
 
 def moving_tips(urdf: Urdf) -> tuple[str, ...]:
     """Those of `tips` between which and the root some joint is not fixed."""
-    carrying = _carrying(urdf)
+    carrying = carrying_joints(urdf)
     return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(carrying, tip)))
 
 
-def _carrying(urdf: Urdf) -> dict[str, UrdfJoint]:
+def carrying_joints(urdf: Urdf) -> dict[str, UrdfJoint]:
+    """The joint on which each link hangs."""
     carrying: dict[str, UrdfJoint] = {}
     for joint in urdf.joints:
         if joint.child in carrying:
@@ -178,9 +179,9 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     """
     for name in (base, tip):
         if name is not None and name not in urdf.bodies:
-            hint = near_miss(name, urdf.bodies) or f"links: {_some(list(urdf.bodies))}"
+            hint = near_miss(name, urdf.bodies) or f"links: {some(list(urdf.bodies))}"
             raise RobotFileError(f"{urdf.source}: no link {quoted(name)}", remedy=hint)
-    carrying = _carrying(urdf)
+    carrying = carrying_joints(urdf)
     if tip is None:
         ends = moving_tips(urdf)
         if not tips(urdf):
@@ -188,7 +189,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
         if not ends:
             raise RobotFileError(f"{urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(ends) > 1:
-            found = f"{urdf.source}: the URDF has {len(ends)} end links: {_some(ends)}"
+            found = f"{urdf.source}: the URDF has {len(ends)} end links: {some(ends)}"
             raise RobotFileError(found, remedy="choose one with --tip LINK, or import all with --all")
     end = ends[0] if tip is None else tip
     down = _ancestry(carrying, end)
@@ -208,13 +209,14 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
 
 def joints_between(urdf: Urdf, one: str, other: str) -> list[UrdfJoint]:
     """The joints on the way from one link of a tree to another."""
-    carrying = _carrying(urdf)
+    carrying = carrying_joints(urdf)
     ways = [_ancestry(carrying, link) for link in (one, other)]
     names = [{joint.name for joint in way} for way in ways]
     return [joint for way in ways for joint in way if joint.name in names[0] ^ names[1]]
 
 
-def _some(names: Sequence[str], most: int = 24) -> str:
+def some(names: Sequence[str], most: int = 24) -> str:
+    """The first of some names."""
     return ", ".join(quoted(name)[1:-1] for name in names[:most]) + (", ..." if len(names) > most else "")
 
 
@@ -235,8 +237,8 @@ def _placed_chain(
         if not upwards:
             frame = frame.then(frame_at(joint.origin, snap))
         if joint.type != "fixed":
-            _check_kind(joint)
-            direction = frame.direction(_direction(joint, snap))
+            check_kind(joint)
+            direction = frame.direction(direction_of(joint, snap))
             lines.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint))
             groups.append([])
         if upwards:
@@ -252,7 +254,7 @@ def _placed_chain(
         found, allowed = f"{urdf.source}: {len(lines)} joints move", f"allowed: at most {FILE_LIMITS.joints}"
         raise RobotFileError(found, allowed=allowed, remedy="choose a shorter chain")
     axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
-    snaps = [change for joint, _ in steps for change in _changes(joint, snap)]
+    snaps = [change for joint, _ in steps for change in changes_of(joint, snap)]
     base = WORLD  # seen from the root
     for joint in reversed(_ancestry(carrying, ends[0])):
         base = base.then(frame_at(joint.origin, snap))
@@ -289,18 +291,19 @@ class _Tree:
         return found, held
 
 
-def _changes(joint: UrdfJoint, snap: Fraction) -> list[float]:
+def changes_of(joint: UrdfJoint, snap: Fraction) -> list[float]:
     """How far the angles and the direction of a joint are changed, where they are [rad]."""
     pairs = zip(snapped(joint.origin.rpy, snap), joint.origin.rpy, strict=True)
     turned = [float(abs(angle - real(written))) for angle, written in pairs if written]
     if joint.type in MOVING:
-        turned.append(float(length(cross(unit(vector(joint.axis)), _direction(joint, snap))).abs_upper()))
+        turned.append(float(length(cross(unit(vector(joint.axis)), direction_of(joint, snap))).abs_upper()))
     return [change for change in turned if change > NOTHING]
 
 
-def _check_kind(joint: UrdfJoint) -> None:
+def check_kind(joint: UrdfJoint, remedy: str = "choose another --tip or --chain") -> None:
+    """Refuse a joint that no row is."""
     found, allowed = joint.fault, ""
-    remedy = f"{'correct it, or ' if found else ''}choose another --tip or --chain"
+    remedy = f"correct it, or {remedy}" if found else remedy
     if joint.type not in MOVING:
         found, allowed = found or f"joint {quoted(joint.name)} is {joint.type}", f"allowed: {', '.join(MOVING)}, fixed"
     elif joint.mimics is not None:
@@ -310,7 +313,7 @@ def _check_kind(joint: UrdfJoint) -> None:
         raise RobotFileError(found, allowed=allowed, remedy=remedy, location=joint.location)
 
 
-def _direction(joint: UrdfJoint, snap: Fraction) -> Point:
+def direction_of(joint: UrdfJoint, snap: Fraction) -> Point:
     """Of the axis, with components that were meant for zero as zero."""
     x, y, z = (c if abs(c) > real(snap) else arb(0) for c in unit(vector(joint.axis)))
     return unit((x, y, z))

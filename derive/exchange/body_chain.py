@@ -7,6 +7,7 @@ Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions, which a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,13 +16,15 @@ from flint import arb
 from derive.exchange.certificate import along_x, along_z, ball, frame_of
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import cross, dot, matmul, transpose
-from derive.robot.description import INERTIA, Convention, Inertia, Joint, Link
+from derive.robot import tree
+from derive.robot.description import BASE, INERTIA, Convention, FixedRow, Inertia, Joint, Link, RootType, Stand
 from derive.robot.expression import ZERO, number
 from derive.robot.remarks import ROUNDING
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
 
 RESIDUE = 1e-15  # moments of inertia that are left of nothing by a URDF's decimals [kg m^2]
+TIP = "tool"  # the end effector of a robot with one end
 CONSTANT = 1e-12  # how little the cosine of two axes varies where it does not
 
 
@@ -155,6 +158,20 @@ class ChainSegment:
     body: RigidBody | None  # in its DH frame, as `body_chain` makes it without rotors; None without dynamics
     rotor: Rotor | None  # that of this joint
     end: Point  # where the next joint or the tip is
+    parent: int  # place of the segment that it follows, -1 on the base
+    after: str = ""  # label of the row that it follows in a tree
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What moves with a link of a tree: a row without motion, an end, or the body of a root that floats."""
+
+    name: str  # label of the row, or name of the end
+    after: str  # label of the row that it follows
+    parent: int  # place of the segment with which it moves, -1 on the base
+    frame: Frame  # its frame in that of the segment's link
+    body: RigidBody | None = None  # in its own frame; None where there is none
+    is_end: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,25 +182,34 @@ class BodyChain:
     base: Frame  # frame 0 in the world
     segments: tuple[ChainSegment, ...]  # from the base on
     tool: Frame  # the end effector in frame n
+    parts: tuple[Part, ...] = ()  # rows without motion and ends of a tree
+    root: Part | None = None  # a root that floats, on which parents of -1 stand
+
+    @property
+    def rows(self) -> dict[str, Part]:
+        """Rows without motion by their labels."""
+        return {part.name: part for part in self.parts if not part.is_end}
 
     @property
     def size(self) -> float:
         """The longest link [m]."""
-        return max(0.1, *(float(length(segment.end)) for segment in self.segments))
+        return max([0.1, *(float(length(segment.end)) for segment in self.segments)])
 
 
 def body_chain(robot: Robot) -> BodyChain:
     """The bodies of a robot; whoever computes with them does so inside `exactly`."""
     standard = robot.convention is Convention.STANDARD
     origins, dh, before = [], [], WORLD
-    for joint in robot.joints:
+    for joint in () if robot.is_tree else robot.joints:
         # From a link to the next in both conventions Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha): in a
         # standard table the row before it, in a modified one the z part of the row before and the x part of its own.
-        across = along_x(ball(joint.a), ball(joint.alpha))
-        along = along_z(ball(joint.theta), ball(joint.d))
+        along, across = _screws(joint)
         origins.append(before if standard else before.then(across))
         before = along.then(across) if standard else along
         dh.append(before)
+    starts, parents = origins, tree.parents(robot)
+    if robot.is_tree:
+        starts, origins, dh = _tree_frames(robot)
     tool, base = frame_of(robot.tool), frame_of(robot.base)
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
     # Of each joint the cosines of its axis with those of the turning joints before it, where they are constant:
@@ -193,20 +219,97 @@ def body_chain(robot: Robot) -> BodyChain:
     cosines: Array = np.einsum("kia,kja->kij", axes, axes) * (numeric.sign * numeric.revolute)
     drags: list[tuple[float, ...] | None] = []
     for i in range(robot.n):
-        turning = cosines[:, i, :i]
+        turning = cosines[:, i, :i] * numeric.moves[i, :i]
         varies = i > 0 and float(np.ptp(turning, axis=0).max()) > CONSTANT
         drags.append(None if varies else tuple(float(c) for c in turning[0]))
     links = robot.links or (Link(),) * robot.n
     segments, nothing = [], (arb(0), arb(0), arb(0))
-    for joint, link, origin, own, end, drag in zip(robot.joints, links, origins, dh, ends, drags, strict=True):
+    rows = zip(robot.joints, links, starts, origins, dh, ends, drags, parents, strict=True)
+    for joint, link, start, origin, own, end, drag, parent in rows:
         body, rotor = RigidBody.of(link) if robot.links else None, None
         if (motor := link.motor) is not None:
             # A point mass where the frame of its joint's axis is: o_{i-1} in a standard table, o_i in a modified one.
-            place = origin.origin if standard else plus(origin.origin, origin.z, ball(joint.d))
+            place = start.origin if standard else plus(start.origin, start.z, ball(joint.d))
             rotating = RigidBody(ball(motor.mass), place, (nothing, nothing, nothing))
             rotor = Rotor(rotating, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
-        segments.append(ChainSegment(joint, link, origin, own, body, rotor, end))
-    return BodyChain(robot, base, tuple(segments), tool)
+        after = joint.stand.after if joint.stand else robot.joints[parent].label if parent >= 0 else BASE
+        segments.append(ChainSegment(joint, link, origin, own, body, rotor, end, parent, after))
+    arm = BodyChain(robot, base, tuple(segments), tool)
+    return _with_parts(arm) if robot.is_tree else arm
+
+
+def _screws(row: Joint | FixedRow) -> tuple[Frame, Frame]:
+    """Rot(z, theta) Trans(z, d) and Trans(x, a) Rot(x, alpha) of a row."""
+    return along_z(ball(row.theta), ball(row.d)), along_x(ball(row.a), ball(row.alpha))
+
+
+def _start(stand: Stand | None) -> Frame:
+    return frame_of(stand.mount).then(along_z(ball(stand.gamma), ball(stand.b))) if stand else WORLD
+
+
+def _along(robot: Robot, rows: Sequence[FixedRow]) -> Frame:
+    """Over rows without motion that follow each other."""
+    found = WORLD
+    for row in rows:
+        along, across = _screws(row)
+        row_frame = along.then(across) if robot.convention is Convention.STANDARD else across.then(along)
+        found = found.then(_start(row.stand)).then(row_frame)
+    return found
+
+
+def _tree_frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
+    """Of each joint the axis and the link in the link that it follows, and its DH frame in its link.
+
+    The frame of a link stands behind Rot(z, theta) Trans(z, d) of its own row: other rows may follow in any place.
+    """
+    standard = robot.convention is Convention.STANDARD
+    starts: list[Frame] = []
+    origins: list[Frame] = []
+    dh: list[Frame] = []
+    for joint, way in zip(robot.joints, tree.ways(robot), strict=True):
+        along, across = _screws(joint)
+        start = (dh[way.joint] if way.joint >= 0 else WORLD).then(_along(robot, way.rows)).then(_start(joint.stand))
+        starts.append(start if standard else start.then(across))
+        origins.append(starts[-1].then(along))
+        dh.append(across if standard else WORLD)
+    return starts, origins, dh
+
+
+def _with_parts(arm: BodyChain) -> BodyChain:
+    """A tree with rows without motion and ends; of a root that floats the body alone, without its joints."""
+    robot, segments = arm.robot, arm.segments
+    ends = [replace(end, name=end.name or TIP) for end in tree.ends(robot)]
+
+    def _placed(label: str, tool: Frame) -> tuple[int, Frame]:
+        way = tree.way_to(robot, label)
+        carrier = segments[way.joint].dh if way.joint >= 0 else WORLD
+        return way.joint, carrier.then(_along(robot, way.rows)).then(tool)
+
+    bodies = [RigidBody.of(row.link) if row.link else None for row in robot.fixed]
+    rows = zip(robot.fixed, bodies, strict=True)
+    parts = [Part(row.name, row.stand.after, *_placed(row.name, WORLD), body) for row, body in rows]
+    parts += [Part(end.name, end.after, *_placed(end.after, frame_of(end.tool)), is_end=True) for end in ends]
+    root = None
+    if robot.root and robot.root.type is RootType.PLANAR and parts[0].body:
+        # The link of its last joint has the body: other programs move none without a mass.
+        last = segments[parts[0].parent]
+        body = parts[0].body.moved(parts[0].frame.seen_from(last.dh))
+        segments = tuple(replace(last, body=body) if segment is last else segment for segment in segments)
+        parts[0] = replace(parts[0], body=None)
+    if robot.root and robot.root.type is RootType.FLOATING:
+        root, parts, own = parts[0], parts[1:], len(robot.root.variables)
+        # What stands on the root does so on its body: the links are counted without those of its joints.
+        moved = [(p, p.frame.seen_from(root.frame) if p.parent < own else p.frame) for p in parts]
+        parts = [replace(part, frame=frame, parent=max(part.parent - own, -1)) for part, frame in moved]
+        placed = [(s, s.origin.seen_from(root.frame) if s.parent < own else s.origin) for s in segments[own:]]
+        segments = tuple(replace(s, origin=origin, parent=max(s.parent - own, -1)) for s, origin in placed)
+    beyond = [(s.parent, s.origin.origin) for s in segments] + [(part.parent, part.frame.origin) for part in parts]
+    shown = []
+    for i, segment in enumerate(segments):  # the farthest thing on a link is what it is drawn to
+        points = [point for parent, point in beyond if parent == i]
+        end = max(points, key=lambda point: float(length(point)), default=WORLD.origin)
+        shown.append(replace(segment, end=end))
+    return replace(arm, segments=tuple(shown), parts=tuple(parts), root=root)
 
 
 def roll_pitch_yaw(frame: Frame) -> Point:

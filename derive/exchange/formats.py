@@ -9,14 +9,15 @@ import numpy as np
 
 from derive.errors import DeriveError, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, body_chain, given
-from derive.exchange.certificate import ball
+from derive.exchange.certificate import ball, frame_of
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import csv_text, script_text
 from derive.exchange.to_xml import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, urdf_text, written_bodies
 from derive.exchange.urdf import SLIDE
-from derive.mechanics.space import NOTHING, WORLD, Real, decimal, exactly
+from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly
 from derive.model.identification.possible import possible, wants_possible, with_chosen_bodies
 from derive.model.identification.witness import NoSuchBodies
+from derive.robot.description import IDENTITY, Link, RootType
 from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot
 from derive.robot.tree import require_chain
@@ -33,6 +34,7 @@ from derive.version import __version__
 # an inertia J about the axis on the link behind the joint, I - J on the one before it, and an armature I k^2 - J say
 # the same in every term of the dynamics, wherever both links are bodies that exist.
 
+TREES = ("urdf", "mjcf")  # formats that have trees
 STATES = 100  # at which accelerations are compared
 # Part of its largest moment by which a body is inside of what exists, where programs find moments by themselves.
 INSIDE = 1e-12
@@ -59,7 +61,9 @@ def with_rotors(arm: BodyChain, is_said: Callable[[Rotor], bool] | None, wanted:
             other = _chosen(_placed(arm, said, (*chosen, i)), wanted, inside)
         except NoSuchBodies:
             continue
-        if all(body.is_possible for k in (i - 1, i) if (body := other[0].segments[k].body)):
+        beside = [other[0].segments[k].body for k in (segment.parent, i) if k >= 0]
+        beside += [other[0].root.body] if other[0].root and segment.parent < 0 else []
+        if all(body.is_possible for body in beside if body):
             found, chosen = other, (*chosen, i)
     return found
 
@@ -72,13 +76,18 @@ def _share(segment: ChainSegment) -> Real:
 def _placed(arm: BodyChain, said: Collection[int], divided: Collection[int]) -> BodyChain:
     """Rotors put into bodies: those of joints that are divided are nowhere else then."""
     segments = []
+
+    def _carried(body: RigidBody | None, place: int, inwards: Frame) -> RigidBody | None:
+        # The rotors of the joints behind stand on this link: their masses, and I or I - J about their axes.
+        for k, beyond in enumerate(arm.segments):
+            if body is not None and beyond.rotor is not None and beyond.parent == place:
+                inertia = 0 if k in said else beyond.rotor.inertia - (_share(beyond) if k in divided else 0)
+                body = body + (beyond.rotor.body + RigidBody.spinning(beyond.rotor.axis, inertia)).moved(inwards)
+        return body
+
     for i, segment in enumerate(arm.segments):
-        body, inwards = segment.body, WORLD.seen_from(segment.dh)
-        beyond = arm.segments[i + 1] if i + 1 < len(arm.segments) else None
-        # The rotor of the next joint stands on this link: its mass, and I or I - J about that axis.
-        if body is not None and beyond is not None and beyond.rotor is not None:
-            inertia = 0 if i + 1 in said else beyond.rotor.inertia - (_share(beyond) if i + 1 in divided else 0)
-            body = body + (beyond.rotor.body + RigidBody.spinning(beyond.rotor.axis, inertia)).moved(inwards)
+        inwards = WORLD.seen_from(segment.dh)
+        body = _carried(segment.body, i, inwards)
         if i in divided and body is not None and segment.rotor is not None:
             # The other side of a division: J about its own axis, and the armature I k^2 - J.
             body = body + RigidBody.spinning(WORLD.z, _share(segment)).moved(inwards)
@@ -86,7 +95,8 @@ def _placed(arm: BodyChain, said: Collection[int], divided: Collection[int]) -> 
             link = replace(segment.link, motor=None, armature=add(segment.link.armature, armature))
             segment = replace(segment, link=link, rotor=None)
         segments.append(replace(segment, body=body))
-    return replace(arm, segments=tuple(segments))
+    root = arm.root and replace(arm.root, body=_carried(arm.root.body, -1, WORLD))
+    return replace(arm, segments=tuple(segments), root=root)
 
 
 def _chosen(arm: BodyChain, wanted: str, inside: float) -> Written:
@@ -109,7 +119,7 @@ def _chosen(arm: BodyChain, wanted: str, inside: float) -> Written:
 
 def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], bool]) -> float:
     """Error of accelerations that should be up to 1, at random states with speeds up to 1 [rad/s^2, m/s^2]."""
-    links = []
+    links = [Link()] * (robot.n - len(written.segments))  # joints of a root that floats
     for segment in written.segments:
         rotor, link = segment.rotor, segment.link
         if rotor is not None and is_said(rotor):
@@ -118,7 +128,10 @@ def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], b
             link = replace(link, motor=None, armature=add(link.armature, number(decimal(rotor.reflected))))
         links.append(segment.body.link(link) if segment.body else link)
     q, qd, qdd = np.random.default_rng(0).uniform(-1, 1, (3, STATES, robot.n)) * [[[np.pi]], [[1]], [[1]]]
-    ours, theirs = Oracle.of(robot), Oracle.of(replace(robot, links=tuple(links)))
+    fixed = robot.fixed
+    if written.root and written.root.body:
+        fixed = (replace(fixed[0], link=written.root.body.link(Link())), *fixed[1:])
+    ours, theirs = Oracle.of(robot), Oracle.of(replace(robot, links=tuple(links), fixed=fixed))
     # B'^-1 (tau - tau') of accelerations that are wanted: how far the motion of what is written goes astray.
     lack = np.subtract(*(oracle.evaluate("inverse_dynamics", q, qd, qdd) for oracle in (ours, theirs)))
     inverse = np.linalg.pinv(theirs.evaluate("inertia_matrix", q))
@@ -183,12 +196,14 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     if to not in FORMS:
         allowed = f"allowed: {', '.join(FORMS)}"
         raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
-    require_chain(robot, "an export")
+    if to not in TREES:
+        require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
     form = FORMS[to]
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
+        numeric = _seen_from_frame_0(numeric) if numeric.root and numeric.root.type is RootType.FLOATING else numeric
         written = arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
         if not form.has_rotors:
             written, changes = with_rotors(arm, form.says, inertia)
@@ -198,6 +213,15 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     return Exported(text, remarks)
 
 
+def _seen_from_frame_0(robot: Robot) -> Robot:
+    """A tree whose root floats in frame 0: other programs count its place in their own world."""
+    frame, down = frame_of(robot.base), robot.gravity
+    if down is not None:
+        x, y, z = (number(decimal(c)) for c in frame.turned((ball(down[0]), ball(down[1]), ball(down[2]))))
+        down = (x, y, z)
+    return replace(robot, base=IDENTITY, gravity=down)
+
+
 def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:
     for key in form.lacks:
         words, has = GIVEN[key]
@@ -205,7 +229,8 @@ def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_jo
             lost = lost_coupling(arm.robot, written, form.says) if key == "coupling that varies" and form.says else 0.0
             size = f"; where accelerations are up to 1, they differ by up to {lost:.2g} without it" if lost else ""
             yield f"{form.program} cannot say {words} of {', '.join(joints)}{size}"
-    rotors = [] if form.has_rotors else [segment.rotor for segment in arm.segments[1:] if segment.rotor is not None]
+    carried = [s for s in arm.segments if not form.has_rotors and (arm.root or s.parent >= 0)]
+    rotors = [segment.rotor for segment in carried if segment.rotor is not None]
     if any(abs(part) > NOTHING for rotor in rotors for part in (rotor.body.mass, rotor.inertia)):
         yield "rotors are part of the links that carry them, as far as they do not spin"
     if reversed_joints:
@@ -225,6 +250,7 @@ def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
         )
     written = written_bodies(arm)
     bodies = [(str(each.joints.stop), each.body) for each in written if each.body is not None]
+    bodies += [(part.name, part.body) for part in (*arm.parts, *([arm.root] if arm.root else [])) if part.body]
     if refused := [link for link, body in bodies if not body.is_possible]:
         yield f"MuJoCo refuses link {', '.join(refused)}: inconsistent inertia; inertia: possible finds a valid one"
     if gone := [str(link) for each in written for link in each.joints[1:]]:
@@ -232,7 +258,7 @@ def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
             f"MuJoCo has no body for link {', '.join(gone)}, without mass or with mass along a joint's axis alone, "
             "which the link beyond it carries; their joints move the body of the next link"
         )
-    if thin := [link for link, body in bodies if is_too_thin(body)]:
+    if thin := [link for link, body in bodies[: len(written)] if is_too_thin(body)]:
         yield f"MuJoCo wants a little of each: {LEAST:g} kg or kg m^2 where link {', '.join(thin)} has none"
     if not arm.robot.links:
         yield f"the robot has no masses; those of its cylinders, of {DENSITY} kg/m^3, stand in"
@@ -256,6 +282,8 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
     joints = [segment.joint for segment in arm.segments]
     if bounds := [joint.variable for joint in joints if not (given(joint.torque) and given(joint.speed))]:
         yield f"URDF wants an effort and a velocity: 1000000 where the robot file gives none, of {', '.join(bounds)}"
+    if arm.root:
+        yield "URDF does not say that a root floats: programs are told, as by derive import --tree --root floating"
     if slides := [joint.variable for joint in joints if not joint.is_revolute and joint.limits is None]:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
 

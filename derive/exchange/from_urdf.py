@@ -129,20 +129,20 @@ def import_urdf(
                     remedy = "correct the masses, or write --inertia possible"
                     raise RobotFileError(found, remedy=remedy, location=axis.joint.location)
         table, remarks = _Chain(urdf, written, convention, options.name).understood(snap)
-        notes = [_plain(note) for note in (*remarks, *_notes(urdf, table.arm))]
+        notes = [plain_text(note) for note in (*remarks, *notes_on(urdf, table.arm))]
     robot = Robot.of(table.description)
     if robot.links:
         robot, changes = with_chosen_bodies(robot, options.inertia)
         notes += changes
     arm, description = table.arm, with_named_lengths(robot) if options.symbols else robot
-    names = tuple(_plain(axis.joint.name) for axis in arm.axes)
+    names = tuple(plain_text(axis.joint.name) for axis in arm.axes)
     first = [replace(source, base=arm.base, tip=arm.tip).line] if source else []
     text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(table.certificate), *notes])
     try:
         made = Robot.from_text(text, f"{robot.name}.yaml")
     except DeriveError as error:  # what the robot has against it is said of the URDF
         raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
-    ends = (_plain(arm.base), _plain(arm.tip))
+    ends = (plain_text(arm.base), plain_text(arm.tip))
     return Imported(text, made, table.certificate, ends, names, tuple(notes), table.changes)
 
 
@@ -222,7 +222,7 @@ class _Chain:
         return _Table(arm, placement, description, certify(self.written, description), changes)
 
     def _described(self, arm: Arm, placement: Placement, snap: Fraction) -> Description:
-        title = _plain(" ".join(f"{self.urdf.name}: {arm.base} to {arm.tip}".split()))
+        title = plain_text(" ".join(f"{self.urdf.name}: {arm.base} to {arm.tip}".split()))
         return robot_of_arm(arm, placement, snap, robot_name(self.name or self.urdf.name or "arm"), title)
 
     def _remarks_on_slants(
@@ -265,12 +265,13 @@ def with_named_lengths(robot: Description) -> Description:
     return replace(robot, joints=joints, parameters=(*values.items(), *robot.parameters))
 
 
-def _plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """A text of a URDF as it may stand in a comment, on one line."""
     return quoted(text, 1000)[1:-1]
 
 
-def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
+def notes_on(urdf: Urdf, arm: Arm, *, proven: bool = True) -> Iterator[str]:
+    """What a reader should know of an arm, as sentences."""
     yield from urdf.notes
     bodies = [body for axis in arm.axes for body in axis.bodies]
     if not bodies:
@@ -289,7 +290,7 @@ def _notes(urdf: Urdf, arm: Arm) -> Iterator[str]:
         for kind, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0:
                 yield f"joint {joint.name}: negative {kind} {float(value):g}"
-        if not axis.is_revolute and axis.limits is None:
+        if proven and not axis.is_revolute and axis.limits is None:
             yield f"joint {joint.name}: a slide without limits, proven for 1 m to either side"
     for key in ("effort", "velocity"):
         bounds = [(axis.joint.name, getattr(axis.joint, key)) for axis in arm.axes]

@@ -14,6 +14,7 @@ from derive.robot.writer import cell_text
 
 Some = TypeVar("Some", bound=Description)
 
+PARTS = ("joints", "base", "tool", "gravity", "links", "fixed", "ends", "root")  # of a robot, that have cells
 MOST_SYMBOLS = 8  # of those that a message names
 
 
@@ -32,7 +33,7 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
             allowed="other programs accept numbers only",
             remedy=f"give them under parameters:, or write --values {example}",
         )
-    cells = {name: _filled(getattr(robot, name), values) for name in ("joints", "base", "tool", "gravity", "links")}
+    cells = {name: _filled(getattr(robot, name), values) for name in PARTS}
     return replace(robot, **cells, parameters=(), runtime=())
 
 

@@ -42,7 +42,9 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         raise RobotFileError(
             f"the outermost element is {quoted(str(root.tag))}",
             allowed="allowed: robot",
-            remedy="give a URDF; a xacro file is read where its name ends with .xacro",
+            remedy="write --tree, which reads an MJCF"
+            if root.tag == "mujoco"
+            else "give a URDF; a xacro file is read where its name ends with .xacro",
             location=Location(source, root.sourceline or 1),
         )
     reader = _UrdfReader(source, root.get("version", VERSIONS[0]))
@@ -130,6 +132,21 @@ def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
             name, _, element.tag = element.tag[1:].rpartition("}")
             spaces[name] = None
     return root, (*slips, *(f"the XML namespace {quoted(name)} is passed over" for name in spaces))
+
+
+def angles_of(x: Fraction, y: Fraction, z: Fraction, w: Fraction) -> Triple:
+    """Roll, pitch and yaw of a quaternion of any length."""
+    square = x * x + y * y + z * z + w * w
+    # Columns of its rotation times the squared length.
+    columns = (
+        (w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)),
+        (2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)),
+        (2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z),
+    )
+    with exactly():
+        axes = (vector([entry / square for entry in column]) for column in columns)
+        roll, pitch, yaw = (decimal(angle, ANGLE_DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
+    return roll, pitch, yaw
 
 
 def _mended(data: bytes) -> tuple[bytes, list[str]]:
@@ -231,16 +248,7 @@ class _UrdfReader:
             raise self.refused(origin, "origin, quat_xyzw: a quaternion of length 0", "write 0 0 0 1 for no rotation")
         if abs(square - 1) > ONE:
             self.note(origin, f"a quaternion of length {float(square) ** 0.5:.6g} is taken with length 1")
-        # Columns of the rotation of x, y, z, w times the squared length.
-        columns = (
-            (w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)),
-            (2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)),
-            (2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z),
-        )
-        with exactly():
-            axes = (vector([entry / square for entry in column]) for column in columns)
-            roll, pitch, yaw = (decimal(angle, ANGLE_DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
-        return roll, pitch, yaw
+        return angles_of(x, y, z, w)
 
     def body(self, element: etree._Element) -> UrdfBody | None:
         """What a link weighs; None where nothing is said."""

@@ -36,31 +36,40 @@ def robot_of_arm(arm: Arm, placement: Placement, snap: Fraction, name: str, titl
     """What a robot file says of an arm; angles closer to simple fractions of pi than the snap are these [rad]."""
     joints = []
     for i, (axis, row) in enumerate(zip(arm.axes, placement.rows, strict=True), 1):
-        variable = f"q{i}"
-        limits = axis.limits and (number(rounded(axis.limits[0])), number(rounded(axis.limits[1])))
-        largest = (axis.joint.velocity, axis.joint.effort)
-        speed, torque = (number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in largest)
-        kind, name_there = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, axis.joint.name
-        # As a robot file may have it: on one line, and not too long.
-        label = name_there if name_there.isprintable() else quoted(name_there, len(name_there))[1:-1]
-        label = label[: FILE_LIMITS.title_length]
         cells = (angle(row.theta, snap), distance(row.d, snap), distance(row.a, snap), angle(row.alpha, snap))
-        joints.append(Joint(kind, variable, 1, *cells, limits, speed, torque, "" if label == variable else label))
+        joints.append(row_of(axis, f"q{i}", cells))
     links: tuple[Link, ...] = ()
     if any(axis.bodies for axis in arm.axes):
-        links = tuple(_link(axis, frame, snap) for axis, frame in zip(arm.axes, placement.frames[1:], strict=True))
+        links = tuple(link_of(axis, frame, snap) for axis, frame in zip(arm.axes, placement.frames[1:], strict=True))
     down = (multiply(number(-1), turned(component), Name("g")) for component in arm.up)
     return Description(
         name=name,
         title=title[: FILE_LIMITS.title_length],
         convention=placement.convention,
         joints=tuple(joints),
-        base=_matrix(placement.frames[0], snap),
-        tool=_matrix(placement.tool, snap),
+        base=matrix_of(placement.frames[0], snap),
+        tool=matrix_of(placement.tool, snap),
         gravity=(next(down), next(down), next(down)) if links else None,
         links=links,
         parameters=(("g", number(GRAVITY)),) if links else (),
     )
+
+
+def row_of(axis: Axis, variable: str, cells: tuple[Expression, ...] = (ZERO,) * 4) -> Joint:
+    """The row of a joint with its bounds and its name."""
+    limits = axis.limits and (number(rounded(axis.limits[0])), number(rounded(axis.limits[1])))
+    largest = (axis.joint.velocity, axis.joint.effort)
+    speed, torque = (number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in largest)
+    kind, label = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, label_of(axis.joint.name)
+    theta, d, a, alpha = cells
+    name = "" if label == variable else label
+    return Joint(kind, variable, 1, theta, d, a, alpha, limits, speed, torque, name)
+
+
+def label_of(name: str) -> str:
+    """A name of a file as a robot file may have it: on one line, and not too long."""
+    label = name if name.isprintable() else quoted(name, len(name))[1:-1]
+    return label[: FILE_LIMITS.title_length]
 
 
 def angle(value: Real, snap: Fraction) -> Expression:
@@ -85,7 +94,8 @@ def rounded(value: Fraction) -> Fraction:
     return decimal(real(value))
 
 
-def _matrix(frame: Frame, snap: Fraction) -> Matrix:
+def matrix_of(frame: Frame, snap: Fraction) -> Matrix:
+    """A frame as the cells of a transform."""
     columns = (frame.x, frame.y, frame.z)
     rows = [(*(turned(column[k]) for column in columns), distance(frame.origin[k], snap)) for k in range(3)]
     return (*rows, (ZERO, ZERO, ZERO, ONE))
@@ -117,22 +127,23 @@ def _written(values: Sequence[Real], snap: Fraction, size: Real | None = None) -
     return cells
 
 
-def _link(axis: Axis, frame: Frame, snap: Fraction) -> Link:
+def link_of(axis: Axis, frame: Frame, snap: Fraction) -> Link:
     """What moves with a joint as one body in the frame of its row."""
     mass = sum((body.mass for body in axis.bodies), Fraction(0))
-    viscous, coulomb = number(rounded(axis.joint.damping)), number(rounded(axis.joint.friction))
+    cells = (axis.joint.armature, axis.joint.damping, axis.joint.friction)
+    armature, viscous, coulomb = (number(rounded(cell)) for cell in cells)
     if mass == 0:
         if heavy := next((body.link for body in axis.bodies if body.mass), ""):
             found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
             raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
         tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
-        return Link(inertia=Inertia(*_written(tensor, snap)), viscous=viscous, coulomb=coulomb)
+        return Link(inertia=Inertia(*_written(tensor, snap)), armature=armature, viscous=viscous, coulomb=coulomb)
     com = (arb(0), arb(0), arb(0))
     for body in axis.bodies:
         com = plus(com, frame.inside(body.axes.origin), real(body.mass) / real(mass))
     tensor = _tensor(axis.bodies, frame, com)
     x, y, z = _written(com, snap, arb(1))
-    return Link(number(rounded(mass)), (x, y, z), Inertia(*_written(tensor, snap)), viscous=viscous, coulomb=coulomb)
+    return Link(number(rounded(mass)), (x, y, z), Inertia(*_written(tensor, snap)), None, armature, viscous, coulomb)
 
 
 def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:

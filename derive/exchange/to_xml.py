@@ -1,6 +1,7 @@
 """A robot as URDF, and as MJCF, the format of MuJoCo."""
 
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import atan2, hypot
 from typing import Any
@@ -8,22 +9,51 @@ from xml.sax.saxutils import escape
 
 from flint import arb
 
-from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, is_world, quaternion, roll_pitch_yaw
+from derive.exchange.body_chain import (
+    TIP,
+    BodyChain,
+    ChainSegment,
+    Part,
+    RigidBody,
+    Rotor,
+    is_world,
+    quaternion,
+    roll_pitch_yaw,
+)
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.robot_of_arm import table_text
 from derive.exchange.urdf import SLIDE, UNLIMITED
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
+from derive.robot.description import BASE
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
 ROOT = "base_link"  # the world, which URDF takes as the root link
-TIP = "tool"  # the end effector
 THICKNESS = 0.06  # radius of the cylinders, of the longest link
 
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as URDF."""
+    links, joints = _tree_elements(arm) if arm.parts else _chain_elements(arm)
+    radius = THICKNESS * arm.size
+    return render(
+        "exchange/robot.urdf.jinja",
+        name=arm.robot.name,
+        head=head,
+        table="" if arm.parts else escape(table_text(arm.robot)),
+        links=links,
+        joints=joints,
+        radius=f"{radius:.3g}",
+        thick=f"{1.4 * radius:.3g}",
+        height=f"{3 * radius:.3g}",
+    )
+
+
+Elements = tuple[list[dict[str, Any]], list[dict[str, Any]]]  # links and joints
+
+
+def _chain_elements(arm: BodyChain) -> Elements:
     named = [f"link{i}" for i in range(1, len(arm.segments) + 1)]
     root = ROOT if is_world(arm.base) else "link0"
     taken = {segment.joint.label for segment in arm.segments}
@@ -33,27 +63,71 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
         joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
     joints.append(_fixed(flange, named[-1], "flange", arm.segments[-1].dh))
     joints.append(_fixed(tool, "flange", TIP, arm.tool))
-    radius = THICKNESS * arm.size
     links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
     for name, segment in zip(named, arm.segments, strict=True):
-        inertial = None  # of what moves with a joint, in the joint's frame
-        if segment.body is not None:
-            body = segment.body.moved(segment.dh)
-            entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
-            inertial = {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
-        links.append({"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)})
-    links += [{"name": name, "is_frame": True} for name in ("flange", TIP)]
-    return render(
-        "exchange/robot.urdf.jinja",
-        name=arm.robot.name,
-        head=head,
-        table=escape(table_text(arm.robot)),
-        links=links,
-        joints=joints,
-        radius=f"{radius:.3g}",
-        thick=f"{1.4 * radius:.3g}",
-        height=f"{3 * radius:.3g}",
-    )
+        links.append(_link(name, segment, THICKNESS * arm.size))
+    return links + [{"name": name, "is_frame": True} for name in ("flange", TIP)], joints
+
+
+def link_names(arm: BodyChain) -> dict[str, str]:
+    """Of the rows of a tree by their labels: the end which is that row's frame, or a name of its own."""
+    rows, found = {segment.joint.label: WORLD for segment in arm.segments}, dict[str, str]()
+    rows |= {label: part.frame for label, part in arm.rows.items()}
+    ends = [part for part in arm.parts if part.is_end]
+    at = {end.after: end.name for end in ends if end.after in rows and is_world(end.frame.seen_from(rows[end.after]))}
+    taken = {ROOT, "link0", "world", *(end.name for end in ends)}
+    for label in rows:
+        found[label] = at.get(label) or free_name(f"{label}_link", taken)
+        taken.add(found[label])
+    return {label: xml_text(name) for label, name in found.items()}
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """A name that nothing else has."""
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _tree_elements(arm: BodyChain) -> Elements:
+    """Rows by their labels, ends by their names."""
+    rows, names, radius = arm.rows, link_names(arm), THICKNESS * arm.size
+    labels = {*names, *(segment.joint.label for segment in arm.segments)}
+    root = ROOT if is_world(arm.base) else "link0"
+    links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
+    joints = [] if root == ROOT else [_fixed(free_name("base-joint", labels), ROOT, root, arm.base)]
+    if arm.root and arm.root.body:
+        links[0] |= {"is_frame": False, "inertial": _weighed(arm.root.body), "rod": None}
+    parents = {"": root, BASE: root} | names  # a root that moves in a plane has a row of its own
+
+    def _inside(after: str, frame: Frame) -> Frame:
+        return frame.seen_from(rows[after].frame) if after in rows else frame
+
+    for segment in arm.segments:
+        name = names[segment.joint.label]
+        placed = replace(segment, origin=_inside(segment.after, segment.origin))
+        joints.append(_joint(placed, parents[segment.after], name))
+        links.append(_link(name, segment, radius))
+    for part in arm.parts:
+        if part.is_end and names.get(part.after) == part.name:
+            continue
+        name = part.name if part.is_end else names[part.name]
+        joint = free_name(f"{part.name}_end", labels) if part.is_end else xml_text(part.name)
+        joints.append(_fixed(joint, parents[part.after], name, _inside(part.after, part.frame)))
+        inertial = _weighed(part.body) if part.body else None
+        links.append({"name": name, "is_frame": inertial is None, "inertial": inertial, "rod": None})
+    return links, joints
+
+
+def _link(name: str, segment: ChainSegment, radius: float) -> dict[str, Any]:
+    # What moves with a joint, in the joint's frame.
+    inertial = None if segment.body is None else _weighed(segment.body.moved(segment.dh))
+    return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}
+
+
+def _weighed(body: RigidBody) -> dict[str, Any]:
+    entries = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), map(text, body.entries), strict=True)
+    return {"mass": text(body.mass), "xyz": texts(body.com), "inertia": dict(entries)}
 
 
 def _origin(frame: Frame) -> dict[str, str]:
@@ -119,10 +193,14 @@ EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as MJCF."""
-    gravity, end = arm.robot.gravity, arm.segments[-1].dh.then(arm.tool)
-    radius = THICKNESS * arm.size
-    bodies = [_body(arm, written, radius) for written in written_bodies(arm)]
-    margins = ["  " * (depth + 2) for depth in range(len(bodies))]
+    gravity, radius = arm.robot.gravity, THICKNESS * arm.size
+    nested = _nested(arm, radius)
+    bodies = [body for _, body in nested]
+    depths = [depth for depth, _ in nested] + [0]
+    lines = []
+    for body, depth, following in zip(bodies, depths, depths[1:], strict=False):
+        ended = ["  " * (k + 2) for k in range(depth, following - 1, -1)]  # bodies that end behind this one
+        lines.append(("  " * (depth + 2), body, ended))
     rotors = []
     names = [xml_text(segment.joint.label) for segment in arm.segments]
     for i, rotor in enumerate(segment.rotor for segment in arm.segments):
@@ -137,11 +215,9 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
         head=head,
         gravity=EARTH if gravity is None else texts(map(ball, gravity)),
         density=DENSITY,
-        bodies=list(zip(margins, bodies, strict=True)),
-        margins=margins[::-1],
+        bodies=lines,
         joints=[joint for body in bodies for joint in body["joints"]],
         threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
-        tool={"pos": texts(end.origin), "quat": _turn(end)},
         rotors=rotors,
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
@@ -167,7 +243,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
     # What each link weighs, in its own frame. A link that MuJoCo would refuse, but that looks the same however a joint
     # beside it turns, such as a point on the axis, is weighed with the link beyond: the next one, or the one before.
     weights = [s.body.moved(s.dh) for s in arm.segments if s.body is not None]
-    joints = range(1, len(weights))
+    joints = [k for k in range(1, len(weights)) if arm.segments[k].parent == k - 1]
     for onwards, joint in (*((True, k) for k in joints), *((False, k) for k in reversed(joints))):
         link, beyond = (joint - 1, joint) if onwards else (joint, joint - 1)
         way = arm.segments[joint].origin
@@ -182,7 +258,10 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
     found, first = [], 0
     for i in range(last + 1):
         body = weights[i] if weights else None
-        if body is None or not _is_nothing(body) or i == last or i + 1 - first == MOST_JOINTS:
+        # A link on which more than the next one hangs has a body of its own.
+        hung = [s.parent for s in arm.segments[1:]] + [part.parent for part in arm.parts]
+        is_alone = i == last or arm.segments[i + 1].parent != i or hung.count(i) > 1
+        if body is None or not _is_nothing(body) or is_alone or i + 1 - first == MOST_JOINTS:
             found.append(WrittenBody(range(first, i + 1), body))
             first = i + 1
     return found
@@ -190,6 +269,59 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
 
 def _is_nothing(body: RigidBody) -> bool:
     return body.is_possible and bool(body.mass < LEAST and body.principal[0][2] < LEAST)
+
+
+def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
+    """All bodies, each behind the one that carries it, and how deep it is."""
+    found, written, names = [], written_bodies(arm), link_names(arm) if arm.parts else {}
+
+    def _hang(above: Part | None, parent: int, depth: int) -> None:
+        # A row behind a row without motion is a body in that one's.
+        for part in (part for part in arm.parts if part.parent == parent and arm.rows.get(part.after) is above):
+            inside = part.frame if above is None else part.frame.seen_from(above.frame)
+            name = part.name if part.is_end else names[part.name]
+            if not (part.is_end and names.get(part.after) == part.name):
+                found.append(
+                    (depth, _frame(name, arm.base.then(inside) if parent < 0 and not above else inside, part.body))
+                )
+            if not part.is_end:
+                _hang(part, parent, depth + 1)
+
+    def _add(parent: int, depth: int) -> None:
+        _hang(None, parent, depth)
+        for each in written:
+            if arm.segments[each.joints.start].parent == parent:
+                body = _body(arm, each, radius)
+                last = arm.segments[each.joints[-1]]
+                body["name"] = names.get(last.joint.label, body["name"])
+                found.append((depth, body))
+                _add(each.joints[-1], depth + 1)
+
+    if arm.root:
+        found.append((0, _frame(ROOT, WORLD, arm.root.body) | {"is_free": True}))
+    _add(-1, 1 if arm.root else 0)
+    if not arm.parts:
+        end = arm.segments[-1].dh.then(arm.tool)
+        found[-1][1]["tool"] = {"pos": texts(end.origin), "quat": _turn(end)}
+    return found
+
+
+# Of a body in the file, what most have not.
+UNSAID: Mapping[str, Any] = {
+    "joints": [],
+    "rod": None,
+    "first": None,
+    "is_frame": False,
+    "is_free": False,
+    "tool": None,
+}
+
+
+def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:
+    """A body without joints."""
+    inertial = _inertial(body) if body and not _is_nothing(body) else None
+    place = {"name": name, "pos": texts(frame.origin), "quat": _turn(frame)}
+    return {**UNSAID, **place, "inertial": inertial, "is_frame": True}
 
 
 def _turn(frame: Frame) -> str:
@@ -200,7 +332,7 @@ def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]
     """A body with its joints; `first` is what shows the first of several where it is: in the body before."""
     # Places of the frames of all its joints in the body before; each joint's axis is seen from the last one.
     start, *others = (arm.segments[k].origin for k in written.joints)
-    if written.joints.start == 0:
+    if arm.segments[written.joints.start].parent < 0:
         start = arm.base.then(start)
     frames = list(accumulate(others, Frame.then, initial=start))
     place = frames[-1]
@@ -212,6 +344,7 @@ def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]
         "thread": any(rod(segment.end, radius) for segment in before),
     }
     return {
+        **UNSAID,
         "name": f"link{written.joints.stop}",
         "pos": texts(place.origin),
         "quat": _turn(place),

@@ -80,6 +80,7 @@ class UrdfJoint:
     friction: Fraction  # dry friction
     mimics: str | None  # name of the joint that it follows, where it follows one
     location: Location  # its place in the file
+    armature: Fraction = Fraction(0)  # inertia of what drives it, which MJCF says [kg m^2 or kg]
 
     @property
     def fault(self) -> str:
@@ -111,6 +112,8 @@ class Urdf:
     unread: tuple[str, ...] = field(default=())  # kinds of elements that were not read, such as ``visual``
     source: str = "<urdf>"  # file name for messages
     table: str = ""  # robot file with the table that the URDF was written from; empty in those of other programs
+    gravity: Triple | None = None  # as MJCF says it, in the frame of the root [m/s^2]
+    root: str = ""  # how its root moves where the file says so, as that of a robot file: ``floating``
 
 
 def look(

@@ -22,7 +22,7 @@ MESSAGE = " of torso, whose table is a tree; allowed: robots of one chain; deriv
 PLAN = "robot: torso.yaml\npoints: {home: [0, 0], away: [1, 1]}\npath: [home, {to: away, time: 1}]\n"
 REFUSED = [
     "handout torso.yaml --fragment conversion",
-    *(f"export torso.yaml --format {to}" for to in ("urdf", "mjcf", "rtb", "corke", "rigidbodytree", "csv")),
+    *(f"export torso.yaml --format {to}" for to in ("rtb", "corke", "rigidbodytree", "csv")),
     *(f"show torso.yaml {name}" for name in ("singularities", "workspace", "aspects")),
     "plot torso.yaml --workspace -o arm.svg",
     *(f"check torso.yaml --quantity {of} --expression 'q1 = 0'" for of in ("T[1,4]", "inverse")),
@@ -35,7 +35,6 @@ REFUSED = [
 ]
 CALLS: dict[str, Callable[[Any], object]] = {
     "Robot.convert": lambda robot: robot.convert("modified"),
-    "Robot.to_urdf": lambda robot: robot.to_urdf(),
     "possible": api.possible,
     "Motion": lambda robot: api.Motion(replace(api.Motion.load("scara-pick-and-place").plan, robot=robot)),
     "singularities": lambda robot: api.Model(robot, assumptions=True).singularities,

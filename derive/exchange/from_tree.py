@@ -1,0 +1,307 @@
+"""A whole tree of links as one robot file: a row for each joint, mounted where the file has it, its axis turned to z.
+
+No common normals are needed: the frame of a row is that of the link which it moves, turned so that z is along the axis.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from derive.errors import DeriveError, RobotFileError, near_miss, quoted
+from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
+from derive.exchange.convert import convention_named
+from derive.exchange.file_tree import Agreement, FileTree, agreement
+from derive.exchange.from_urdf import ImportOptions, notes_on, plain_text, robot_name, snap_of
+from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
+from derive.exchange.urdf import MOVING, Urdf, UrdfJoint
+from derive.mechanics.space import WORLD, Frame, Line, Point, exactly, unit
+from derive.robot.description import (
+    BASE,
+    IDENTITY,
+    Convention,
+    Description,
+    End,
+    FixedRow,
+    Joint,
+    Link,
+    Matrix,
+    Root,
+    RootType,
+    Stand,
+)
+from derive.robot.expression import ZERO, Name, multiply, number
+from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
+from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.robot import Robot
+from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
+from derive.robot.tree_table import SUFFIXES
+from derive.robot.writer import robot_text
+
+MOST_ENDS = 12  # that are chosen where nobody names them
+MOST_MOVED = 0.01  # of the farthest end from the root: a tree whose ends would be farther from the file's is refused
+REMEDY = "import single chains of it by --tip or --chain"
+
+
+@dataclass(frozen=True, slots=True)
+class ImportedTree:
+    """A robot file of a tree and what is known about its making."""
+
+    text: str  # the robot file
+    robot: Robot  # what it says
+    agreement: Agreement  # how far it is from the file
+    ends: Mapping[str, str]  # the link at each end
+    joints: tuple[str, ...]  # names of the joints in the file, in the order of the rows
+    notes: tuple[str, ...]  # what a reader should know, as sentences
+
+    @property
+    def report(self) -> tuple[str, ...]:
+        """What was made, in lines."""
+        root = self.robot.root
+        fixed, moved = len(self.robot.fixed) - bool(root), f", {root.type.value} root" if root else ""
+        counts = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)}, {fixed} fixed{moved}"
+        return (
+            f"tree: {counts}; ends: {', '.join(name or link for name, link in self.ends.items())}",
+            str(self.agreement),
+            *self.notes,
+        )
+
+    def as_dict(self) -> dict[str, object]:
+        """The report as plain data."""
+        names = ("position", "rotation", "inertia", "torques")
+        errors = {f"{name}_error": getattr(self.agreement, name) for name in names}
+        who = {"robot": self.robot.name, "joints": list(self.joints), "ends": dict(self.ends)}
+        return who | {"convention": self.robot.convention.value} | errors | {"notes": list(self.notes)}
+
+
+def import_tree(
+    urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions | None = None, head: str = ""
+) -> ImportedTree:
+    """The robot of all joints of a file, whose root stands, or moves as ``root`` says."""
+    options = options or ImportOptions()
+    kinds = [kind.value for kind in RootType]
+    if root and root not in kinds:
+        raise DeriveError(
+            f"--root {quoted(root)}", allowed=f"allowed: {', '.join(kinds)}", remedy=near_miss(root, kinds)
+        )
+    if options.inertia != "given" or options.symbols:
+        word = "--symbols" if options.symbols else f"--inertia {options.inertia}"
+        raise DeriveError(f"{word} with --tree", allowed="allowed: of one chain alone", remedy="leave one out")
+    with exactly(len(urdf.joints)):
+        tree = _Tree(urdf, RootType(root or urdf.root) if root or urdf.root else None, options)
+        robot, chosen = tree.described(ends)
+    made = _read(robot_text(robot), robot.name, urdf.source)
+    found = agreement(FileTree.of(urdf, tree.joints, tree.root), made, list(chosen.values()))
+    if found.position > MOST_MOVED * found.reach + 1e-9:
+        moved = f"--snap {float(tree.snap):g} would move an end by {found.position:.2g} m"
+        raise RobotFileError(f"{urdf.source}: {moved}", remedy="write a smaller --snap")
+    notes = tuple(plain_text(note) for note in tree.notes)
+    text = robot_text(robot, [*([head] if head else []), str(found), *notes])
+    names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)
+    return ImportedTree(text, _read(text, robot.name, urdf.source), found, chosen, names, notes)
+
+
+def _read(text: str, name: str, source: str) -> Robot:
+    """A robot file as others read it; what the robot has against it is said of the file that it comes from."""
+    try:
+        return Robot.from_text(text, f"{name}.yaml")
+    except DeriveError as error:
+        raise RobotFileError(f"{source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+
+
+def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
+    """The link on which all hang, and the joints from it outwards, limb by limb."""
+    carrying = carrying_joints(urdf)
+    roots = [link for link in urdf.bodies if link not in carrying]
+    if len(roots) != 1:
+        found = (
+            f"{len(roots)} links hang on no joint: {some(roots)}" if roots else "every link hangs on a joint: a loop"
+        )
+        raise RobotFileError(f"{urdf.source}: {found}", allowed="allowed: exactly one", remedy=REMEDY)
+    behind: dict[str, list[UrdfJoint]] = {}
+    for joint in reversed(urdf.joints):
+        check_kind(joint, REMEDY) if joint.type != "fixed" else None
+        behind.setdefault(joint.parent, []).append(joint)
+    found_joints: list[UrdfJoint] = []
+    waiting = list(behind.get(roots[0], ()))
+    while waiting:
+        found_joints.append(waiting.pop())
+        waiting += behind.get(found_joints[-1].child, ())
+    if len(found_joints) < len(urdf.joints):
+        lost = next(joint for joint in urdf.joints if joint not in found_joints)
+        found = f"joint {quoted(lost.name)} is part of a loop"
+        raise RobotFileError(found, remedy="give a tree, without loops", location=lost.location)
+    return roots[0], found_joints
+
+
+def turn_to(axis: Point) -> Frame:
+    """A rotation that takes z to a unit vector: axes change places where it is one of them."""
+    largest = max(range(3), key=lambda k: abs(float(axis[k])))
+    beside = (WORLD.y, WORLD.z, WORLD.x)[largest]
+    across = tuple(own - axis[(largest + 1) % 3] * along for own, along in zip(beside, axis, strict=True))
+    return Frame.of(WORLD.origin, unit((across[0], across[1], across[2])), axis)
+
+
+class _Tree:
+    """The rows of a file."""
+
+    def __init__(self, urdf: Urdf, root: RootType | None, options: ImportOptions) -> None:
+        self.urdf, self.root, self.snap, self._options = urdf, root, snap_of(options.snap), options
+        self._base, self.joints = in_order(urdf)
+        self.notes: list[str] = []
+        self._has_bodies = any(urdf.bodies.values())
+        self._behind: dict[str, list[UrdfJoint]] = {}
+        # The frame of each row in that of the link which it moves, and the link with which each one moves as a body.
+        self._turns, self._carriers = {self._base: WORLD}, {self._base: self._base}
+        for joint in self.joints:
+            moves, link = joint.type in MOVING, joint.child
+            self._behind.setdefault(joint.parent, []).append(joint)
+            self._turns[link] = turn_to(direction_of(joint, self.snap)) if moves else WORLD
+            self._carriers[link] = link if moves else self._carriers[joint.parent]
+
+    def described(self, wanted: Sequence[str]) -> tuple[Description, dict[str, str]]:
+        """The robot, and the links of its ends by their names."""
+        chosen, variables = _named(self._ends(wanted)), ROOT_VARIABLES[self.root] if self.root else ()
+        kept = self._kept(set(chosen.values()))
+        labels = {self._base: BASE}
+        for joint in kept:
+            labels[joint.child] = _free(label_of(joint.name), (*labels.values(), *variables))
+        rows = [self._row(joint, labels) for joint in kept]
+        numbered = iter(range(1, len(rows) + 1))
+        joints = [replace(row, variable=f"q{next(numbered)}") for row, _ in rows if isinstance(row, Joint)]
+        links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
+        fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
+        root = None
+        if self.root:
+            root = Root(self.root, variables, self._body(self._base))
+            moving, standing = root_rows(root)
+            joints, fixed = [*moving, *joints], [standing, *fixed]
+            links = [*(Link() for _ in moving if self._has_bodies), *links]
+        ends = [End(name, labels[link], self._tool(link)) for name, link in chosen.items()]
+        above = (BASE, *(labels[joint.child] for joint in kept))
+        is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
+        if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
+            ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
+        self._note(kept)
+        tool = IDENTITY if ends[0].name else ends[0].tool
+        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends))
+        return plain(replace(robot, root=root, tool=tool)), chosen
+
+    def _bare(self, joints: tuple[Joint, ...]) -> Description:
+        """A robot of some rows, without bodies, ends and root yet."""
+        options, urdf = self._options, self.urdf
+        given = urdf.gravity and [number(rounded(component)) for component in urdf.gravity]
+        x, y, z = given or (ZERO, ZERO, multiply(number(-1), Name("g")))
+        return Description(
+            name=robot_name(options.name or urdf.name or "tree"),
+            title=plain_text(" ".join(urdf.name.split()))[: FILE_LIMITS.title_length],
+            convention=convention_named(options.convention) if options.convention else Convention.MODIFIED,
+            gravity=(x, y, z) if self._has_bodies else None,
+            parameters=(("g", number(GRAVITY)),) if self._has_bodies and not given else (),
+            joints=joints,
+        )
+
+    def _row(self, joint: UrdfJoint, labels: Mapping[str, str]) -> tuple[Joint | FixedRow, Link]:
+        """The row of a joint without its variable or place yet, and its link."""
+        turn, label = self._turns[joint.child], labels[joint.child]
+        mount = frame_at(joint.origin, self.snap).then(turn).seen_from(self._turns[joint.parent])
+        stand = Stand(labels[joint.parent], matrix_of(mount, self.snap))
+        if joint.type not in MOVING:
+            return FixedRow(label, stand, link=self._body(joint.child)), Link()
+        axis = self._axis(joint)
+        return replace(row_of(axis, ""), name=label, stand=stand), link_of(axis, turn, self.snap)
+
+    def _axis(self, joint: UrdfJoint) -> Axis:
+        return Axis(Line(WORLD.origin, WORLD.z), joint, tuple(self._masses(joint.child)))
+
+    def _masses(self, link: str) -> Iterator[Mass]:
+        if body := self.urdf.bodies[link]:
+            yield Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link)
+
+    def _body(self, link: str) -> Link | None:
+        """The body of a link that no joint drives."""
+        if not self._has_bodies:
+            return None
+        still = Axis(Line(WORLD.origin, WORLD.z), self.joints[0], tuple(self._masses(link)))
+        found = link_of(still, WORLD, self.snap)
+        return Link(found.mass, found.com, found.inertia)
+
+    def _tool(self, link: str) -> Matrix:
+        return matrix_of(WORLD.seen_from(self._turns[link]), self.snap)
+
+    def _moved(self, link: str) -> bool:
+        return bool(self.root) or self._carriers[link] != self._base
+
+    def _ends(self, wanted: Sequence[str]) -> list[str]:
+        """The links that are named, or those which carry no other, behind the last joints of limbs."""
+        for link in wanted:
+            if link not in self.urdf.bodies:
+                hint = near_miss(link, self.urdf.bodies)
+                raise RobotFileError(f"{self.urdf.source}: no link {quoted(link)}", remedy=hint)
+            if not self._moved(link):
+                raise RobotFileError(
+                    f"{self.urdf.source}: no joint moves {quoted(link)}", remedy="leave it out of --ends"
+                )
+        if wanted:
+            return list(dict.fromkeys(wanted))
+        inner = {self._carriers[joint.parent] for joint in self.joints if joint.type in MOVING}
+        tips = [link for link in self._carriers if link not in self._behind and self._moved(link)]
+        tips = [link for link in tips if self._carriers[link] not in inner]
+        if not tips:
+            raise RobotFileError(f"{self.urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
+        if len(tips) > MOST_ENDS:  # of several on one joint the one at the end of the longest way
+            ways = {link: self._steps(link) for link in tips}
+            carriers = [self._carriers[link] for link in tips]
+            tips = [
+                max((t for t in tips if self._carriers[t] == at), key=ways.__getitem__)
+                for at in dict.fromkeys(carriers)
+            ]
+        if len(tips) > MOST_ENDS:
+            self.notes.append(f"{len(tips)} ends, of which these are left out: {some(tips[MOST_ENDS:])}")
+        return tips[:MOST_ENDS]
+
+    def _steps(self, link: str) -> int:
+        """How many fixed joints lead to a link from the one with which it moves."""
+        parents = {joint.child: joint.parent for joint in self.joints}
+        count = 0
+        while link != self._carriers[link]:
+            link, count = parents[link], count + 1
+        return count
+
+    def _kept(self, ends: set[str]) -> list[UrdfJoint]:
+        """The joints that become rows: those which move, and the fixed ones on the way to one, to a body or an end."""
+        needed, kept = set(ends), []
+        for joint in reversed(self.joints):
+            body = self.urdf.bodies[joint.child]
+            has_body = body is not None and self._moved(joint.child) and bool(body.mass or any(body.inertia))
+            if joint.type in MOVING or has_body or joint.child in needed:
+                needed.add(joint.parent)
+                kept.append(joint)
+        if gone := [joint.child for joint in self.joints if joint not in kept and self._moved(joint.child)]:
+            self.notes.append(f"links without a body that are left out, as long as --ends names none: {some(gone)}")
+        return kept[::-1]
+
+    def _note(self, kept: Sequence[UrdfJoint]) -> None:
+        moving = [self._axis(joint) for joint in kept if joint.type in MOVING]
+        self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(moving), WORLD, WORLD.z, (), ()), proven=False)
+        if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
+            n = len(changes)
+            self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    """A name that nothing else has."""
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _named(links: Sequence[str]) -> dict[str, str]:
+    """Links by names that ends may have."""
+    found: dict[str, str] = {}
+    for link in links:
+        name = re.sub(r"[^A-Za-z0-9]+", "_", link).strip("_")[: FILE_LIMITS.name_length - 8]
+        folded = name.casefold()
+        is_taken = name in RESERVED_NAMES or folded in (*NOT_SYMBOLS, BASE) or SUFFIXES.fullmatch(f"{folded}_")
+        name = name if name[:1].isalpha() and not is_taken else f"link_{name}"
+        found[_free(name, found)] = link
+    return found

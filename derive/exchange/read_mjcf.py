@@ -1,0 +1,200 @@
+"""MJCF files, as MuJoCo compiles them: defaults, included files, and the masses of what has only a shape."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from derive.errors import Location, RobotFileError, TargetError, quoted
+from derive.exchange.arm import frame_at
+from derive.exchange.read_urdf import angles_of
+from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.mechanics.space import decimal, exactly, vector
+
+# What may stand before the outermost element is passed once, without a second try: files have many comments.
+IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
+EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
+DIGITS = 70  # of places that are computed
+LOOPS = "give a tree of hinges and slides, each with a variable of its own"
+
+
+def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
+    """Read an MJCF as links and joints; a body with several joints has links without mass between them."""
+    try:
+        import mujoco
+    except ImportError:
+        remedy = "pip install mujoco"
+        raise TargetError("reading MJCF needs mujoco, which is not installed", remedy=remedy) from None
+    try:
+        read = mujoco.MjModel
+        model = read.from_xml_path(str(path)) if path else read.from_xml_string(data.decode("utf-8", "replace"))
+    except ValueError as error:
+        said = quoted(" ".join(str(error).split()), 200)[1:-1]
+        raise RobotFileError(f"MuJoCo: {said}", remedy="correct the file", location=Location(source)) from None
+    reader = _Reader(mujoco, model, Location(source))
+    reader.refuse_loops()
+    bodies: dict[str, UrdfBody | None] = {reader.body_name(0): None}
+    joints: list[UrdfJoint] = []
+    free = [k for k in range(model.njnt) if model.jnt_type[k] == int(mujoco.mjtJoint.mjJNT_FREE)]
+    top = int(model.jnt_bodyid[free[0]]) if free else 0
+    others = [k for k in range(1, model.nbody) if model.body_rootid[k] not in (0, top) and top]
+    if len(free) > 1 or any(model.body_weldid[k] for k in others):
+        found = f"joint {quoted(reader.joint_name(free[0]))} is free, and other bodies move beside it"
+        raise reader.refused(found, "remove all bodies but those of one robot")
+    if free:
+        bodies = {reader.body_name(top): reader.body(top, ZEROS)}
+    with exactly(model.nbody):
+        offsets = {0: ZEROS, top: ZEROS}  # of the origin of a link in its body's frame
+        for k in range(1, model.nbody):
+            if k != top and k not in others:
+                for joint, offset in reader.joints(k, offsets[int(model.body_parentid[k])]):
+                    joints.append(joint)
+                    bodies[joint.child], offsets[k] = None, offset
+                bodies[reader.body_name(k)] = reader.body(k, offsets[k])
+    gravity, name = _triple(model.opt.gravity), model.names.split(b"\0", 1)[0].decode()
+    kind = "floating" if free else ""
+    notes = tuple(reader.notes())
+    return Urdf(
+        name, bodies, tuple(joints), notes, (), source, gravity=None if gravity == EARTH else gravity, root=kind
+    )
+
+
+class _Reader:
+    """Bodies and joints of a compiled model."""
+
+    def __init__(self, mujoco: Any, model: Any, place: Location) -> None:
+        self._mujoco, self._model, self._place = mujoco, model, place
+        kinds = mujoco.mjtJoint
+        self._free, self._turns, self._slides = (
+            int(k) for k in (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE)
+        )
+
+    def refused(self, found: str, remedy: str) -> RobotFileError:
+        return RobotFileError(found, remedy=remedy, location=self._place)
+
+    def _name(self, kind: str, k: int) -> str:
+        kinds = self._mujoco.mjtObj
+        found = self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k)
+        return str(found or f"{kind}{k}")
+
+    def body_name(self, k: int) -> str:
+        return self._name("body", k)
+
+    def joint_name(self, k: int) -> str:
+        return self._name("joint", k)
+
+    def refuse_loops(self) -> None:
+        """Refuse what ties joints together, and joints with several variables that are not the root's."""
+        model = self._model
+        for k in range(model.neq):
+            raise self.refused(f"equality {quoted(self._name('equality', k))}: joints that depend on each other", LOOPS)
+        for k in range(model.njnt):
+            kind = model.jnt_type[k]
+            is_root = kind == self._free and model.body_parentid[model.jnt_bodyid[k]] == 0
+            if kind not in (self._turns, self._slides) and not is_root:
+                raise self.refused(
+                    f"joint {quoted(self.joint_name(k))} is {'free' if kind == self._free else 'a ball'}", LOOPS
+                )
+        for k in range(model.ntendon):
+            if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
+                raise self.refused(f"tendon {quoted(self._name('tendon', k))} acts on several joints", LOOPS)
+
+    def notes(self) -> Iterator[str]:
+        model = self._model
+        if springs := [self.joint_name(k) for k in range(model.njnt) if model.jnt_stiffness[k]]:
+            yield f"springs are not read: joint {', '.join(springs)}"
+
+    def body(self, k: int, offset: Triple) -> UrdfBody | None:
+        """What a body weighs, in the frame of its link."""
+        model = self._model
+        mass, moments = _number(model.body_mass[k]), _exact(model.body_inertia[k])
+        if not (mass or any(moments)):
+            return None
+        origin = Origin(_less(_exact(model.body_ipos[k]), offset), _angles(model.body_iquat[k]))
+        return UrdfBody(mass, origin, (*moments, *ZEROS), self._place)
+
+    def joints(self, k: int, before: Triple) -> Iterator[tuple[UrdfJoint, Triple]]:
+        """The joints of a body, or one that is fixed, each with the place of its link in the frame of the body."""
+        model, parent = self._model, self.body_name(int(self._model.body_parentid[k]))
+        turn = Origin(_less(_exact(model.body_pos[k]), before), _angles(model.body_quat[k]))
+        first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
+        if not count:
+            yield self._joint(self.body_name(k), "fixed", parent, self.body_name(k), turn), ZEROS
+        here, frame = ZEROS, turn
+        for j in range(first, first + count):
+            last = j == first + count - 1
+            child = self.body_name(k) if last else f"{self.joint_name(j)}_link"
+            there = _triple(model.jnt_pos[j])
+            x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(_less(there, here))))
+            yield self._moving(j, parent, child, Origin((x, y, z), frame.rpy)), there
+            parent, here, frame = child, there, Origin()
+
+    def _moving(self, j: int, parent: str, child: str, origin: Origin) -> UrdfJoint:
+        model, turns = self._model, self._model.jnt_type[j] == self._turns
+        axis, dof = model.jnt_axis[j], int(model.jnt_dofadr[j])
+        ref = float(model.qpos0[model.jnt_qposadr[j]])
+        if ref:
+            found = f"joint {quoted(self.joint_name(j))}: its frame is given at {ref:g} (ref), not at 0"
+            raise self.refused(found, "write the file without ref")
+        lower, upper = _exact(model.jnt_range[j])
+        damping, friction, armature = (
+            _number(getattr(model, f"dof_{key}")[dof]) for key in ("damping", "frictionloss", "armature")
+        )
+        kind = "prismatic" if not turns else "revolute" if model.jnt_limited[j] else "continuous"
+        return replace(
+            self._joint(self.joint_name(j), kind, parent, child, origin),
+            axis=_triple(axis),
+            limits=(lower, upper) if model.jnt_limited[j] else None,
+            effort=self._effort(j),
+            damping=damping,
+            friction=friction,
+            armature=armature,
+        )
+
+    def _effort(self, j: int) -> Fraction | None:
+        """The largest torque of a joint, or of the only motor on it."""
+        model = self._model
+        if model.jnt_actfrclimited[j]:
+            return max(map(abs, _exact(model.jnt_actfrcrange[j])))
+        on_joint = model.actuator_trntype == int(self._mujoco.mjtTrn.mjTRN_JOINT)
+        motors = [k for k in range(model.nu) if on_joint[k] and model.actuator_trnid[k][0] == j]
+        if len(motors) != 1:
+            return None
+        (k,) = motors
+        gear = model.actuator_gear[k][0]
+        if model.actuator_forcelimited[k]:
+            return max(map(abs, _exact(model.actuator_forcerange[k] * gear)))
+        is_plain = not model.actuator_biastype[k] and not model.actuator_gaintype[k] and model.actuator_ctrllimited[k]
+        most = model.actuator_ctrlrange[k] * gear * model.actuator_gainprm[k][0]
+        return max(map(abs, _exact(most))) if is_plain else None
+
+    def _joint(self, name: str, kind: str, parent: str, child: str, origin: Origin) -> UrdfJoint:
+        """One that neither resists nor is limited."""
+        none, up = ZEROS[0], (*ZEROS[:2], Fraction(1))
+        return UrdfJoint(name, kind, parent, child, origin, up, None, None, None, none, none, None, self._place)
+
+
+def _number(value: float) -> Fraction:
+    """A float as the decimal that it prints as."""
+    return Fraction(repr(float(value)))
+
+
+def _triple(values: Any) -> Triple:
+    x, y, z = map(_number, values)
+    return x, y, z
+
+
+def _exact(values: Any) -> tuple[Fraction, ...]:
+    return tuple(map(_number, values))
+
+
+def _less(point: Sequence[Fraction], other: Sequence[Fraction]) -> Triple:
+    x, y, z = (own - taken for own, taken in zip(point, other, strict=True))
+    return x, y, z
+
+
+def _angles(quaternion: Any) -> Triple:
+    w, x, y, z = _exact(quaternion)
+    return angles_of(x, y, z, w)

@@ -1,0 +1,289 @@
+"""Trees to and from URDF and MJCF, beside Pinocchio and MuJoCo, which read the same files on their own."""
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from derive.errors import DeriveError
+from derive.exchange.formats import exported
+from derive.exchange.from_tree import ImportedTree, import_tree
+from derive.exchange.from_urdf import ImportOptions
+from derive.exchange.read_mjcf import read_mjcf
+from derive.exchange.read_urdf import read_urdf
+from derive.robot.description import IDENTITY, Link, RootType
+from derive.robot.expression import ZERO, Expression, add, number
+from derive.robot.robot import Robot
+from derive.robot.tree import ends
+from derive.verification.oracle.functions import Oracle
+from tests.exchange.urdfs import HALF, Array, J, body, urdf
+from tests.random_trees import random_tree
+
+SEEDS = [pytest.param(seed, marks=[] if seed < 12 else pytest.mark.sweep) for seed in range(60)]
+EARTH = (ZERO, ZERO, number("-9.81"))
+Reader = Callable[[Array, Array, Array], tuple[dict[str, Array], Array]]
+
+
+def turned(axis: int, angle: complex) -> Array:
+    """Rotation about x, y or z."""
+    c, s, i, j = np.cos(angle), np.sin(angle), (axis + 1) % 3, (axis + 2) % 3
+    found = np.eye(3, dtype=complex)
+    found[i, i], found[j, j], found[i, j], found[j, i] = c, c, -s, s
+    return found
+
+
+def rates(q: Array, qd: Array, *, local: bool) -> Array:
+    """Of a free joint at x, y, z, yaw, pitch, roll: linear velocity, along own axes or the world's, and angular one."""
+    yaw, pitch, roll = (turned(2 - k, q[3 + k]) for k in range(3))
+    about = np.stack([(pitch @ roll).T[:, 2], roll.T[:, 1], np.eye(3)[0]], axis=1)
+    return np.concatenate([(yaw @ pitch @ roll).T @ qd[:3] if local else qd[:3], about @ qd[3:6], qd[6:]])
+
+
+def free(q: Array, *, local: bool) -> tuple[Array, Array]:
+    """Place and quaternion x, y, z, w of a free joint, and its velocities by our rates."""
+    rotation = (turned(2, q[3]) @ turned(1, q[4]) @ turned(0, q[5])).real
+    place = np.concatenate([q[:3], pin.Quaternion(rotation).coeffs()])
+    return place, np.stack([rates(q, unit, local=local) for unit in np.eye(len(q))], axis=1).real
+
+
+def gain(q: Array, qd: Array, qdd: Array, *, local: bool) -> Array:
+    """Accelerations of a program's velocities."""
+    return np.asarray(rates(q, qdd, local=local).real + rates(q + 1e-30j * qd, qd, local=local).imag / 1e-30)
+
+
+def pinocchio(text: str, names: Sequence[str], ends: Sequence[str], floats: bool) -> Reader:
+    """Ends, and torques by Newton and Euler; joints by their names, whatever the order of the program."""
+    model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer()) if floats else pin.buildModelFromXML(text)
+    data, own = model.createData(), 6 * floats
+
+    def _read(q: Array, qd: Array, qdd: Array) -> tuple[dict[str, Array], Array]:
+        place, turn = free(q, local=True) if floats else (q[:0], np.eye(len(q)))
+        v, a = (rates(q, qd, local=True).real, gain(q, qd, qdd, local=True)) if floats else (qd, qdd)
+        full, (rate, accel) = pin.neutral(model), np.zeros((2, model.nv))
+        full[: len(place)], rate[:own], accel[:own] = place, v[:own], a[:own]
+        columns = list(range(own))
+        for name, value, speed, more in zip(names, q[own:], v[own:], a[own:], strict=True):
+            joint = model.joints[model.getJointId(name)]
+            turns = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
+            full[joint.idx_q : joint.idx_q + joint.nq] = turns
+            rate[joint.idx_v], accel[joint.idx_v] = speed, more
+            columns.append(joint.idx_v)
+        pin.framesForwardKinematics(model, data, full)
+        frames = {end: data.oMf[model.getFrameId(end, pin.FrameType.BODY)].homogeneous for end in ends}
+        return frames, turn.T @ pin.rnea(model, data, full, rate, accel)[columns]
+
+    return _read
+
+
+def mujocos(text: str, names: Sequence[str], ends: Sequence[str], floats: bool) -> Reader:
+    """Ends, and torques, the same way."""
+    model = mujoco.MjModel.from_xml_string(text)
+    data, own = mujoco.MjData(model), 6 * floats
+
+    def _read(q: Array, qd: Array, qdd: Array) -> tuple[dict[str, Array], Array]:
+        place, turn = free(q, local=False) if floats else (q[:0], np.eye(len(q)))
+        v, a = (rates(q, qd, local=False).real, gain(q, qd, qdd, local=False)) if floats else (qd, qdd)
+        if floats:
+            data.qpos[:7], data.qvel[:6] = place[[0, 1, 2, 6, 3, 4, 5]], v[:6]
+            data.qacc[:6] = a[:6]
+        columns = list(range(own))
+        for name, value, speed, more in zip(names, q[own:], v[own:], a[own:], strict=True):
+            joint = model.joint(name)
+            data.qpos[joint.qposadr], data.qvel[joint.dofadr], data.qacc[joint.dofadr] = value, speed, more
+            columns.append(int(joint.dofadr[0]))
+        mujoco.mj_inverse(model, data)
+        frames = {end: np.eye(4) for end in ends}
+        for end, frame in frames.items():
+            frame[:3, :3], frame[:3, 3] = data.body(end).xmat.reshape(3, 3), data.body(end).xpos
+        return frames, turn.T @ data.qfrc_inverse[columns]
+
+    return _read
+
+
+def bare(robot: Robot, armature: Expression | None = None) -> Robot:
+    """The tree with bodies that exist, without rotors, friction, limits, and armature where a format has none."""
+
+    def _sound(link: Link) -> Link:
+        more = {key: add(getattr(link.inertia, key), number(5)) for key in ("xx", "yy", "zz")}
+        link = replace(link, inertia=replace(link.inertia, **more), motor=None, coulomb=ZERO, viscous=ZERO)
+        return link if armature is None else replace(link, armature=armature)
+
+    own = len(robot.root.variables) if robot.root else 0
+    root = robot.root and replace(robot.root, link=_sound(robot.root.link or Link()))
+    fixed = [replace(row, link=_sound(row.link)) if row.link else row for row in robot.fixed]
+    base = IDENTITY if root and root.type is RootType.FLOATING else robot.base
+    joints = tuple(replace(joint, limits=None) for joint in robot.joints)
+    links = (*robot.links[:own], *map(_sound, robot.links[own:]))
+    return replace(robot, joints=joints, links=links, fixed=tuple(fixed), root=root, base=base)
+
+
+def worst(robot: Robot, read: Reader, links: Sequence[str]) -> float:
+    """Largest difference of ends and of torques, relative, at three states."""
+    oracle, source, found = Oracle.of(robot), np.random.default_rng(5), [0.0]
+    for q, qd, qdd in source.uniform(-1.2, 1.2, (3, 3, robot.n)):
+        frames, torque = read(q, qd, qdd)
+        for name, link in zip(oracle.arm.ends, links, strict=True):
+            pose = oracle.evaluate(f"forward_kinematics_{name}".rstrip("_"), q)
+            found.append(np.abs(pose - frames[link]).max() / max(1, np.abs(pose).max()))
+        expected = oracle.evaluate("inverse_dynamics", q, qd, qdd)
+        found.append(np.abs(torque - expected).max() / max(1, np.abs(expected).max()))
+    return float(max(found))
+
+
+def floats(robot: Robot) -> bool:
+    return robot.root is not None and robot.root.type is RootType.FLOATING
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("to", ["urdf", "mjcf"])
+def test_other_programs_move_an_exported_tree_as_we_do_and_it_comes_back(to: str, seed: int) -> None:
+    read = Robot.from_text(random_tree(random.Random(seed)).table.text)
+    if not read.is_tree:
+        pytest.skip("a chain")
+    tree = bare(read, ZERO) if to == "urdf" else bare(read)
+    tree = replace(tree, gravity=EARTH) if to == "urdf" else tree
+    text, links = exported(tree, to).text, [end.name or "tool" for end in ends(tree)]
+    names = [joint.label for joint in tree.joints][6 * floats(tree) :]
+    reader = (pinocchio if to == "urdf" else mujocos)(text, names, links, floats(tree))
+    assert worst(tree, reader, links) < 1e-10
+    urdf = (read_urdf if to == "urdf" else read_mjcf)(text.encode(), "tree")
+    back = import_tree(urdf, "floating" * floats(tree), links, ImportOptions(snap=0)).robot
+    labels = [joint.label for joint in back.joints][6 * floats(tree) :]
+    order = [*range(6 * floats(tree)), *(6 * floats(tree) + labels.index(name) for name in names)]
+    ours, theirs = Oracle.of(tree), Oracle.of(back)
+
+    def _same(q: Array, qd: Array, qdd: Array) -> tuple[dict[str, Array], Array]:
+        values = [np.empty(tree.n) for _ in range(3)]
+        for own, given in zip(values, (q, qd, qdd), strict=True):
+            own[order] = given
+        named = zip(links, theirs.arm.ends, strict=True)
+        frames = {e: theirs.evaluate(f"forward_kinematics_{name}".rstrip("_"), values[0]) for e, name in named}
+        return frames, theirs.evaluate("inverse_dynamics", *values)[order]
+
+    assert ours.arm.n == theirs.arm.n
+    assert worst(tree, _same, links) < 1e-10
+
+
+STONE = body("1.7", "0.02 -0.01 0.05", "0.1 0.2 -0.3", "0.02 0.03 0.025 0.001 -0.002 0.003")
+LEG = [J("0 0.1 0", axis="1 0 0"), J("0.05 0 0", axis="0 -1 0"), J("0 0 -0.2", f"0 0.1 {HALF}", "1 1 0")]
+FOOT = J("0 0 -0.2", "0.3 -0.2 0.1", type="fixed")
+
+
+def limbs(names: Sequence[str], start: J, *rows: J) -> list[J]:
+    """The same limb several times, each turned a little further on the trunk."""
+    found = [J(type="fixed", inertial=STONE, name="trunk_joint", link="trunk")]
+    for k, name in enumerate(names):
+        first = replace(start, xyz=f"{0.2 * k} 0.1 0", rpy=f"0 0.{k} 0.5", parent="trunk")
+        found += [replace(j, name=f"{name}_j{i}", link=f"{name}_{i}") for i, j in enumerate([first, *rows])]
+    return [
+        replace(joint, inertial=STONE) if not joint.inertial and joint.type != "fixed" else joint for joint in found
+    ]
+
+
+THUMB = J("0 0 0.1", axis="0 0 -1", type="continuous", limit="")
+ROBOTS = {
+    "quadruped": limbs(("lf", "rf", "lh", "rh"), *LEG, FOOT),
+    "hand": limbs(("thumb", "index", "ring"), THUMB, J("0.03 0 0", axis="0.3 -0.2 0.9", type="prismatic"), FOOT),
+    "humanoid": [
+        *limbs(("left", "right"), *LEG, FOOT),
+        J("0 0 0.5", "0.2 0 0", "0 -1 0", name="neck", link="head-1", parent="trunk", inertial=STONE),
+    ],
+}
+
+
+def imported(text: str, root: str = "", *ends: str) -> ImportedTree:
+    return import_tree(read_urdf(text.encode(), "robot.urdf"), root, ends)
+
+
+@pytest.mark.parametrize("root", ["", "floating"])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_an_imported_tree_moves_as_pinocchio_says(name: str, root: str) -> None:
+    text = urdf(ROBOTS[name], name)
+    made = imported(text, root)
+    names = [joint.label for joint in made.robot.joints][6 * bool(root) :]
+    assert names == list(made.joints) == [j.name for j in ROBOTS[name] if j.type != "fixed"]
+    assert (
+        worst(made.robot, pinocchio(text, names, list(made.ends.values()), bool(root)), list(made.ends.values()))
+        < 1e-10
+    )
+    assert max(made.agreement.position, made.agreement.inertia, made.agreement.torques) < 1e-13
+    assert str(made.agreement) in made.text
+
+
+def test_ends_are_at_the_ends_of_limbs_or_those_that_are_named() -> None:
+    camera = J("0 0 0.1", type="fixed", name="camera_joint", link="camera", parent="trunk")
+    text = urdf([*ROBOTS["humanoid"], camera])
+    made = imported(text)
+    assert dict(made.ends) == {"left_3": "left_3", "right_3": "right_3", "head_1": "head-1"}
+    assert [row.name for row in made.robot.fixed] == ["trunk_joint", "left_j3", "right_j3"]
+    assert any("left out" in note and "camera" in note for note in imported(text, "floating").notes)
+    assert dict(imported(text, "floating", "camera", "left_1").ends) == {"camera": "camera", "left_1": "left_1"}
+    fingers = [replace(j, name=f"f{k}", parent="l0") for k, j in enumerate([J(link=f"end_{k}") for k in range(14)])]
+    many = imported(urdf(fingers))
+    assert len(many.ends) == 12
+    assert any("14 ends, of which these are left out: end_12, end_13" in note for note in many.notes)
+    (name,) = imported(urdf([J(link="pi")])).ends
+    assert name == ""
+
+
+@pytest.mark.parametrize(
+    ("joints", "root", "found"),
+    [
+        ([J(), J(more='<mimic joint="j1"/>')], "", r"robot.urdf:\d+.*joint 'j2' follows 'j1'"),
+        ([J(type="floating")], "", "joint 'j1' is floating"),
+        ([J(type="screw")], "", "joint 'j1' of type 'screw'"),
+        ([J(type="fixed")], "", "no joint moves"),
+        ([J(), J(link="l1b"), J(link="l1", parent="l1b")], "", "hangs on two joints|a second link"),
+        ([J()], "flying", "--root 'flying'; allowed: planar, floating"),
+        ([J()] * 65, "", "65 rows"),
+    ],
+)
+def test_what_is_no_tree_of_rows_is_refused_by_name(joints: list[J], root: str, found: str) -> None:
+    with pytest.raises(DeriveError, match=found):
+        imported(urdf(joints), root)
+
+
+MJCF = """<mujoco model="beetle"><compiler angle="degree"/><option gravity="1 0 -3"/>
+<default><joint damping="0.5" armature="0.1"/></default><worldbody>{walls}
+<body name="shell" pos="1 0 2"><freejoint/><inertial pos="0.1 0 0" mass="3" diaginertia="1 2 2.5" quat="1 2 3 4"/>
+<body name="wing" pos="0 0.2 0.1" euler="20 -30 90"><joint name="flap" type="{kind}" axis="0 1 1" pos="0.1 0.2 0.3"
+ range="0 50"/>
+<joint name="slip" type="slide" axis="1 0 0" frictionloss="0.2"/><geom type="box" size="0.1 0.2 0.03" pos="0.1 0 0"/>
+<body name="tip" pos="0.3 0 0"/></body>
+<body name="leg" pos="0 -0.2 0"><joint name="step" axis="1 2 3"/><geom size="0.1" pos="0 0 0.2"/></body></body>
+</worldbody>{more}</mujoco>"""
+
+
+def test_an_mjcf_with_a_free_joint_and_bodies_by_shape_moves_as_in_mujoco() -> None:
+    text = MJCF.format(
+        kind="hinge", walls="", more='<actuator><motor joint="flap" ctrlrange="-4 4" gear="3"/></actuator>'
+    )
+    made = import_tree(read_mjcf(text.encode(), "beetle.xml"))
+    assert (made.robot.root and made.robot.root.type, dict(made.ends)) == (
+        RootType.FLOATING,
+        {"tip": "tip", "leg": "leg"},
+    )
+    flap = made.robot.joints[6]
+    assert (flap.name, flap.torque, flap.limits and len(flap.limits)) == ("flap", number(12), 2)
+    still = replace(made.robot, links=tuple(replace(link, viscous=ZERO, coulomb=ZERO) for link in made.robot.links))
+    names = [joint.label for joint in still.joints][6:]
+    text = text.replace('range="0 50"', "").replace('frictionloss="0.2"', "").replace('damping="0.5"', "")
+    assert worst(still, mujocos(text, names, ["tip", "leg"], True), ["tip", "leg"]) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ({"kind": "ball"}, "joint 'flap' is a ball"),
+        ({"more": '<equality><joint name="tie" joint1="flap" joint2="slip"/></equality>'}, "equality 'tie'"),
+        ({"walls": "<body><joint/><geom size='1'/></body>"}, "is free, and other bodies move beside it"),
+        ({"more": "<what/>"}, "MuJoCo: XML Error"),
+    ],
+)
+def test_what_ties_joints_of_an_mjcf_is_refused(change: dict[str, str], found: str) -> None:
+    with pytest.raises(DeriveError, match=found):
+        read_mjcf(MJCF.format(**{"kind": "hinge", "walls": "", "more": ""} | change).encode(), "beetle.xml")
