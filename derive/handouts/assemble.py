@@ -30,7 +30,7 @@ from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 from derive.version import __version__
 from derive.workspace.poses import RobotPoses
 
@@ -40,6 +40,7 @@ CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew",
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
+    require_own_variables(robot, "the handout")
     require_chain(robot, "the handout")
     chosen = options or robot.handout
     try:

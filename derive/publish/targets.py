@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from derive.errors import TargetError, near_miss
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
@@ -66,5 +66,6 @@ def targets_of(
     """The targets of a robot; a tree has no sheet, unless one is asked for by name, which is refused."""
     chosen = targets_named(names, present, only=only)
     if robot.is_tree and names is not None and LATEX.name in names:
+        require_own_variables(robot, f"target {LATEX.name}")
         require_chain(robot, f"target {LATEX.name}")
     return tuple(target for target in chosen if not (robot.is_tree and target is LATEX))

@@ -126,6 +126,8 @@ class _Table:
             variables.append("" if is_fixed else name)
             if is_fixed:
                 continue
+            if not given and not self._has_name(row, name):
+                continue
             check_symbol(self._document, path, name)
             if name in found_at and (given or not self._declared):
                 said = f"variable '{name}' belongs to {found_at[name]} already"
@@ -159,11 +161,17 @@ class _Table:
 
     def _is_own(self, row: int, name: str) -> bool:
         """Whether a row has a variable of its own: q, or that of its number where its cell has that or none."""
-        moving: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
-        if not name or self._document.find(("joints", row, "q")) or self._document.find(moving) is None:
+        if not name or self._document.find(("joints", row, "q")) or self._has_name(row, name):
             return bool(name)
-        used = frozenset(names(self._cells.raw(moving)))
-        return name in used or used.isdisjoint((*self._roots, *self._variables, *self._declared))
+        return frozenset(self._moving(row)).isdisjoint((*self._roots, *self._variables, *self._declared))
+
+    def _has_name(self, row: int, name: str) -> bool:
+        """Whether the cell of a row that moves holds a name, or is left out."""
+        return name in (self._moving(row) or (name,))
+
+    def _moving(self, row: int) -> tuple[str, ...]:
+        path: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
+        return tuple(names(self._cells.raw(path))) if self._document.find(path) is not None else ()
 
     def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[Variable, ...]:
         """The variables in their order, where a row is coupled or the file names them; else none."""
