@@ -50,7 +50,7 @@ class QuotientRing:
             raise TooManyTerms(MAX_PRODUCT_TERMS)
         # joint angles of which fractions occur, cos(q1/2), get sines and cosines of their own
         units = collect((_without_division(opaque(e)) for e in given), ()).units
-        joints = {joint.variable for joint in robot.joints if joint.is_revolute}
+        joints = {joint.variable for joint in robot.variables if joint.is_revolute}
         split = [unit for unit, divisor in units.items() if isinstance(unit, Name) and divisor > 1]
         self._renamed = {unit.name: Name(f"({unit.name})") for unit in split if unit.name in joints}
         renamed = [substitute(e, self._renamed) for e in given]

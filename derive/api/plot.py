@@ -15,7 +15,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.cells import joint_values
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 from derive.workspace.poses import RobotPoses
 from derive.workspace.region import Measure
 from derive.workspace.views import Workspace, WorkspaceView, find_workspace
@@ -78,6 +78,7 @@ def plot(
     refuse_taken([path], force=force)
     require_matplotlib()
     chosen = load(robot, remarks_on_bodies=False)
+    require_own_variables(chosen, "the workspace" if workspace else "the figure")
     if workspace:
         require_chain(chosen, "the workspace")
     poses, found = RobotPoses(chosen), None

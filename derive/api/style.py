@@ -23,7 +23,7 @@ from derive.robot.options.style import DEFAULT_STYLE, NAMED_STYLES
 from derive.robot.options.style import Style as Options
 from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 
 _LATEX = re.compile(r"[\\^{}_]")
 EXAMPLE = "--example"
@@ -189,7 +189,9 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
 
 def _printed_in(source: RobotLike) -> list[Example]:
     """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
-    require_chain(load(source, remarks_on_bodies=False), "the style")  # loading refuses what is neither
+    loaded = load(source, remarks_on_bodies=False)  # which refuses what is neither
+    require_own_variables(loaded, "the style")
+    require_chain(loaded, "the style")
     if isinstance(source, Robot) or not Path(source).is_file():
         return []
     name, data = str(source), file_bytes(Path(source))

@@ -141,7 +141,7 @@ def _asked(robot: Robot, arguments: argparse.Namespace) -> Robot:
     from derive.robot.options.inverse import chosen_given, chosen_task
 
     options = robot.inverse
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.variables]
     if arguments.given is not None:
         words = [word.strip() for word in arguments.given.split(",")]
         options = replace(options, given=chosen_given(list(filter(None, words)), variables), location=None)

@@ -20,7 +20,7 @@ from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import IDENTITY, Link, RootType
 from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 from derive.verification.oracle.functions import Oracle
 from derive.version import __version__
 
@@ -196,6 +196,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     if to not in FORMS:
         allowed = f"allowed: {', '.join(FORMS)}"
         raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
+    require_own_variables(robot, "an export")
     if to not in TREES:
         require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are

@@ -30,6 +30,7 @@ from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
+from derive.robot.tree import require_own_variables
 from derive.version import __version__
 
 # Left out where the closed form of the dynamics is not derived.
@@ -41,6 +42,7 @@ OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
+    require_own_variables(robot, "the handout")
     chosen = options or robot.handout
     return Context(ModelEntries(Model(robot)), chosen, text_for(chosen.language), __version__, poses_of(robot))
 

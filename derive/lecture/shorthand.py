@@ -149,11 +149,11 @@ def _vocabulary(robot: Robot, abbreviations: Mapping[str, Expression] | None) ->
 
 @lru_cache(maxsize=16)
 def _robot_vocabulary(robot: Robot) -> _Vocabulary:
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.variables]
     rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
     by_label: dict[bool, dict[str, tuple[str, ...]]] = {True: {}, False: {}}
     labels = joint_labels(robot)
-    for joint in robot.joints:
+    for joint in robot.variables:
         if label := labels[joint.variable]:
             found = by_label[joint.is_revolute]
             found[label] = (*found.get(label, ()), joint.variable)
@@ -183,14 +183,14 @@ def _divisible(digits: str, labels: tuple[str, ...]) -> bool:
 
 def notation_text(expression: Expression, robot: Robot, write: Callable[[Fraction], str] = str) -> str:
     """A tree as one line; ``c12`` for cos(q1 + q2) where that can be read in one way only."""
-    revolute = {joint.variable for joint in robot.joints if joint.is_revolute}
+    revolute = {joint.variable for joint in robot.variables if joint.is_revolute}
     digits = {variable: digit for variable, digit in clear_labels(robot).items() if variable in revolute}
     return to_text(_with_tokens(expression, digits), write)
 
 
 def clear_labels(robot: Robot) -> dict[str, str]:
     """Joint variable -> its digit; none where tokens such as c12 could be read in two ways."""
-    labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints}
+    labels = {joint.variable: joint_label(joint.variable) for joint in robot.variables}
     is_clear = all(len(label) == 1 for label in labels.values()) and len(set(labels.values())) == len(labels)
     return labels if is_clear and not any(map(_CIRCULAR.fullmatch, own_names(robot))) else {}
 

@@ -200,7 +200,7 @@ class ModelEntries:
     def _inertia(self, form: DynamicForm) -> Entries:
         dynamics = form.dynamics
         return self._by_inertia(
-            self.robot.n,
+            self.model.n,
             lambda i, j: dynamics.expanded_size(dynamics.inertia_matrix[i - 1][j - 1]),
             lambda i, j: form.inertia(i - 1, j - 1),
         )
@@ -208,7 +208,7 @@ class ModelEntries:
     @cached_property
     def _inertia_is_affordable(self) -> bool:
         """Whether B and all Christoffel symbols stay within the budget of the model."""
-        n = range(self.robot.n)
+        n = range(self.model.n)
         try:
             for i, j, k in ((i, j, k) for i in n for j in n for k in n if j <= k):
                 self.model.dynamics.christoffel(i, j, k)
@@ -218,7 +218,7 @@ class ModelEntries:
 
     def _by_inertia(self, columns: int, terms: Callable[[int, int], int], entry: Callable[[int, int], Expr]) -> Entries:
         """A matrix of n rows that follows from B."""
-        shape = (self.robot.n, columns)
+        shape = (self.model.n, columns)
         return Entries(shape, terms, entry) if self._inertia_is_affordable else _too_long(shape)
 
     # -- dynamics
@@ -241,7 +241,7 @@ class ModelEntries:
     def _rate_matrix(self, name: str) -> Entries:
         model = self.model
         return self._by_inertia(
-            self.robot.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1]
+            self.model.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1]
         )
 
     @cached_property
@@ -291,7 +291,7 @@ class ModelEntries:
 
     @property
     def _joints(self) -> range:
-        return range(1, self.robot.n + 1)
+        return range(1, self.model.n + 1)
 
     # -- C, N and tau by Christoffel symbols
 

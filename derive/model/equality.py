@@ -85,7 +85,7 @@ def _value(e: Expression, values: Values) -> Real:
 def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
     """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive."""
     rng = random.Random(1)
-    angles = {joint.variable for joint in robot.joints if joint.is_revolute}
+    angles = {joint.variable for joint in robot.variables if joint.is_revolute}
     for trial in range(TRIALS):
         point = {}
         for name in wanted:

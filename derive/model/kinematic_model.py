@@ -26,7 +26,7 @@ from derive.robot.options.inverse import POSE
 from derive.robot.options.style import Contraction, Style, choice_named
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
-from derive.robot.tree import require_arm, require_chain
+from derive.robot.tree import require_arm, require_chain, require_own_variables
 
 if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of the time in which `derive show` prints T
     from derive.inverse.words.reach import Reach
@@ -371,6 +371,7 @@ class KinematicModel(TreeModel):
             QuantityError: The block is not square, no rows are named and none are natural, or the arm is too long for
                 a closed form.
         """
+        require_own_variables(self.robot, "det J")
         columns = tuple(range(1, self.n + 1)) if columns is None else tuple(columns)
         linear, angular = self.jacobian_columns
         entries = [(*v, *w) for v, w in zip(linear, angular, strict=True)]
@@ -399,6 +400,7 @@ class KinematicModel(TreeModel):
         |det J| if there are as many rows as joints, sqrt(det(J^T J)) if there are more (Yoshikawa, Manipulability of
         robotic mechanisms, International Journal of Robotics Research 4(2), 1985).
         """
+        require_own_variables(self.robot, "the manipulability")
         is_natural, first = self.robot.inverse.task == POSE, int(self.robot.convention is Convention.MODIFIED)
         rows, n, _ = task_rows(self.robot), self.n, self.jacobian_columns  # which refuses long arms
         columns = jacobian_columns(self.kinematics, Reference(first if is_natural else None))
@@ -414,6 +416,7 @@ class KinematicModel(TreeModel):
         With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
         3.3).
         """
+        require_own_variables(self.robot, "the singularities")
         require_chain(self.robot, "the singularities")
         from derive.model.singularities.determinant import find_singularities
 
@@ -431,6 +434,7 @@ class KinematicModel(TreeModel):
     @cached_property
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
+        require_own_variables(self.robot, "the workspace")
         require_chain(self.robot, "the workspace")
         from derive.inverse.words.reach import find_reach
 
@@ -439,6 +443,7 @@ class KinematicModel(TreeModel):
     @cached_property
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
+        require_own_variables(self.robot, "the aspects")
         require_chain(self.robot, "the aspects")
         from derive.inverse.numeric.in_numbers import parameter_numbers
         from derive.model.singularities.aspects import find_aspects

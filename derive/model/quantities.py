@@ -9,7 +9,7 @@ from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
+from derive.robot.tree import require_chain, require_own_variables
 
 _BLOCKS = ("J_rows", "J_11", "J_11_reduced", "J_12", "J_21", "J_22")
 _DETERMINANTS = ("detJ", "detJv", "detJxy", "detJ_11", "detJ_22", "detJ_rows")
@@ -57,16 +57,17 @@ class Quantity:
 
     def shape_of(self, robot: Robot) -> str:
         """Its shape for a robot: ``6x2``; empty for a scalar."""
-        return self.shape.replace("n", str(robot.n)).replace("m", str(robot.n - 3))
+        return self.shape.replace("n", str(robot.dof)).replace("m", str(robot.dof - 3))
 
     def is_of(self, robot: Robot) -> bool:
         """Whether a robot has it."""
-        is_known = not (robot.is_tree and self.name in OF_CHAINS)
-        return is_known and robot.n in self.joints and (robot.has_dynamics or not self.dynamic)
+        is_known = not (robot.is_tree and self.name in OF_CHAINS) and not (robot.coupled and self.name == "inverse")
+        return is_known and robot.dof in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
         """The quantity of a model; of a tree with named ends that of each end."""
         if self.name in OF_CHAINS:
+            require_own_variables(model.robot, self.name)
             require_chain(model.robot, self.name)
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]

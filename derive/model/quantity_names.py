@@ -78,7 +78,7 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     if len(brackets) > 1 and len(first) in quantity.indices:
         return quantity, first, tuple(index for bracket in brackets[1:] for index in bracket) or None
     # two indices of T can only be a row and a column where the arm has no such frame
-    frames = model.n + len(model.robot.fixed)
+    frames = model.robot.n + len(model.robot.fixed)
     is_entry = quantity.name == "T" and len(first) == 2 and max(first) > frames and not named
     if len(first) in quantity.indices and not is_entry:
         return quantity, first, None
@@ -122,7 +122,7 @@ def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
         return known, ()
     bare = re.sub(r"[{}\s]", "", word)
     letters, numbers = re.sub(r"[\W\d_]", "", bare), re.findall(r"\d+", bare)
-    if len(numbers) == 1 and model.n < 10:  # b_12
+    if len(numbers) == 1 and model.robot.n < 10:  # b_12
         numbers = list(numbers[0])
     indices = tuple(map(int, numbers[:6]))
     if letters in ("T", "A") and len(indices) == 2:

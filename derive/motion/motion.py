@@ -33,6 +33,7 @@ from derive.plans.surroundings import PATHS, BaseCurve, check_starts
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols
+from derive.robot.tree import require_own_variables
 
 if TYPE_CHECKING:  # simulations are imported where there is one
     from derive.motion.simulation.simulation import Run
@@ -49,6 +50,9 @@ class Motion:
     """
 
     plan: Plan
+
+    def __post_init__(self) -> None:
+        require_own_variables(self.plan.robot, "a motion", self.plan.places["robot"])
 
     def __getstate__(self) -> dict[str, Plan]:
         """The plan; what follows from it holds compiled code, and is made again."""

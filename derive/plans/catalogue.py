@@ -13,6 +13,7 @@ from derive.robot.expression import names, number
 from derive.robot.load import named_bytes, names_in
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
+from derive.robot.tree import require_own_variables
 from derive.robot.units import in_symbol_units
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ def plan_bytes(path_or_name: str | Path) -> bytes:
 
 def new_plan_text(name: str, robot: Robot, source: str) -> str:
     """A commented plan that moves every joint of a robot there and back."""
+    require_own_variables(robot, "a motion plan")
     numbers = parameter_values(robot)
     missing = [symbol for symbol in free_symbols(robot) if symbol not in numbers]
     typed = {symbol: in_symbol_units(robot, symbol, number("9.81" if symbol == "g" else 1)) for symbol in missing}

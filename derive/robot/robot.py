@@ -40,6 +40,7 @@ class Robot(Description):
         fixed: Rows without motion.
         ends: The ends of a tree by name; empty for one end behind the last row.
         root: How the root of a tree moves; None where it stands.
+        coupled: The variables of a table with coupled joints; else empty, and each joint has its own.
         remarks: What the file says and hardly means, such as 90 rad, each with its place.
         comments: Comments before the first line of the file.
     """
@@ -57,6 +58,7 @@ class Robot(Description):
         lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         named = ", ".join(f"{end.name} on {end.after}" for end in self.ends if end.name)
         lines += [f"ends: {named}"] if named else []
+        lines += [f"variables: {', '.join(each.variable for each in self.coupled)}"] if self.coupled else []
         free = ", ".join(free_symbols(self)) or "none"
         gravity = ", ".join(map(to_text, self.gravity or ()))
         dynamics = f"{len(self.links)} links, gravity [{gravity}]" if self.links else "none"

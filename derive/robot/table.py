@@ -15,6 +15,7 @@ DEFAULT_GRAVITY_SYMBOL = "g"
 # Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2.
 ROTATION_TOLERANCE = 1e-6
 Read = Callable[[KeyPath], Expression]  # reads the cell at a place in its unit
+_SUM = "a sum of variables with constant factors, and a constant"  # what a cell that moves may be
 
 
 def read_joint(document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> Joint:
@@ -66,7 +67,7 @@ class _Row:
         raise self._document.error(
             (*self._path, key),
             f"joint variable '{name}' in the cell {key} of a {self._type.value} joint",
-            f"allowed: only in the cell {self._moving}, and only the row's own variable '{self._variable}'",
+            f"allowed: only in the cell {self._moving}",
             remedy,
         )
 
@@ -89,8 +90,7 @@ class _Row:
                 factors.setdefault(moved[0], []).append(tree.multiply(tree.number(factor), *others))
             else:
                 found = f"{quoted(to_text(expression))} is not linear in {listed(dict.fromkeys(moved))}"
-                allowed = "allowed: a sum of variables with constant factors, and a constant"
-                raise self._document.error(path, found, allowed, "multiply it out")
+                raise self._document.error(path, found, f"allowed: {_SUM}", "multiply it out")
         drive = tuple((name, total) for name, parts in factors.items() if (total := tree.add(*parts)) != ZERO)
         if not drive:
             raise self._constant(path, expression)
@@ -100,15 +100,16 @@ class _Row:
 
     def _constant(self, path: KeyPath, expression: Expression) -> RobotFileError:
         name = self._variable
+        is_own = name in self._variables
         other = next((other for other in names(expression) if other not in self._variables), None)
         hint = f"; if '{other}' is the variable, write q: {other}" if other else ""
         return self._document.error(
             path,
             f"{quoted(to_text(expression))} is constant, but {self._moving} is the cell that moves in a "
             f"{self._type.value} joint",
-            f"allowed: {name} or -{name}, with a constant added, or a sum of variables with constant factors",
-            f"leave the cell out or write {self._moving}: {name} + ...; a figure's position is no part of the "
-            f"table{hint}",
+            f"allowed: {f'{name} or -{name}, with a constant added, or ' * is_own}{_SUM}",
+            f"{f'leave the cell out or write {self._moving}: {name} + ...' if is_own else 'write what moves the row'}"
+            f"; a figure's position is no part of the table{hint}",
         )
 
 

@@ -176,7 +176,9 @@ def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
     fixed = [row for way, _ in on_way for row in way.rows]
     labels = [label for way, joint in on_way for label in (*(row.name for row in way.rows), joint)]
     own = labels[len(robot.root.variables) + 1 if robot.root else 0 :]  # rows of the arm's own table
-    drawn = robot.figure.q and tuple(robot.figure.q[place] for place in places)
+    drawn = robot.figure.q
+    if drawn and not robot.coupled:
+        drawn = tuple(drawn[place] for place in places)
     serial = replace(
         robot,
         joints=tuple(robot.joints[place] for place in places),
@@ -250,14 +252,28 @@ def is_arm(robot: Description) -> bool:
 
 
 def require_arm(robot: Description, what: str) -> None:
-    """Refuse a root that moves, and rows that branch, for what is made of one arm."""
+    """Refuse a root that moves, rows that branch and coupled joints, for what is made of one arm."""
+    require_own_variables(robot, what)
     if not is_arm(robot):
         found = f"{what} of {robot.name}, {'whose root moves' if robot.root else 'whose table branches'}"
         raise QuantityError(found, allowed="allowed: arms that stand, and their ends by name")
 
 
+def require_own_variables(robot: Description, what: str, location: Location | None = None) -> None:
+    """Refuse coupled joints for what is made of joints each with its own variable."""
+    if not robot.coupled:
+        return
+    raise QuantityError(
+        f"{what} of {robot.name}, whose joints are coupled",
+        allowed="allowed: robots of which each joint has its own variable",
+        remedy="derive show and derive build take coupled joints; for the rest write a table without them",
+        location=location,
+    )
+
+
 def require_chain(robot: Description, what: str, location: Location | None = None) -> None:
     """Refuse a tree for what is made of one chain alone: ``what`` as in "the handout"."""
+    require_own_variables(robot, what, location)
     if not robot.is_tree:
         return
     names = [end.name for end in robot.ends if end.name]

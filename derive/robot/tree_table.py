@@ -1,11 +1,12 @@
 """The table of a robot file: which row follows which, rows without motion, a root that moves, ends, and all bodies."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from derive.errors import RobotFileError, listed, near_miss, quoted
 from derive.robot.cells import Cells, check_symbol, inert_text
+from derive.robot.coupling import drives
 from derive.robot.description import (
     BASE,
     FIXED,
@@ -126,6 +127,8 @@ class _Table:
             variables.append("" if is_fixed else name)
             if is_fixed:
                 continue
+            if not given and not self._has_name(row, name):
+                continue
             check_symbol(self._document, path, name)
             if name in found_at and (given or not self._declared):
                 said = f"variable '{name}' belongs to {found_at[name]} already"
@@ -142,7 +145,7 @@ class _Table:
             for at in range(len(self._labels))
         )
         for at, row in enumerate(rows):
-            if row.label == BASE and self._is_tree():
+            if row.label == BASE and (self._is_tree() or self.coupled(rows)):
                 raise self._named_base(("joints", at, "name" if row.name else "q"))
             if (first := self._labels.index(row.label)) < at or row.label in self._roots:
                 what, whose = (
@@ -159,11 +162,17 @@ class _Table:
 
     def _is_own(self, row: int, name: str) -> bool:
         """Whether a row has a variable of its own: q, or that of its number where its cell has that or none."""
-        moving: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
-        if not name or self._document.find(("joints", row, "q")) or self._document.find(moving) is None:
+        if not name or self._document.find(("joints", row, "q")) or self._has_name(row, name):
             return bool(name)
-        used = frozenset(names(self._cells.raw(moving)))
-        return name in used or used.isdisjoint((*self._roots, *self._variables, *self._declared))
+        return frozenset(self._moving(row)).isdisjoint((*self._roots, *self._variables, *self._declared))
+
+    def _has_name(self, row: int, name: str) -> bool:
+        """Whether the cell of a row that moves holds a name, or is left out."""
+        return name in (self._moving(row) or (name,))
+
+    def _moving(self, row: int) -> tuple[str, ...]:
+        path: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
+        return tuple(names(self._cells.raw(path))) if self._document.find(path) is not None else ()
 
     def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[Variable, ...]:
         """The variables in their order, where a row is coupled or the file names them; else none."""
@@ -176,16 +185,30 @@ class _Table:
             if used.keys() <= {*self._declared}
             else (*used, *(n for n in self._declared if n not in used))
         )
-        return tuple(self._variable(name, joints) for name in order)
+        variables = tuple(self._variable(name, joints) for name in order)
+        if self._cells.units.degrees or self._cells.units.millimetres:
+            self._refuse_mixed(rows, {variable.variable: variable.type for variable in variables})
+        return variables
+
+    def _refuse_mixed(self, rows: Sequence[Joint | FixedRow], kinds: Mapping[str, JointType]) -> None:
+        """Refuse factors between an angle and a length, of which nobody could say whether they are per degree."""
+        joints = ((at, row) for at, row in enumerate(rows) if isinstance(row, Joint))
+        for at, joint in joints:
+            if any(kinds[name] is not joint.type for name, _ in joint.drive):
+                path: KeyPath = ("joints", at, "theta" if joint.is_revolute else "d")
+                said = "a length moves an angle" if joint.is_revolute else "an angle moves a length"
+                allowed = "allowed in files with units: factors between angles, or between lengths"
+                raise self._document.error(path, said, allowed, "write the file in rad and m, without units:")
 
     def _variable(self, name: str, joints: Sequence[Joint]) -> Variable:
         path: KeyPath = ("variables", name)
         check_symbol(self._document, path, name)
-        alone = next((joint for joint in joints if joint.variable == name), None)
+        alone = next((joint for joint in joints if joint.variable == name and name in dict(drives(joint))), None)
         driven = next((joint for joint in joints if name in dict(joint.drive)), None)
         if alone is None and driven is None and name not in self._roots:
             found, allowed = f"variable '{name}' moves no joint", "allowed: variables that the cell of a joint has"
-            raise self._document.error(path, found, allowed, "remove it, or write it into a cell")
+            place = path if name in self._declared else ("joints", self._own.index(name), "q")
+            raise self._document.error(place, found, allowed, "remove it, or write it into a cell")
         root = JointType.REVOLUTE if name in self._roots[-3 if len(self._roots) > 3 else -1 :] else JointType.PRISMATIC
         kind = next((joint.type for joint in (alone, driven) if joint), root)
         own = Variable(name, kind) if alone is None else Variable(name, kind, alone.limits, alone.speed, alone.torque)

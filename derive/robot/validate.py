@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from derive.errors import RobotFileError, listed, near_miss
 from derive.robot.cells import Cells
 from derive.robot.coupling import coupling
-from derive.robot.description import Description
+from derive.robot.description import Description, Joint, Variable
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Expression, names
+from derive.robot.expression import ONE, ZERO, Expression, names
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.table import check_rotation
@@ -40,8 +40,12 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
     for path, expression in located_expressions(robot):
         if _number(document, path, expression, values) is None:
             _check_possible(document, path, expression, values)
-    for index, place in enumerate(joint_places(robot)):
-        _check_limits(document, place, index, robot, values)
+    for place, joint in zip(joint_places(robot), robot.joints, strict=True):
+        _check_limits(document, place, joint, values)
+    for variable in robot.coupled:
+        _check_limits(document, ("variables", variable.variable), variable, values)
+    for index, _ in enumerate(robot.figure.q or ()):
+        _check_drawn(document, index, robot, values)
     for place, link in located_links(robot):
         masses = {("mass",): link.mass} | ({("motor", "mass"): link.motor.mass} if link.motor else {})
         for key, mass in masses.items():
@@ -97,9 +101,8 @@ def _check_coupling(document: Document, robot: Description, trials: Iterable[Map
         if not lost:
             return
     names = listed(robot.coupled[k].variable for k in lost)
-    found = f"{robot.dof} variables move only {robot.dof - len(lost)} joints each in its own way: {names} too many"
-    remedy = "leave one out, or let it move a joint of its own"
-    raise document.error(("joints",), found, "allowed: variables that all tell joint positions apart", remedy)
+    found, remedy = f"joint positions do not determine {names}", "leave one out, or write it into a row of its own"
+    raise document.error(("joints",), found, "allowed: variables that joint positions determine", remedy)
 
 
 def _check_symbols(document: Document, cells: Cells, robot: Description) -> None:
@@ -152,19 +155,20 @@ def _check_possible(document: Document, path: KeyPath, expression: Expression, v
     raise document.error(path, "no real value, whatever its names stand for", _REAL, remedy)
 
 
-def _check_limits(
-    document: Document, place: KeyPath, index: int, robot: Description, values: Mapping[str, float]
-) -> None:
-    """The limits of a joint are in order, and the configuration that is drawn is within them."""
-    joint = robot.joints[index]
-    if joint.limits is None:
-        return
-    lower, upper = (_value(limit, values) for limit in joint.limits)
+def _check_limits(document: Document, place: KeyPath, joint: Joint | Variable, values: Mapping[str, float]) -> None:
+    """The limits of a joint or a variable are in order."""
+    lower, upper = (_value(limit, values) for limit in joint.limits or (ZERO, ONE))
     if lower is not None and upper is not None and not lower < upper:
         found, remedy = "lower limit is not below the upper", "exchange or correct them"
         raise document.error((*place, "limits"), found, "allowed: [lower, upper]", remedy)
-    if robot.figure.q is None or robot.coupled:
+
+
+def _check_drawn(document: Document, index: int, robot: Description, values: Mapping[str, float]) -> None:
+    """The configuration that is drawn is within the limits."""
+    joint = robot.variables[index]
+    if joint.limits is None or robot.figure.q is None:
         return
+    lower, upper = (_value(limit, values) for limit in joint.limits)
     drawn = evaluate(robot.figure.q[index], {})
     if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):
         found = f"outside of the limits of '{joint.variable}'"

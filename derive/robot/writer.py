@@ -154,7 +154,7 @@ def _root(robot: Description) -> Iterator[str]:
 def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
     """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
     yield f"type: {row.type.value if isinstance(row, Joint) else FIXED}"
-    if isinstance(row, Joint) and not row.drive:
+    if isinstance(row, Joint) and any(row.variable == each.variable for each in robot.variables):
         yield f"q: {row.variable}"
     stand, cells = row.stand or Stand(above), row.written(cell_text)
     if stand.after != above:

@@ -16,8 +16,9 @@ exactly where it has none on B(q) and g(q). The set is found in three steps.
 Symbols with a number count as that number, all others and angles that are no multiples of pi/4 or pi/6 as generic.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
@@ -161,7 +162,8 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
     own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
     candidates += [p for p in own if p.part == "Ia"]
     candidates += [p for p in own if p.part == "Im" and p.joint not in absorbed]
-    # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity, or jumps
+    # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity, or jumps. Among
+    # each other they are, too, unless joints are coupled.
     friction, geometry = [p for p in own if p.part in FRICTION_PARTS], _geometry(robot, numbers)
     samples = _FEWEST_SAMPLES
     while samples <= 4 * len(candidates):
@@ -176,6 +178,63 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
 
 def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence[Parameter], samples: int) -> BaseSet:
     domain = PolynomialDomain(with_unit_rotors(geometry), rates=False, max_terms=MAX_PROOF_TERMS)
+    kept, relations, too_long = _related(domain, candidates, samples)
+    if geometry.coupled:
+        # b S^T S qd, row by row of S, is what an armature does to qdd.
+        viscous = [replace(p, part="Ia") for p in friction if p.part == "b"]
+        alike = [*_dry_relations(domain, friction), *map(_of_friction, _related(domain, viscous, samples)[1])]
+        replaced = {relation.parameter for relation in alike}
+        relations, friction = [*relations, *alike], [p for p in friction if p not in replaced]
+    return BaseSet(_ordered([*kept, *too_long, *friction]), tuple(relations), domain, proven=not too_long)
+
+
+def _of_friction(relation: Relation) -> Relation:
+    """A relation of armatures as one of viscous friction."""
+    terms = tuple((replace(p, part="b"), factor) for p, factor in relation.terms)
+    return Relation(replace(relation.parameter, part="b"), terms)
+
+
+def _dry_relations(domain: PolynomialDomain, friction: Sequence[Parameter]) -> Iterator[Relation]:
+    """What replaces the dry friction of coupled joints that move together: of s and k s, |k| times that of s."""
+    parts: dict[int, list[str]] = {}
+    for p in friction:
+        if p.part != "b":
+            parts.setdefault(p.joint, []).append(p.part)
+    # Rows with friction by direction come first: they can take over that without.
+    kept: list[int] = []
+    for j in sorted(parts, key=lambda joint: (parts[joint] == ["f"], joint)):
+        if not any(domain.coupling[j - 1]):  # a factor with the number zero
+            yield from (Relation(Parameter(j, part), ()) for part in parts[j])
+            continue
+        found = ((i, _multiple(domain, j, i)) for i in kept)
+        i, k = next(((i, k) for i, k in found if k), (0, Fraction(0)))
+        if not k:
+            kept.append(j)
+            continue
+        size = Quotient(domain.number(abs(k)), domain.ring.one)
+        for part in parts[j]:
+            turned = {"fp": "fm", "fm": "fp"}.get(part, part) if k < 0 else part
+            taken = parts[i] if part == "f" else [turned]
+            yield Relation(Parameter(j, part), tuple((Parameter(i, other), size) for other in taken))
+
+
+def _multiple(domain: PolynomialDomain, j: int, i: int) -> Fraction | None:
+    """The number k with which row j of S is k times row i, both from 1; None where there is none."""
+    row, other = domain.coupling[j - 1], domain.coupling[i - 1]
+    at = next(k for k, entry in enumerate(other) if entry)
+    ratio = _reduced(row[at], other[at])
+    if not ratio.numerator.is_constant or not ratio.denominator.is_constant:
+        return None
+    is_multiple = all(a * other[at] == b * row[at] for a, b in zip(row, other, strict=True))
+    return ratio.numerator.constant_term if is_multiple else None
+
+
+def _related(
+    domain: PolynomialDomain, candidates: Sequence[Parameter], samples: int
+) -> tuple[list[Parameter], list[Relation], list[Parameter]]:
+    """The candidates that are kept, what replaces the others, and those for which that is too long to find."""
+    if not candidates:
+        return [], [], []
     residues, pivots, reduced = _independent(domain, candidates, samples)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
@@ -188,8 +247,7 @@ def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence
             too_long.append(candidates[j])
             continue
         relations.append(Relation(candidates[j], tuple(zip(support, coefficients, strict=True))))
-    kept = [candidates[pivot] for pivot in pivots]
-    return BaseSet(_ordered([*kept, *too_long, *friction]), tuple(relations), domain, proven=not too_long)
+    return [candidates[pivot] for pivot in pivots], relations, too_long
 
 
 def _independent(
@@ -235,9 +293,13 @@ def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
 
     joints = []
     for joint in robot.joints:
-        # B's rank does not depend on where joint variables are counted from.
-        theta, d = (ZERO, _put(joint.d)) if joint.is_revolute else (_put(joint.theta), ZERO)
-        joints.append(replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None))
+        theta, d = _put(joint.theta), _put(joint.d)
+        if not robot.coupled:
+            # B's rank does not depend on where variables are counted from, only on how coupled joints stand together.
+            theta, d = (ZERO, d) if joint.is_revolute else (theta, ZERO)
+        drive = tuple((name, _put(factor)) for name, factor in joint.drive)
+        moved = replace(joint, theta=theta, d=d, a=_put(joint.a), alpha=_put(joint.alpha), limits=None, drive=drive)
+        joints.append(moved)
     motors = (link.motor and Motor(ratio=_put(link.motor.ratio)) for link in robot.links)
     return replace(
         tree.mapped(replace(robot, joints=tuple(joints)), _put),
