@@ -91,8 +91,8 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
     assert_close(articulated_accelerations(chain, qd, torques), wanted, tolerance)
 
 
-def test_inertia_is_carried_into_the_task(limb: Arm) -> None:
-    rows, inertia = np.array(jacobian(limb.chain)), np.array(inertia_matrix(limb.chain))
+def test_inertia_is_carried_into_the_task(arm: Arm) -> None:
+    rows, inertia = np.array(jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
     (_, pivots, lifted), tolerance = factorised(inertia.tolist(), rows.tolist()), 1e-13 * np.linalg.cond(inertia)
     assert_close(carried(lifted, pivots, 0.0), rows @ np.linalg.solve(inertia, rows.T), tolerance)
 
