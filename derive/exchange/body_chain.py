@@ -275,6 +275,14 @@ def _tree_frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
     return starts, origins, dh
 
 
+def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
+    """A segment seen from the body of a root that floats, with its rotor; ``own``: how many joints the root has."""
+    rotor = segment.rotor
+    if rotor is not None:
+        rotor = replace(rotor, body=rotor.body.moved(frame), axis=frame.direction(rotor.axis))
+    return replace(segment, origin=frame.then(segment.origin), rotor=rotor, parent=max(segment.parent - own, -1))
+
+
 def _with_parts(arm: BodyChain) -> BodyChain:
     """A tree with rows without motion and ends; of a root that floats the body alone, without its joints."""
     robot, segments = arm.robot, arm.segments
@@ -299,10 +307,10 @@ def _with_parts(arm: BodyChain) -> BodyChain:
     if robot.root and robot.root.type is RootType.FLOATING:
         root, parts, own = parts[0], parts[1:], len(robot.root.variables)
         # What stands on the root does so on its body: the links are counted without those of its joints.
-        moved = [(p, p.frame.seen_from(root.frame) if p.parent < own else p.frame) for p in parts]
+        inwards = WORLD.seen_from(root.frame)
+        moved = [(p, inwards.then(p.frame) if p.parent < own else p.frame) for p in parts]
         parts = [replace(part, frame=frame, parent=max(part.parent - own, -1)) for part, frame in moved]
-        placed = [(s, s.origin.seen_from(root.frame) if s.parent < own else s.origin) for s in segments[own:]]
-        segments = tuple(replace(s, origin=origin, parent=max(s.parent - own, -1)) for s, origin in placed)
+        segments = tuple(_placed_on(s, inwards if s.parent < own else WORLD, own) for s in segments[own:])
     beyond = [(s.parent, s.origin.origin) for s in segments] + [(part.parent, part.frame.origin) for part in parts]
     shown = []
     for i, segment in enumerate(segments):  # the farthest thing on a link is what it is drawn to

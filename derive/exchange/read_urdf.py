@@ -42,9 +42,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         raise RobotFileError(
             f"the outermost element is {quoted(str(root.tag))}",
             allowed="allowed: robot",
-            remedy="write --tree, which reads an MJCF"
-            if root.tag == "mujoco"
-            else "give a URDF; a xacro file is read where its name ends with .xacro",
+            remedy="give a URDF, or an MJCF with --tree; a xacro file is read where its name ends with .xacro",
             location=Location(source, root.sourceline or 1),
         )
     reader = _UrdfReader(source, root.get("version", VERSIONS[0]))

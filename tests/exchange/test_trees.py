@@ -10,10 +10,11 @@ import pinocchio as pin
 import pytest
 
 from derive.errors import DeriveError
+from derive.exchange.file_tree import FileTree, agreement
 from derive.exchange.formats import exported
-from derive.exchange.from_tree import ImportedTree, import_tree
+from derive.exchange.from_tree import ImportedTree, import_tree, in_order
 from derive.exchange.from_urdf import ImportOptions
-from derive.exchange.read_mjcf import read_mjcf
+from derive.exchange.read_mjcf import IS_MJCF, read_mjcf
 from derive.exchange.read_urdf import read_urdf
 from derive.robot.description import IDENTITY, Link, RootType
 from derive.robot.expression import ZERO, Expression, add, number
@@ -212,6 +213,33 @@ def test_an_imported_tree_moves_as_pinocchio_says(name: str, root: str) -> None:
     )
     assert max(made.agreement.position, made.agreement.inertia, made.agreement.torques) < 1e-13
     assert str(made.agreement) in made.text
+
+
+def test_the_agreement_tells_a_robot_that_is_not_that_of_the_file() -> None:
+    text = urdf(ROBOTS["hand"])
+    file, made = read_urdf(text.encode(), "hand.urdf"), imported(text)
+    tree, links = FileTree.of(file, in_order(file)[1], None), list(made.ends.values())
+    heavy = replace(made.robot, links=(replace(made.robot.links[0], mass=number(2)), *made.robot.links[1:]))
+    first = replace(made.robot.joints[0], theta=number("0.01"))
+    turned = replace(made.robot, joints=(first, *made.robot.joints[1:]))
+    assert agreement(tree, heavy, links).torques > 1e-7 > 1e-12 > agreement(tree, heavy, links).position
+    assert agreement(tree, turned, links).rotation == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("seed", [2, 25, 34, 57])
+def test_rotors_of_a_tree_turn_in_mujoco_where_it_can_say_so(seed: int) -> None:
+    read = Robot.from_text(random_tree(random.Random(seed)).table.text)
+    links = (replace(b, motor=a.motor) for a, b in zip(read.links, bare(read).links, strict=True))
+    tree = replace(bare(read), links=tuple(links))
+    made, ours = exported(tree, "mjcf"), [end.name or "tool" for end in ends(tree)]
+    names = [joint.label for joint in tree.joints][6 * floats(tree) :]
+    assert not any("depends on q" in remark for remark in made.remarks)
+    assert worst(tree, mujocos(made.text, names, ours, floats(tree)), ours) < 1e-10
+
+
+def test_comments_before_the_robot_cost_no_time() -> None:
+    assert not IS_MJCF.match(b"<!-- a -->\n" * 5000 + b"<robot/>")
+    assert IS_MJCF.match(b"<?xml version='1.0'?>\n<!-- <robot> -->\n<mujoco>")
 
 
 def test_ends_are_at_the_ends_of_limbs_or_those_that_are_named() -> None:
