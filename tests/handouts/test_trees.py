@@ -25,7 +25,7 @@ from derive.verification.oracle.functions import Oracle
 from derive.workspace.poses import RobotPoses
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.page.test_browser_viewer import Figure, browser
-from tests.handouts.reading import bare_context, words
+from tests.handouts.reading import bare_context, lines, words
 from tests.random_robots import seeds
 from tests.random_trees import random_tree
 
@@ -42,9 +42,7 @@ def sections(robot: Robot, **options: Any) -> dict[str, Section]:
 def printed(section: Section, function: str) -> dict[tuple[int, int], sympy.Expr]:
     """The entries of the formula that a generated function computes, as a reader copies them."""
     formulas = [block for block in blocks_of(section) if isinstance(block, SheetFormula) and block.function == function]
-    entries = [entry for formula in formulas[:1] for entry in formula.entries()]
-    places = (PLACE.search(entry.name) for entry in entries)
-    pairs = zip(places, entries, strict=True)
+    pairs = ((PLACE.search(entry.name), entry) for formula in formulas[:1] for entry in formula.entries())
     return {(int(at[1]), int(at[2])): sympy.sympify(entry.python) for at, entry in pairs if at}
 
 
@@ -60,9 +58,7 @@ def test_formulas_of_every_end_are_those_of_the_model(name: str) -> None:
     robot = Robot.load(name)
     sheet, model = sections(robot), Model(robot)
     ends = [end.name for end in robot.ends]
-    assert [section for section in sheet if "-" in section and section.split("-")[0] in OF_ENDS] == [
-        f"{part}-{end}" for end in ends for part in OF_ENDS
-    ]
+    assert {f"{part}-{end}" for end in ends for part in OF_ENDS} <= sheet.keys()
     for end in ends:
         assert_same(printed(sheet[f"kinematics-{end}"], f"forward_kinematics_{end}"), model.T[end])
         assert_same(printed(sheet[f"jacobian-{end}"], f"jacobian_{end}"), model.J[end])
@@ -94,14 +90,15 @@ def test_bodies_add_up_to_the_inertia_matrix(seed: int) -> None:
 @pytest.mark.parametrize("name", TREES)
 def test_the_table_says_what_each_row_follows(name: str) -> None:
     robot = Robot.load(name)
-    (table,) = (block for block in sections(robot)["table"].blocks if isinstance(block, Table))
+    sheet = sections(robot)
+    assert len(lines(sheet["convention"].blocks)) == 1
+    (table,) = (block for block in sheet["table"].blocks if isinstance(block, Table))
     rows = tree.table(robot)
     column, names = (
         table.header.index("after"),
         {row.label: cells[0] for row, cells in zip(rows, table.rows, strict=True)},
     )
-    names |= {"": "$0$", "base": "$\\mathrm{base}$"}
-    before = tree.antecedents(robot)
+    names, before = names | {"": "$0$", "base": "$\\mathrm{base}$"}, tree.antecedents(robot)
     assert [cells[column] for cells in table.rows] == [names[before[row.label]] for row in rows]
 
 
