@@ -3,6 +3,7 @@
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -10,8 +11,20 @@ import numpy as np
 import yaml
 
 from derive.errors import Location
-from derive.robot.description import BASE, IDENTITY, End, FixedRow, Link, Matrix, Root, RootType, Stand
-from derive.robot.expression import Expression
+from derive.robot.description import (
+    BASE,
+    IDENTITY,
+    End,
+    FixedRow,
+    JointType,
+    Link,
+    Matrix,
+    Root,
+    RootType,
+    Stand,
+    Variable,
+)
+from derive.robot.expression import Expression, number
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.robot.tree import ROOT_VARIABLES, root_rows
@@ -170,3 +183,20 @@ def _cell(text: object) -> Expression:
 
 def _matrix(rows: Sequence[Sequence[str]] | None) -> Matrix:
     return tuple(tuple(map(_cell, row)) for row in rows) if rows else IDENTITY
+
+
+def coupled(rng: random.Random, robot: Robot) -> tuple[Robot, Array]:
+    """A robot with coupled joints in the place of those with their own variables, and S."""
+    shape = robot.n, rng.randint(max(1, robot.n - 3), robot.n)
+    factors = [Fraction(text) for text in ("0", "0", "1", "-1", "2", "-1/2", "3/2")]
+    while True:
+        drawn = np.array([rng.choices(factors, k=shape[1]) for _ in range(shape[0])])
+        matrix = drawn.astype(float)
+        if matrix.any(axis=1).all() and np.linalg.matrix_rank(matrix) == shape[1]:
+            break
+    names = [f"v{k}" for k in range(shape[1])]
+    drives = [tuple((name, number(factor)) for name, factor in zip(names, row, strict=True) if factor) for row in drawn]
+    joints = [replace(joint, sign=1, drive=drive) for joint, drive in zip(robot.joints, drives, strict=True)]
+    kinds = rng.choices([*JointType], k=len(names))
+    variables = tuple(map(Variable, names, kinds))
+    return replace(robot, joints=tuple(joints), coupled=variables), matrix
