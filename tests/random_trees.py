@@ -3,12 +3,14 @@
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from derive.robot.description import BASE, RootType
+from derive.robot.description import BASE, JointType, RootType, Variable
+from derive.robot.expression import number
 from derive.robot.robot import Robot
 from tests.random_robots import Array, JointNumbers, LinkNumbers, RandomRobot, _Writer, _yaml
 
@@ -124,3 +126,20 @@ class _TreeWriter(_Writer):
             texts[name] = {"after": self.rows[k].label, **({"tool": cells} if cells else {})}
             numbers[name] = (k, tool)
         return texts, numbers
+
+
+def coupled(rng: random.Random, robot: Robot) -> tuple[Robot, Array]:
+    """A robot with coupled joints in the place of those with their own variables, and S."""
+    shape = robot.n, rng.randint(max(1, robot.n - 3), robot.n)
+    factors = [Fraction(text) for text in ("0", "0", "1", "-1", "2", "-1/2", "3/2")]
+    while True:
+        drawn = np.array([rng.choices(factors, k=shape[1]) for _ in range(shape[0])])
+        matrix = drawn.astype(float)
+        if matrix.any(axis=1).all() and np.linalg.matrix_rank(matrix) == shape[1]:
+            break
+    names = [f"v{k}" for k in range(shape[1])]
+    drives = [tuple((name, number(factor)) for name, factor in zip(names, row, strict=True) if factor) for row in drawn]
+    joints = [replace(joint, sign=1, drive=drive) for joint, drive in zip(robot.joints, drives, strict=True)]
+    kinds = rng.choices([*JointType], k=len(names))
+    variables = tuple(map(Variable, names, kinds))
+    return replace(robot, joints=tuple(joints), coupled=variables), matrix

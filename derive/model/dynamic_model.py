@@ -389,7 +389,7 @@ class DynamicModel(KinematicModel):
             assert base.domain is not None, "relations come with their ring"
             write, value = LectureForm(base.domain).kinematic, values[relation.parameter]
             for parameter, factor in relation.terms:
-                if factor.numerator.is_constant:
+                if factor.numerator.is_constant and factor.denominator.is_constant:
                     values[parameter] = values[parameter] + factor.numerator.constant_term * value
                 else:
                     ratio = write(factor.numerator) / write(factor.denominator)

@@ -56,7 +56,7 @@ def test_no_robot_shows_a_tree(name: str) -> None:
     robot = load(name)
     assert "Number(" not in repr(robot) + repr(robot.joints) + repr(robot.links)
     fixed = sum(row.row is not None for row in robot.fixed)
-    assert len(repr(robot).splitlines()) == robot.n + fixed + bool(robot.ends) + 3
+    assert len(repr(robot).splitlines()) == robot.n + fixed + bool(robot.ends) + bool(robot.coupled) + 3
 
 
 def test_help_shows_no_tree_either() -> None:

@@ -40,7 +40,7 @@ class Numbers:
             name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in dict(robot.parameters)
         }
         self.oracle = Oracle.of(robot, parameters)
-        self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
+        self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.dof)]) for _ in range(3))
         self.values: dict[str, float] = dict(parameters)
         self.values |= {name: float(expression_to_sympy(value)) for name, value in dict(robot.parameters).items()}
         rates = ((self.model.q, self.q), (self.model.qd, self.qd), (self.model.qdd, self.qdd))

@@ -215,7 +215,7 @@ def test_closed_forms_give_the_torques(robot: Robot) -> None:
     tolerance = 1e-10 * np.abs(torques).max()
     np.testing.assert_allclose(at("regressor") @ at("standard_parameters"), torques, atol=tolerance)
     np.testing.assert_allclose(at("regressor_base") @ at("base_parameters"), torques, atol=tolerance)
-    assert model.regressor.shape == (robot.n, len(model.standard_parameter_names))
+    assert model.regressor.shape == (robot.dof, len(model.standard_parameter_names))
     assert model.base_parameters.shape == (len(model.base_parameter_names), 1)
 
 

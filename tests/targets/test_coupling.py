@@ -1,0 +1,71 @@
+"""Coupled robots are built and verified: functions of fewer variables than joints, in NumPy and C."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
+from derive.robot.load import robot_file_bytes
+from derive.robot.robot import Robot
+from tests.cli.command import accepted, contents, refused
+from tests.targets.generated_models import load, needs_compiler
+from tests.targets.languages import languages, texts_of
+from tests.targets.test_conformance import assert_right
+
+GEARED = """
+name: geared
+convention: standard
+units: {angle: deg}
+root: {type: planar}
+variables: {q1: {limits: [-90, 90], speed: 60, torque: 5}}
+joints:
+  - {type: revolute, theta: 2*q1 + 30, a: 0.4}
+  - {type: prismatic, d: p*x - y/2, alpha: 90}
+  - {type: revolute, theta: q1 - phi, a: 0.2}
+links: [{mass: m, com: [-0.1, 0, 0]}, {mass: 2}, {mass: 1, inertia: {zz: 0.02}, friction: {coulomb: [0.2, 0.3]}}]
+"""
+ROBOTS = {name: robot_file_bytes(name).decode() for name in ("palletiser", "two-finger-gripper")} | {"geared": GEARED}
+WORDS = (
+    "whose joints are coupled; allowed: robots of which each joint has its own variable; derive show and derive build"
+)
+REFUSED = (
+    *(f"handout {{}} {option}".strip() for option in ("", "--html", "--fragment B")),
+    *(f"export {{}} --format {to}" for to in ("urdf", "mjcf", "csv")),
+    *(f"show {{}} {name}" for name in ("inverse", "singularities", "workspace", "aspects", "manipulability", "detJv")),
+    *("plot {} -o arm.svg", "plot {} --workspace -o arm.svg", "build {} --target latex", "convert {} -o other.yaml"),
+    *("check {} --quantity T[1,4] --expression q1", "style {} --example T[1,4]=a1", "new motion --plan {}"),
+)
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_coupled_robot_is_built_and_verified(name: str, tmp_path: Path) -> None:
+    (tmp_path / "r.yaml").write_text(ROBOTS[name], encoding="utf-8")
+    accepted("build", "r.yaml", "--target", "numpy,c", folder=tmp_path)
+    accepted("verify", "r.yaml", folder=tmp_path)
+    accepted("build", "r.yaml", "--check", folder=tmp_path)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_language_has_as_many_arguments_as_variables(language: str) -> None:
+    robot = Robot.from_text(GEARED)
+    assert (robot.n, robot.dof) == (6, 4)
+    program = build_program(robot, Effort.QUICK, inverse=True)
+    assert program.inverse is None
+    assert_right(language, robot, program)
+
+
+def test_constants_are_those_of_the_variables() -> None:
+    model = load(texts_of("numpy", Robot.from_text(GEARED))["model_numpy.py"])
+    assert (model.DOF, model.JOINT_NAMES) == (4, ("x", "y", "phi", "q1"))
+    assert (None, None, None, pytest.approx((-np.pi / 2, np.pi / 2))) == model.LIMITS
+    assert (model.SPEED_LIMITS[3], model.TORQUE_LIMITS[3]) == (pytest.approx(np.pi / 3), 5)
+
+
+@pytest.mark.parametrize("command", REFUSED)
+def test_what_is_made_of_joints_with_their_own_variables_refuses(command: str, tmp_path: Path) -> None:
+    words = command.format("palletiser").split()
+    outcome = refused(*words, folder=tmp_path)
+    assert (WORDS in outcome.stderr, outcome.stdout, contents(tmp_path)) == (True, "", {})
