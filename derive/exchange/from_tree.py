@@ -32,9 +32,9 @@ from derive.robot.description import (
 from derive.robot.expression import ZERO, Name, multiply, number
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
 from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.reading.table import SUFFIXES
 from derive.robot.robot import Robot
 from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
-from derive.robot.tree_table import SUFFIXES
 from derive.robot.writer import robot_text
 
 MOST_ENDS = 12  # that are chosen where nobody names them

@@ -44,6 +44,10 @@ class Kinematics:
         frame = self.transform(i + 1, j + 1)
         return (frame if start is None else start.inverse @ frame) @ (self.chain.unit if end is None else end)
 
+    def placed(self, label: str) -> PolynomialFrame:
+        """The frame of a row of a tree in the world."""
+        return self.chain.base @ self.between("", label)
+
     def frame(self, i: int) -> PolynomialFrame:
         """DH frame i in the world: base A_1 ... A_i."""
         return self.chain.base @ self.transform(0, i)

@@ -56,10 +56,9 @@ class KinematicModel(TreeModel):
         if contraction is not None:
             chosen = replace(chosen, contraction=choice_named(Contraction, contraction))
         self.style = chosen
-        variables = [mover.variable for mover in robot.variables]
-        self.q = tuple(sympy.Symbol(v) for v in variables)
-        self.qd = tuple(sympy.Symbol(velocity_name(v)) for v in variables)
-        self.qdd = tuple(sympy.Symbol(acceleration_name(v)) for v in variables)
+        self.q = tuple(sympy.Symbol(mover.variable) for mover in robot.variables)
+        self.qd = tuple(sympy.Symbol(velocity_name(q.name)) for q in self.q)
+        self.qdd = tuple(sympy.Symbol(acceleration_name(q.name)) for q in self.q)
 
     def __getstate__(self) -> dict[str, Any]:
         """The robot and the closed forms that were derived; SymPy compares nested ones of long arms for hours."""
@@ -176,8 +175,7 @@ class KinematicModel(TreeModel):
             QuantityError: No such frame.
         """
         if self.robot.is_tree:
-            at, label = self.kinematics.chain.base, self._label(i)
-            return frame_matrix(at @ self.kinematics.between("", label), self.form.kinematic)
+            return frame_matrix(self.kinematics.placed(self._label(i)), self.form.kinematic)
         i = self._index(i)
         if self.long_chain.is_long(0, i):
             return self.long_chain.frame(i)

@@ -20,8 +20,8 @@ from derive.robot.presentation import read_figure, read_handout, read_inverse, r
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, read_document
 from derive.robot.reading.schema import check_structure
 from derive.robot.reading.size_limits import FILE_LIMITS
+from derive.robot.reading.table import read_table
 from derive.robot.remarks import remarks_on, remarks_on_bodies
-from derive.robot.tree_table import read_table
 from derive.robot.validate import validate
 
 _CATALOGUE = "robot/catalogue"

@@ -11,9 +11,9 @@ from derive.robot.description import BASE, Joint, Link, RootType, Stand
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Name, to_text
 from derive.robot.names import robot_symbols
+from derive.robot.reading.table import SUFFIXES
 from derive.robot.robot import Robot
 from derive.robot.tree import ROOT_VARIABLES, arm, ends, explicit, parents
-from derive.robot.tree_table import SUFFIXES
 from derive.robot.units import located_expressions
 from derive.robot.writer import robot_text
 from tests.robot.test_writer import differing
