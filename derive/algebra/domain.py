@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from functools import cached_property
+from itertools import takewhile
 from math import prod
 from typing import Generic, TypeVar
 
@@ -49,7 +50,9 @@ class PolynomialDomain:
         # for each joint the joints whose variables its generator sums, empty for a prismatic joint
         self.angles = tuple(summed.get(i, ()) for i in range(robot.n))
         self._same = self._same_angles() if robot.coupled else {}
-        self.groups = tuple(group for group in self.groups if self._same.keys().isdisjoint(group))
+        # only joints up to the first whose sum is another's: between later ones sums are not those of neighbours
+        before = (tuple(takewhile(lambda i: i not in self._same, group)) for group in self.groups)
+        self.groups = tuple(group for group in before if group)
         own = robot.joints if not robot.coupled else ()
         self._revolute = {joint.variable: i for i, joint in enumerate(own) if joint.is_revolute}
         values, angles = generators.robot_cells(robot)

@@ -432,7 +432,6 @@ class KinematicModel(TreeModel):
     @cached_property
     def workspace(self) -> Reach:
         """What the arm reaches if no joint has limits, by the square roots of its inverse kinematics."""
-        require_own_variables(self.robot, "the workspace")
         require_chain(self.robot, "the workspace")
         from derive.inverse.words.reach import find_reach
 
@@ -441,7 +440,6 @@ class KinematicModel(TreeModel):
     @cached_property
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
-        require_own_variables(self.robot, "the aspects")
         require_chain(self.robot, "the aspects")
         from derive.inverse.numeric.in_numbers import parameter_numbers
         from derive.model.singularities.aspects import find_aspects

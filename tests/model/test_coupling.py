@@ -169,3 +169,4 @@ def test_names_of_rows_count_joints_and_indices_of_columns_count_variables() -> 
     assert not model.equal("T[1,4]", "c1*(a1 + a4 + a2*c2 + a3*c23)")
     assert model.equal("T[1,1]", "cos(q1 - q4)")
     assert not model.B[1, 1].has(*model.q), "inertia about absolute angles"
+    assert {str(call) for call in model.B[1, 2].atoms(sympy.sin, sympy.cos)} == {"cos(q2 - q3)"}
