@@ -75,6 +75,7 @@ def render(source: Source) -> dict[str, str]:
         "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
         "without_inverse": program.without_inverse,
         "solved_ends": [each.end for each in program.of_ends],
+        "solved_ends_listed": ", ".join(each.end for each in program.of_ends),
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],

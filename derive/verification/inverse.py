@@ -34,15 +34,20 @@ TINY = 1e-300  # keeps lengths that are all zero from dividing
 NONE, EXACT = 0, 1
 
 
+def _joints_of(robot: Robot, model: GeneratedModel, end: str, remedy: str) -> list[int]:
+    """The joints that lead to an end, from 0, which the target must have told."""
+    joints = [*tree.path(robot, tree.way_to(robot, tree.end_named(robot, end).after).joint)]
+    if list(model.constants["JOINTS_OF"][end]) != joints:
+        raise VerificationError(f"JOINTS_OF of {model.file} has not the joints of {end}", remedy=remedy)
+    return joints
+
+
 def inverse_errors(
     robot: Robot, model: GeneratedModel, sets: Sequence[SampleSet], remedy: str
 ) -> Iterator[tuple[int, float]]:
     """What the inverse kinematics of one target, or of an end of a tree in it, does wrong."""
-    listed, end, joints = model.constants.get("GIVEN", ()), end_of(model), list(range(robot.n))
-    if end:
-        joints = [*tree.path(robot, tree.way_to(robot, tree.end_named(robot, end).after).joint)]
-        if list(model.constants["JOINTS_OF"][end]) != joints:
-            raise VerificationError(f"JOINTS_OF of {model.file} has not the joints of {end}", remedy=remedy)
+    listed, end = model.constants.get("GIVEN", ()), end_of(model)
+    joints = _joints_of(robot, model, end, remedy) if end else list(range(robot.n))
     own = [robot.joints[k] for k in joints]
     given = [k for k, joint in enumerate(own) if {k, joint.label, joint.variable}.intersection(listed)]
     free = [joint for k, joint in enumerate(joints) if k not in given]

@@ -19,7 +19,6 @@ from tests.cli.command import accepted, contents, refused
 from tests.targets.generated_models import needs_compiler
 
 MESSAGE = " of torso, whose table is a tree; allowed: robots of one chain; derive show and derive build take trees; "
-PLAN = "robot: torso.yaml\npoints: {home: [0, 0], away: [1, 1]}\npath: [home, {to: away, time: 1}]\n"
 REFUSED = [
     "handout torso.yaml --fragment conversion",
     *(f"export torso.yaml --format {to}" for to in ("rtb", "corke", "rigidbodytree", "csv")),
@@ -30,13 +29,11 @@ REFUSED = [
     "check scara-perugia torso.yaml --latex notes.tex",
     "check printed.yaml",
     *(f"style {file} --example 'T[1,4] = a1*c1 + a2*c12'" for file in ("torso.yaml", "printed.yaml")),
-    *(f"move plan.yaml {options}" for options in ("--csv rows.csv --plot rows.svg", "--simulate --gif arm.gif")),
-    *("new motion --plan torso.yaml", "convert torso.yaml -o other.yaml"),
+    "convert torso.yaml -o other.yaml",
 ]
 CALLS: dict[str, Callable[[Any], object]] = {
     "Robot.convert": lambda robot: robot.convert("modified"),
     "possible": api.possible,
-    "Motion": lambda robot: api.Motion(replace(api.Motion.load("scara-pick-and-place").plan, robot=robot)),
     "singularities": lambda robot: api.Model(robot, assumptions=True).singularities,
 }
 
@@ -47,7 +44,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(reading, "description_from_bytes", lambda data, source: branched(read(data, source)))
     text = robot_file_bytes("planar-2r-perugia").decode().replace("planar-2r-perugia", "torso", 1)
     printed = f"robot:\n{indent(text, '  ')}\nexpected: [{{quantity: 'T[1,4]', latex: 'a_1 c_1'}}]\n"
-    files = {"torso.yaml": text, "printed.yaml": printed, "plan.yaml": PLAN, "notes.tex": "$$T_{14} = a_1 c_1$$\n"}
+    files = {"torso.yaml": text, "printed.yaml": printed, "notes.tex": "$$T_{14} = a_1 c_1$$\n"}
     write_files({tmp_path / name: written.encode() for name, written in files.items()}, force=False)
     return tmp_path
 
@@ -73,14 +70,13 @@ def test_python_refuses_a_tree(call: Callable[[Any], object], folder: Path) -> N
 
 
 @needs_compiler
-def test_a_tree_is_listed_copied_built_and_verified_without_inverse(folder: Path) -> None:
+def test_a_tree_is_listed_copied_built_and_verified(folder: Path) -> None:
     listed = accepted("show", "torso.yaml", folder=folder).stdout
     assert {"singularities", "workspace", "aspects"}.isdisjoint(listed.split())
     accepted("new", "copy", "--from", "torso.yaml", folder=folder)
     accepted("build", "torso.yaml", "--target", "all", folder=folder)
     built = {path.name: path for path in (folder / "generated" / "torso").iterdir()}
     assert ("sheet.tex" in built, "model_native.py" in built) == (True, True)
-    assert "There is no function: the table is a tree." in built["README.md"].read_text(encoding="utf-8")
     accepted("verify", "torso.yaml", folder=folder)
     accepted("build", "torso.yaml", "--check", folder=folder)
     assert api.Model(api.load(folder / "torso.yaml"))._repr_latex_() is None

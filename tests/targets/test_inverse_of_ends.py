@@ -82,6 +82,6 @@ def test_a_wrong_solution_and_wrong_joints_are_found(tmp_path: Path) -> None:
 
 def test_roots_that_move_and_names_of_functions_are_refused() -> None:
     program = build_program(Robot.load("human-skeleton"), Effort.QUICK, names=frozenset(), inverse=True)
-    assert (program.of_ends, program.without_inverse) == ((), "its root moves")
+    assert (program.of_ends, program.without_inverse) == ((), "the root moves")
     with pytest.raises(RobotFileError, match="a function such as jacobian_nearest could be another one"):
         Robot.from_text(TORSO.replace("  left:\n", "  nearest:\n"))

@@ -38,6 +38,7 @@ def test_templates_compute_nothing(name: str) -> None:
     tree = reads.parse(source)
     for kind in FORBIDDEN:
         found = [node for node in tree.find_all(kind) if not isinstance(node, ALLOWED_OPERATORS)]
+        found = [node for node in found if not (isinstance(node, nodes.Filter) and node.node is None)]  # blocks of text
         assert not found, f"{name}:{found[0].lineno}: {type(found[0]).__name__}"
 
 

@@ -132,6 +132,7 @@ def viewer(
         assumed=assumed,
         entries=range(4),
         ends=[end.name for end in robot.ends],
+        has_ends=len(robot.ends) > 1,
         target=target,
         player=player_texts(playback, robot, rows, text) if playback else None,
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction, italic, script, upright
@@ -93,12 +94,11 @@ def link_jacobians(context: Context) -> Iterator[Block]:
                 "$i-1$, column $i$ is the spin, the others are zero."
             )
         yield textbook("rotor_jacobians")
-    items = []
-    for body in bodies(context.robot):
-        linear = context.entries.linear_jacobian(body.index, body.is_rotor)
-        angular = context.entries.angular_jacobian(body.index, body.is_rotor)
-        items.append(BodyItem(body.symbol("J", "v"), linear, Group.body(body.place, 1)))
-        items.append(BodyItem(body.symbol("J", "\\omega"), angular, Group.body(body.place, 2)))
+    kinds = (("v", context.entries.linear_jacobian), ("\\omega", context.entries.angular_jacobian))
+    items = [
+        BodyItem(body.symbol("J", letter), find(body.index, body.is_rotor), Group.body(body.place, k))
+        for body, (k, (letter, find)) in product(bodies(context.robot), enumerate(kinds, 1))
+    ]
     of_both = _("Find the Jacobians of the links and of the rotors.")
     task = of_both if has_rotors(context.robot) else _("Find the Jacobians of the links.")
     yield from body_formulas(context, items, task)

@@ -178,7 +178,8 @@ def test_what_stays_in_a_plane_is_seen_there_and_what_leaves_it_in_space(text: s
 
 def test_the_film_of_a_planar_arm_keeps_lengths_and_the_page_faces_its_plane() -> None:
     film = Film(Motion.from_text(ROOT))
-    ends = film._view.project(film._poses[:, [2, 3, -1]][..., :3, 3])[..., :2]
+    poses = frames_of(film.motion, film.times, film._q)
+    ends = film._view.project(poses[:, [2, 3, -1]][..., :3, 3])[..., :2]
     lengths = np.linalg.norm(np.diff(ends, axis=1), axis=-1)
     assert lengths == pytest.approx(np.tile([0.4, 0.3], (len(lengths), 1)), rel=1e-6)
     assert '"facing": [' in motion_page(Motion.from_text(ROOT))
