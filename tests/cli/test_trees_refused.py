@@ -74,9 +74,9 @@ def test_a_tree_is_listed_copied_built_and_verified(folder: Path) -> None:
     listed = accepted("show", "torso.yaml", folder=folder).stdout
     assert {"singularities", "workspace", "aspects"}.isdisjoint(listed.split())
     accepted("new", "copy", "--from", "torso.yaml", folder=folder)
-    accepted("build", "torso.yaml", "--target", "all", folder=folder)
+    accepted("build", "torso.yaml", "--target", "numpy,c,latex", folder=folder)
     built = {path.name: path for path in (folder / "generated" / "torso").iterdir()}
-    assert ("sheet.tex" in built, "model_native.py" in built) == (True, True)
+    assert ("sheet.tex" in built, "model_numpy.py" in built) == (True, True)
     accepted("verify", "torso.yaml", folder=folder)
     accepted("build", "torso.yaml", "--check", folder=folder)
     assert api.Model(api.load(folder / "torso.yaml"))._repr_latex_() is None

@@ -26,7 +26,7 @@ from derive.workspace.poses import RobotPoses
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.page.test_browser_viewer import Figure, browser
 from tests.handouts.reading import bare_context, lines, words
-from tests.random_robots import seeds
+from tests.random_robots import sampled, seeds
 from tests.random_trees import random_tree
 
 assert browser  # a fixture
@@ -73,7 +73,7 @@ def test_the_dynamics_are_those_of_the_whole_tree() -> None:
     assert [[(p, e.entry(*p)) for p in e.places if e.terms(*p)] for e in heads] == [[], [((3, 1), 1)]]
 
 
-@pytest.mark.parametrize("seed", seeds(20, 2, 20))
+@pytest.mark.parametrize("seed", seeds(20, 1, 20))
 def test_bodies_add_up_to_the_inertia_matrix(seed: int) -> None:
     robot = random_tree(random.Random(seed), 1 + seed % 3).robot
     context = bare_context(robot)
@@ -103,7 +103,7 @@ def test_the_table_says_what_each_row_follows(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", seeds(24, 3, 24))
+@pytest.mark.parametrize("seed", seeds(24, 1, 24))
 def test_sheets_of_random_trees_are_clean_in_every_language(seed: int, tmp_path: Path) -> None:
     robot = random_tree(random.Random(seed), 1 + seed % 5).robot
     language, derivation = languages()[seed % len(languages())], list(Derivation)[seed % 2]
@@ -114,7 +114,7 @@ def test_sheets_of_random_trees_are_clean_in_every_language(seed: int, tmp_path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize("language", sampled(languages(), ["en"]))
 @pytest.mark.parametrize("name", TREES)
 def test_sheets_of_the_catalogue_are_clean(name: str, language: str, tmp_path: Path) -> None:
     context = context_of(Robot.load(name), HandoutOptions(language=language, derivation=Derivation.STEPS))
@@ -134,7 +134,7 @@ def joined(scene: Scene) -> int:
     return groups
 
 
-@pytest.mark.parametrize("seed", seeds(60, 12, 60))
+@pytest.mark.parametrize("seed", seeds(60, 4, 60))
 def test_every_branch_is_drawn_where_the_oracle_has_it(seed: int) -> None:
     robot = random_tree(random.Random(seed)).robot
     oracle, q = Oracle.of(robot), np.random.default_rng(seed).uniform(-1.0, 1.0, robot.n)

@@ -10,6 +10,7 @@ from derive.programs.optimise.search_policy import Effort
 from derive.robot.load import robot_file_bytes
 from derive.robot.robot import Robot
 from tests.cli.command import accepted, contents, refused
+from tests.random_robots import sampled
 from tests.targets.generated_models import load, needs_compiler
 from tests.targets.languages import languages, texts_of
 from tests.targets.test_conformance import assert_right
@@ -40,7 +41,7 @@ REFUSED = (
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", sampled([*ROBOTS], ["two-finger-gripper"]))
 def test_a_coupled_robot_is_built_and_verified(name: str, tmp_path: Path) -> None:
     (tmp_path / "r.yaml").write_text(ROBOTS[name], encoding="utf-8")
     accepted("build", "r.yaml", "--target", "numpy,c", folder=tmp_path)
@@ -48,7 +49,7 @@ def test_a_coupled_robot_is_built_and_verified(name: str, tmp_path: Path) -> Non
     accepted("build", "r.yaml", "--check", folder=tmp_path)
 
 
-@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize("language", languages("numpy", "c", "javascript"))
 def test_every_language_has_as_many_arguments_as_variables(language: str) -> None:
     robot = Robot.from_text(GEARED)
     assert (robot.n, robot.dof) == (6, 4)

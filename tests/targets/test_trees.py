@@ -7,6 +7,7 @@ import pytest
 
 from derive.api.build import build, stale, verify
 from derive.robot.robot import Robot
+from tests.random_robots import swept
 from tests.robot.test_trees import BODY, TORSO
 from tests.targets.generated_models import arguments, needs_compiler, numpy_model
 
@@ -39,7 +40,7 @@ def test_functions_take_the_name_of_an_end() -> None:
 
 
 @needs_compiler
-@pytest.mark.parametrize("text", [TORSO, BODY], ids=["torso", "body"])
+@pytest.mark.parametrize("text", [TORSO, *swept(BODY)], ids=["torso", "body"])
 def test_trees_are_built_verified_and_fresh(text: str, tmp_path: Path) -> None:
     robot = Robot.from_text(text)
     assert {"model_numpy.py", "model_casadi.py", "model.c"} <= {*build(robot, tmp_path).files}
