@@ -300,15 +300,15 @@ def changes_of(joint: UrdfJoint, snap: Fraction) -> list[float]:
     return [change for change in turned if change > NOTHING]
 
 
-def check_kind(joint: UrdfJoint, remedy: str = "choose another --tip or --chain") -> None:
-    """Refuse a joint that no row is."""
+def check_kind(joint: UrdfJoint, remedy: str = "choose another --tip or --chain", *, may_follow: bool = False) -> None:
+    """Refuse a joint that no row is, and one that follows another unless it may."""
     found, allowed = joint.fault, ""
     remedy = f"correct it, or {remedy}" if found else remedy
     if joint.type not in MOVING:
         found, allowed = found or f"joint {quoted(joint.name)} is {joint.type}", f"allowed: {', '.join(MOVING)}, fixed"
-    elif joint.mimics is not None:
+    elif joint.mimics is not None and not may_follow:
         found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}: it has no variable of its own"
-        remedy = "choose a chain without it"
+        remedy = "choose a chain without it, or import all joints by --tree"
     if found:
         raise RobotFileError(found, allowed=allowed, remedy=remedy, location=joint.location)
 

@@ -50,6 +50,8 @@ class FileTree:
     steps: tuple[Step, ...]
     links: Mapping[str, int]  # place of the step that moves each link
     gravity: Array  # (3,) [m/s^2]
+    coupling: Array  # (joints, variables) positions of joints per unit of those that follow no other
+    offset: Array  # (joints,) and what is added
 
     @classmethod
     def of(cls, urdf: Urdf, joints: Sequence[UrdfJoint], root: RootType | None) -> FileTree:
@@ -67,7 +69,8 @@ class FileTree:
             unit = axis / np.linalg.norm(axis) if turns is not None else axis
             steps.append(Step(links[joint.parent], _placed(joint.origin), unit, turns, *_body(urdf, joint.child), drag))
             links[joint.child] = len(steps) - 1
-        return cls(tuple(steps), links, np.array([float(c) for c in urdf.gravity or GRAVITY]))
+        coupling, offset = _coupling(len(kinds), [joint for joint in joints if joint.type in MOVING])
+        return cls(tuple(steps), links, np.array([float(c) for c in urdf.gravity or GRAVITY]), coupling, offset)
 
     @property
     def moving(self) -> list[int]:
@@ -122,6 +125,21 @@ class FileTree:
                 forces[step.parent] = forces[step.parent] + forces[k]
                 moments[step.parent] = moments[step.parent] + moments[k] + np.cross(r, forces[k])
         return tau
+
+
+def _coupling(roots: int, joints: Sequence[UrdfJoint]) -> tuple[Array, Array]:
+    """Positions of the joints of a root and of those of the file from those that follow no other."""
+    places = {joint.name: k for k, joint in enumerate(joints)}
+    follows, offset = np.zeros((len(joints), len(joints))), np.zeros(len(joints))
+    for k, joint in enumerate(joints):
+        if joint.mimics is not None:
+            follows[k, places[joint.mimics]], offset[k] = float(joint.multiplier), float(joint.offset)
+    # p = F p + o + (own variables): all at once (1 - F)^-1, whatever follows whatever
+    whole = np.linalg.inv(np.eye(len(joints)) - follows)
+    own = [k for k, joint in enumerate(joints) if joint.mimics is None]
+    matrix = np.zeros((roots + len(joints), roots + len(own)))
+    matrix[:roots, :roots], matrix[roots:, roots:] = np.eye(roots), whole[:, own]
+    return matrix, np.concatenate([np.zeros(roots), whole @ offset])
 
 
 def _placed(origin: Origin) -> Array:
@@ -179,26 +197,27 @@ class Agreement:
 
 def agreement(tree: FileTree, robot: Robot, ends: Sequence[str]) -> Agreement:
     """Compare a robot with its file; the links at its ends in their order."""
-    random, n, oracle = np.random.default_rng(0), robot.n, Oracle.of(robot)
+    random, n, oracle, s = np.random.default_rng(0), robot.dof, Oracle.of(robot), tree.coupling
     q, qd, qdd = random.uniform(-1, 1, (3, STATES, n))
-    turns = np.array([joint.is_revolute for joint in robot.joints])
+    turns = np.array([joint.is_revolute for joint in robot.variables])
     q = q * np.where(turns, np.pi, 1)
     names = [f"forward_kinematics_{name}".rstrip("_") for name in oracle.arm.ends]
     ours = np.stack([oracle.evaluate(name, q) for name in names], axis=1)
-    theirs = tree.frames(q)[..., [tree.links[link] for link in ends], :, :]
+    joints = q @ s.T + tree.offset
+    theirs = tree.frames(joints)[..., [tree.links[link] for link in ends], :, :]
     away = np.linalg.norm((ours - theirs)[..., :3, 3], axis=-1).max()
     # Frobenius norm of the difference of two rotations: sqrt(8) sin(angle / 2).
     apart = np.linalg.norm((ours - theirs)[..., :3, :3], axis=(-2, -1)).max() / np.sqrt(8)
     reach, angle = np.linalg.norm(theirs[..., :3, 3], axis=-1).max(), 2 * np.arcsin(min(apart, 1))
     if not robot.links:
         return Agreement(float(away), float(angle), 0.0, 0.0, float(reach), False)
-    units, one = np.broadcast_to(np.eye(n), (STATES, n, n)), q[:, None, :]
-    still = np.zeros((STATES, n, n))
+    units, one = np.broadcast_to(s.T, (STATES, *s.T.shape)), joints[:, None, :]
+    still = np.zeros(units.shape)
     columns = tree.torques(np.broadcast_to(one, still.shape), still, units)
-    columns = columns - tree.torques(q, q * 0, q * 0)[:, None, :]
+    columns = columns - tree.torques(joints, joints * 0, joints * 0)[:, None, :]
     pairs = (
-        (oracle.evaluate("inertia_matrix", q), np.swapaxes(columns, -1, -2)),
-        (oracle.evaluate("inverse_dynamics", q, qd, qdd), tree.torques(q, qd, qdd)),
+        (oracle.evaluate("inertia_matrix", q), np.swapaxes(columns @ s, -1, -2)),
+        (oracle.evaluate("inverse_dynamics", q, qd, qdd), tree.torques(joints, qd @ s.T, qdd @ s.T) @ s),
     )
     inertia, torques = (float(np.abs(own - other).max() / max(np.abs(other).max(), 1e-300)) for own, other in pairs)
     return Agreement(float(away), float(angle), inertia, torques, float(reach), True)

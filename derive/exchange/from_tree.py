@@ -6,6 +6,7 @@ No common normals are needed: the frame of a row is that of the link which it mo
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from derive.errors import DeriveError, RobotFileError, near_miss, quoted
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
@@ -28,8 +29,9 @@ from derive.robot.description import (
     Root,
     RootType,
     Stand,
+    Variable,
 )
-from derive.robot.expression import ZERO, Name, multiply, number
+from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.reading.table import SUFFIXES
@@ -58,7 +60,9 @@ class ImportedTree:
         """What was made, in lines."""
         root = self.robot.root
         fixed, moved = len(self.robot.fixed) - bool(root), f", {root.type.value} root" if root else ""
-        counts = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)}, {fixed} fixed{moved}"
+        driven = sum(bool(joint.drive) for joint in self.robot.joints)
+        coupled = f" ({driven} driven by others)" if driven else ""
+        counts = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)}{coupled}, {fixed} fixed{moved}"
         return (
             f"tree: {counts}; ends: {', '.join(name or link for name, link in self.ends.items())}",
             str(self.agreement),
@@ -119,7 +123,7 @@ def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
         raise RobotFileError(f"{urdf.source}: {found}", allowed="allowed: exactly one", remedy=REMEDY)
     behind: dict[str, list[UrdfJoint]] = {}
     for joint in reversed(urdf.joints):
-        check_kind(joint, REMEDY) if joint.type != "fixed" else None
+        check_kind(joint, REMEDY, may_follow=True) if joint.type != "fixed" else None
         behind.setdefault(joint.parent, []).append(joint)
     found_joints: list[UrdfJoint] = []
     waiting = list(behind.get(roots[0], ()))
@@ -167,7 +171,13 @@ class _Tree:
             labels[joint.child] = _free(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
         numbered = iter(range(1, len(rows) + 1))
-        joints = [replace(row, variable=f"q{next(numbered)}") for row, _ in rows if isinstance(row, Joint)]
+        names = {joint.name: f"q{next(numbered)}" for joint in kept if joint.type in MOVING}
+        pairs = zip(kept, rows, strict=True)
+        joints = [
+            _driven(row, joint, followed(joint, self.joints), names)
+            for joint, (row, _) in pairs
+            if isinstance(row, Joint)
+        ]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
         root = None
@@ -184,6 +194,9 @@ class _Tree:
         self._note(kept)
         tool = IDENTITY if ends[0].name else ends[0].tool
         robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends))
+        own = [row for row in joints if not row.drive]
+        coupled = (Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own)
+        robot = replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else ())
         return plain(replace(robot, root=root, tool=tool)), chosen
 
     def _bare(self, joints: tuple[Joint, ...]) -> Description:
@@ -286,6 +299,36 @@ class _Tree:
         if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
             n = len(changes)
             self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
+
+
+def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fraction, Fraction]:
+    """The joint at the end of those which a joint follows, with factor and offset to it: f q + c; often itself."""
+    known, factor, offset, seen = {other.name: other for other in joints}, Fraction(1), Fraction(0), [joint.name]
+    while joint.mimics is not None:
+        before = known.get(joint.mimics)
+        if before is None or before.type not in MOVING or before.name in seen:
+            what = "which is none that moves" if before is None or before.type not in MOVING else "in a circle"
+            found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}, {what}"
+            raise RobotFileError(
+                found, remedy=near_miss(joint.mimics, known.keys() - {joint.mimics}), location=joint.location
+            )
+        # f (m q' + o) + c, q' being the position of the joint that is followed
+        factor, offset, joint = factor * joint.multiplier, offset + factor * joint.offset, before
+        seen.append(joint.name)
+    if not factor:
+        remedy = "write a multiplier, or type fixed"
+        raise RobotFileError(f"joint {quoted(seen[0])} follows by 0", remedy=remedy, location=joint.location)
+    return joint.name, factor, offset
+
+
+def _driven(row: Joint, joint: UrdfJoint, way: tuple[str, Fraction, Fraction], names: Mapping[str, str]) -> Joint:
+    """The row of a joint with its variable, or driven by that of another row."""
+    name, factor, offset = way
+    if joint.mimics is None:
+        return replace(row, variable=names[name])
+    drive, added = ((names[name], number(factor * row.sign)),), number(offset * row.sign)
+    driven = replace(row, variable=f"of {row.name}", sign=1, drive=drive)
+    return replace(driven, theta=add(row.theta, added)) if row.is_revolute else replace(driven, d=add(row.d, added))
 
 
 def _free(name: str, taken: Collection[str]) -> str:

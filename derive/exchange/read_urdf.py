@@ -285,6 +285,7 @@ class _UrdfReader:
         if kind in ("revolute", "prismatic") and not bounded:
             said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
             self.note(element, said)
+        times, plus = (None if mimic is None else self.number(mimic, key) for key in ("multiplier", "offset"))
         dry, viscous = (None if dynamics is None else self.number(dynamics, key) for key in ("friction", "damping"))
         return UrdfJoint(
             name=name,
@@ -300,4 +301,6 @@ class _UrdfReader:
             friction=dry or Fraction(0),
             mimics=None if mimic is None else mimic.get("joint", ""),
             location=self.place(element),
+            multiplier=Fraction(1) if times is None else times,
+            offset=plus or Fraction(0),
         )

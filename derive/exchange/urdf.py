@@ -81,6 +81,8 @@ class UrdfJoint:
     mimics: str | None  # name of the joint that it follows, where it follows one
     location: Location  # its place in the file
     armature: Fraction = Fraction(0)  # inertia of what drives it, which MJCF says [kg m^2 or kg]
+    multiplier: Fraction = Fraction(1)  # positions per unit of the joint that it follows
+    offset: Fraction = Fraction(0)  # and what is added [rad or m]
 
     @property
     def fault(self) -> str:

@@ -258,10 +258,37 @@ def test_ends_are_at_the_ends_of_limbs_or_those_that_are_named() -> None:
     assert name == ""
 
 
+@pytest.mark.parametrize("root", ["", "floating"])
+def test_joints_that_follow_others_are_coupled(root: str) -> None:
+    heavy = body("2", "0.1 0.2 0.3")
+    joints = [
+        J(xyz="0 0 1", inertial=heavy),
+        J(axis="0 1 0", xyz="0.5 0 0", inertial=heavy, more='<mimic joint="j1" multiplier="-0.5" offset="0.3"/>'),
+        J(type="prismatic", axis="1 0 0", inertial=heavy, more='<mimic joint="j2" multiplier="0.2" offset="0.1"/>'),
+        J(axis="0.6 0 0.8", rpy="0 1 0", inertial=heavy),
+    ]
+    robot = imported(text := urdf(joints), root).robot
+    own = 6 * bool(root)
+    s, offset = np.eye(own + 4)[:, [*range(own + 1), own + 3]], np.zeros(own + 4)
+    s[own : own + 3, own], offset[own : own + 3] = (1, -0.5, -0.1), (0, 0.3, 0.16)
+    read, oracle = pinocchio(text, ["j1", "j2", "j3", "j4"], ["l4"], bool(root)), Oracle.of(robot)
+    q, qd, qdd = np.random.default_rng(1).uniform(-1, 1, (3, own + 2))
+    frames, torque = read(s @ q + offset, s @ qd, s @ qdd)
+    name = f"forward_kinematics_{robot.ends[0].name}" if root else "forward_kinematics"
+    assert oracle.evaluate(name, q) == pytest.approx(frames["l4"], abs=1e-12)
+    assert oracle.evaluate("inverse_dynamics", q, qd, qdd) == pytest.approx(torque @ s, abs=1e-10)
+
+
 @pytest.mark.parametrize(
     ("joints", "root", "found"),
     [
-        ([J(), J(more='<mimic joint="j1"/>')], "", r"robot.urdf:\d+.*joint 'j2' follows 'j1'"),
+        (
+            [J(), J(more='<mimic joint="j3"/>')],
+            "",
+            r"robot.urdf:\d+.*joint 'j2' follows 'j3', which is none that moves",
+        ),
+        ([J(), *(J(more=f'<mimic joint="j{k}"/>') for k in (3, 2))], "", "joint 'j3' follows 'j2', in a circle"),
+        ([J(), J(more='<mimic joint="j1" multiplier="0"/>')], "", "joint 'j2' follows by 0"),
         ([J(type="floating")], "", "joint 'j1' is floating"),
         ([J(type="screw")], "", "joint 'j1' of type 'screw'"),
         ([J(type="fixed")], "", "no joint moves"),
