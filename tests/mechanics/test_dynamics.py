@@ -42,13 +42,13 @@ from tests.mechanics.arms import SEEDS, Arm, Array, arm_of, assert_close, trees_
 from tests.random_robots import catalogue, robot_text, seeds
 
 
-@pytest.fixture(params=[*SEEDS, *trees_of(200, 4, 40)])
+@pytest.fixture(params=[*SEEDS, *trees_of(200, 3, 40)])
 def arm(request: pytest.FixtureRequest) -> Arm:
     """An arm or a tree."""
     return request.param() if callable(request.param) else arm_of(request.param)
 
 
-@pytest.fixture(params=[*SEEDS, *trees_of(200, 3, 20)])
+@pytest.fixture(params=[*SEEDS, *trees_of(200, 2, 20)])
 def limb(request: pytest.FixtureRequest) -> Arm:
     """An arm, or that to an end of a tree."""
     return request.param().limb() if callable(request.param) else arm_of(request.param)
