@@ -28,7 +28,7 @@ from derive.robot.load import is_there
 from derive.robot.options.inverse import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +209,6 @@ def formula_printout(
     Raises:
         CheckError: The formula cannot be read.
     """
-    require_own_variables(robot, "a check of formulas")
     require_chain(robot, "a check of formulas")
     model, source = Model(robot), "--latex" if latex else "--expression"
     if isinstance(formula, Manuscript):
@@ -243,7 +242,6 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
         raise CheckError(f"two robots are called {quoted(max(names, key=names.count))}", remedy="change one name")
     refused = None
     for robot in robots:
-        require_own_variables(robot, "a check of formulas")
         require_chain(robot, "a check of formulas")
         try:
             found.append((robot, _compared(Model(robot), document)))

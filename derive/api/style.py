@@ -23,7 +23,7 @@ from derive.robot.options.style import DEFAULT_STYLE, NAMED_STYLES
 from derive.robot.options.style import Style as Options
 from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 
 _LATEX = re.compile(r"[\\^{}_]")
 EXAMPLE = "--example"
@@ -190,7 +190,6 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
 def _printed_in(source: RobotLike) -> list[Example]:
     """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
     loaded = load(source, remarks_on_bodies=False)  # which refuses what is neither
-    require_own_variables(loaded, "the style")
     require_chain(loaded, "the style")
     if isinstance(source, Robot) or not Path(source).is_file():
         return []

@@ -21,7 +21,7 @@ from derive.errors import CheckError, Location, quoted
 from derive.robot.load import file_bytes
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, read_tree
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
@@ -49,7 +49,6 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
 def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     """Read a robot and the formulas printed about it."""
     robot = Robot.from_bytes(data, source)
-    require_own_variables(robot, "a check of formulas")
     require_chain(robot, "a check of formulas")
     node = read_tree(data, source)
     if not isinstance(node, YamlMapping) or "robot" not in node.entries:

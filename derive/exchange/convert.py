@@ -12,7 +12,7 @@ from derive.robot.names import robot_symbols
 from derive.robot.parser import parse_expression
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 from derive.robot.writer import cell_text, robot_text
 
 _MADE = "Converted by derive"
@@ -45,7 +45,6 @@ def convention_named(text: str) -> Convention:
 
 def converted(robot: Robot, convention: Convention, name: str | None = None) -> Converted:
     """The same arm by the table of the other convention, under another name or the same."""
-    require_own_variables(robot, "the table of the other convention")
     require_chain(robot, "the table of the other convention")
     if robot.convention is convention:
         other = next(member for member in Convention if member is not convention)

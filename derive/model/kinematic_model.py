@@ -414,7 +414,6 @@ class KinematicModel(TreeModel):
         With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
         3.3).
         """
-        require_own_variables(self.robot, "the singularities")
         require_chain(self.robot, "the singularities")
         from derive.model.singularities.determinant import find_singularities
 

@@ -9,7 +9,7 @@ from derive.mechanics.vectors import subtract
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 
 _BLOCKS = ("J_rows", "J_11", "J_11_reduced", "J_12", "J_21", "J_22")
 _DETERMINANTS = ("detJ", "detJv", "detJxy", "detJ_11", "detJ_22", "detJ_rows")
@@ -67,7 +67,6 @@ class Quantity:
     def value(self, model: DynamicModel, *indices: int) -> Expr:
         """The quantity of a model; of a tree with named ends that of each end."""
         if self.name in OF_CHAINS:
-            require_own_variables(model.robot, self.name)
             require_chain(model.robot, self.name)
         if model.n not in self.joints:
             first, last = self.joints[0], self.joints[-1]

@@ -14,6 +14,7 @@ from derive.robot.reading.document import Document, KeyPath
 DEFAULT_GRAVITY_SYMBOL = "g"
 # Entries of R^T R - 1: decimals with seven places pass, 0.7071 does not, and should be sqrt(2)/2.
 ROTATION_TOLERANCE = 1e-6
+MOUNT_TOLERANCE = 1e-12  # the same of a mount: what stands between joints must turn bodies without stretching them
 Read = Callable[[KeyPath], Expression]  # reads the cell at a place in its unit
 _SUM = "a sum of variables with constant factors, and a constant"  # what a cell that moves may be
 
@@ -157,7 +158,7 @@ def read_frame(document: Document, cells: Cells, path: KeyPath) -> Matrix:
 
 def check_rotation(document: Document, path: KeyPath, matrix: Matrix, trials: Iterable[Mapping[str, float]]) -> None:
     """Refuse a rotation block that is not a rotation at the given parameter values."""
-    blocks = []
+    tolerance, blocks = MOUNT_TOLERANCE if path[-1] == "mount" else ROTATION_TOLERANCE, []
     for values in trials:
         try:
             blocks.append([[evaluate(entry, values) for entry in row[:3]] for row in matrix[:3]])
@@ -171,11 +172,11 @@ def check_rotation(document: Document, path: KeyPath, matrix: Matrix, trials: It
     for m in blocks:
         for i, j in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)):
             product = sum(x * y for x, y in zip(m[i], m[j], strict=True))
-            if abs(product - (i == j)) > ROTATION_TOLERANCE:
+            if abs(product - (i == j)) > tolerance:
                 found = f"rows {j + 1} and {i + 1} of the rotation block have the scalar product {product:.3g}"
                 if i == j:
                     found = f"row {i + 1} of the rotation block has length {product**0.5:.9g}"
-                allowed = f"allowed: a rotation to within {ROTATION_TOLERANCE:g}"
+                allowed = f"allowed: a rotation to within {tolerance:g}"
                 raise document.error((*path, i), found, allowed, remedy)
         # orthogonal with determinant -1: a reflection, that is a left-handed frame
         cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))

@@ -183,6 +183,7 @@ com: [0, 0, c] ~ motor: |{ratio: 1} ~ links row 2, motor: 'head' is fixed
 mass: mh ~ mass: |-1 ~ links row 2, mass: negative mass -1
 q2, after ~ q2, b: |1, after ~ write d, the offset along z
 [[0, 0, 1, s] ~ [|[0, 0, 2, s] ~ joints row 3, mount row 1: row 1 of the rotation block has length 2
+[[0, 0, 1, s] ~ [|[0, 0, 1.0000001, s] ~ joints row 3, mount row 1: row 1 of the rotation block has length 1.0000001
 [[1, 0, 0, l] ~ [|[2, 0, 0, l] ~ ends, right, tool row 1: row 1 of the rotation block has length 2
 limits: [0, 3] ~ limits: |[3, 0] ~ joints row 4, limits: lower limit is not below the upper
 [0.1, 0.2, 0.3 ~ |[1, 0.1, 0.2, 0.3 ~ figure, q: 6 entries; allowed: exactly 5

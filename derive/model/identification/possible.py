@@ -33,7 +33,7 @@ from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.expression import Expression, number, to_text
 from derive.robot.names import without_lost_symbols
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 from derive.robot.writer import robot_text
 
 # Least eigenvalue of a pseudo-inertia in the link's own units, where the arm leaves room for it: programs that read
@@ -260,7 +260,6 @@ class Possible:
 
 def possible(robot: Robot) -> Possible:
     """The nearest physically consistent bodies that give the same torques."""
-    require_own_variables(robot, "the search for possible bodies")
     require_chain(robot, "the search for possible bodies")
     if not robot.links:
         raise DeriveError(f"{robot.name} has no masses and inertias", remedy="give links in the robot file")

@@ -99,7 +99,8 @@ class _Table:
 
     def __init__(self, document: Document, cells: Cells, root: Root | None) -> None:
         self._document, self._cells = document, cells
-        self._roots = root.variables if root else ()
+        self._root_joints = root_rows(root)[0] if root else ()
+        self._roots = tuple(joint.variable for joint in self._root_joints)
         block = document.find(("variables",))
         self._declared = tuple(block.entries) if isinstance(block, YamlMapping) else ()
         self._variables = self._read_variables()  # by row; nothing where it is fixed
@@ -185,7 +186,7 @@ class _Table:
             if used.keys() <= {*self._declared}
             else (*used, *(n for n in self._declared if n not in used))
         )
-        variables = tuple(self._variable(name, joints) for name in order)
+        variables = tuple(self._variable(name, [*self._root_joints, *joints]) for name in order)
         if self._cells.units.degrees or self._cells.units.millimetres:
             self._refuse_mixed(rows, {variable.variable: variable.type for variable in variables})
         return variables
@@ -205,12 +206,11 @@ class _Table:
         check_symbol(self._document, path, name)
         alone = next((joint for joint in joints if joint.variable == name and name in dict(drives(joint))), None)
         driven = next((joint for joint in joints if name in dict(joint.drive)), None)
-        if alone is None and driven is None and name not in self._roots:
+        if alone is None and driven is None:
             found, allowed = f"variable '{name}' moves no joint", "allowed: variables that the cell of a joint has"
             place = path if name in self._declared else ("joints", self._own.index(name), "q")
             raise self._document.error(place, found, allowed, "remove it, or write it into a cell")
-        root = JointType.REVOLUTE if name in self._roots[-3 if len(self._roots) > 3 else -1 :] else JointType.PRISMATIC
-        kind = next((joint.type for joint in (alone, driven) if joint), root)
+        kind = next(joint.type for joint in (alone, driven) if joint)
         own = Variable(name, kind) if alone is None else Variable(name, kind, alone.limits, alone.speed, alone.torque)
         angle = self._cells.angle if kind is JointType.REVOLUTE else self._cells.length
         limits, speed, torque = (

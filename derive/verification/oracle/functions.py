@@ -70,10 +70,8 @@ FUNCTIONS: Mapping[str, Definition] = {
     "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1, joints=LAST),
     "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq, joints=BOTH),
     "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd, joints=BOTH),
-    "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True, joints=(-2,)),
-    "base_regressor": Definition(
-        ("q", "qd", "qdd"), True, identification.base_regressor, identifies=True, joints=(-2,)
-    ),
+    "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
+    "base_regressor": Definition(("q", "qd", "qdd"), True, identification.base_regressor, identifies=True),
     "base_parameters": Definition((), True, identification.base_parameters, axes=1, identifies=True),
     "manipulability": Definition(("q",), False, rates.manipulability, axes=0, most=16),
     **{
