@@ -1,4 +1,8 @@
-"""How the joints of a robot follow its variables: joint positions are S q and constants, S a constant matrix."""
+"""How the joints of a robot follow its variables.
+
+Joint positions are S q and constants, S a constant matrix. Rows of S that belong to passive joints of closed loops are
+not constant: they stand for the derivatives of their positions.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -19,7 +23,7 @@ def position(joint: Joint) -> Expression:
 
 def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:
     """S, a row for each joint and a column for each variable."""
-    rows = (dict(drives(joint)) if joint.drive else {joint.variable: ONE} for joint in robot.joints)
+    rows = (dict(joint.drive or joint.follows) or {joint.variable: ONE} for joint in robot.joints)
     return [[scalar(row.get(variable.variable, ZERO)) for variable in robot.variables] for row in rows]
 
 

@@ -101,6 +101,9 @@ class Joint:
     # Variables of a coupled joint with their factors: its cell is the sum of factor*variable and the constant part, and
     # ``variable`` is a name of its own that stands for the sum; empty where the joint has its variable for itself.
     drive: tuple[tuple[str, Expression], ...] = ()
+    # Of a passive joint the variables that its loops let it follow, with the names of its own variable's derivatives by
+    # them, G_q3_q1 for d q3/d q1; empty of others.
+    follows: tuple[tuple[str, Expression], ...] = ()
 
     @property
     def label(self) -> str:
@@ -222,6 +225,24 @@ class Variable:
         return self.type is JointType.REVOLUTE
 
 
+class Closure(StrEnum):
+    """What joins two frames where a loop closes."""
+
+    REVOLUTE = "revolute"  # their origins and z axes coincide
+    PRISMATIC = "prismatic"  # their axes are parallel and one origin is on the other's z axis
+    SPHERICAL = "spherical"  # their origins coincide
+    FIXED = "fixed"  # they coincide
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A closed loop of a tree: two of its frames are joined."""
+
+    join: tuple[str, str]  # labels of the rows whose frames are joined, or `BASE`
+    by: Closure  # what joins them
+    branch: str = ""  # a sign for each choice of the assembly, "+" or "-"; empty for all "+"
+
+
 @dataclass(frozen=True, slots=True)
 class FixedRow:
     """A row of a tree without motion: a constant transform, and perhaps a body."""
@@ -309,6 +330,7 @@ class Description:
     ends: tuple[End, ...] = ()  # the ends by name; empty for one end behind the last row
     coupled: tuple[Variable, ...] = ()  # the variables, where some joint is coupled; else each joint has its own
     root: Root | None = None  # how the root moves, None where it stands; its rows are the first of ``joints``
+    loops: tuple[Loop, ...] = ()  # in the order in which they are closed
     # What the file says and hardly means, such as 90 rad.
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
     # Comments before the first line of the file, such as whence the robot is.
@@ -323,6 +345,11 @@ class Description:
     def variables(self) -> tuple[Joint | Variable, ...]:
         """What q consists of: the variables of coupled joints, or each joint with its own."""
         return self.coupled or self.joints
+
+    @property
+    def passive(self) -> tuple[Joint, ...]:
+        """The joints that closed loops move, whose variables are no part of q."""
+        return tuple(joint for joint in self.joints if joint.follows)
 
     @property
     def dof(self) -> int:

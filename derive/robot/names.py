@@ -42,14 +42,14 @@ def expressions(robot: Description) -> Iterator[Expression]:
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:
     """Parameters of kinematics and dynamics; joint variables are none."""
-    variables = {joint.variable for joint in robot.variables}
+    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
     return tuple(name for name in found if name not in variables)
 
 
 def own_names(robot: Description) -> frozenset[str]:
     """Symbols and joint variables, which no printed formula may mean otherwise."""
-    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.variables)))
+    return frozenset((*robot_symbols(robot), *(joint.variable for joint in (*robot.variables, *robot.passive))))
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:

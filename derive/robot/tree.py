@@ -18,6 +18,7 @@ from derive.robot.description import (
     Joint,
     JointType,
     Link,
+    Loop,
     Root,
     RootType,
     Stand,
@@ -150,6 +151,13 @@ def path(robot: Description, last: int) -> tuple[int, ...]:
         found.append(last)
         last = before[last]
     return tuple(reversed(found))
+
+
+def around(robot: Description, loop: Loop) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The joints of a loop from the row at which its branches meet outwards, those of either branch."""
+    one, other = (path(robot, way_to(robot, label).joint) for label in loop.join)
+    meeting = sum(a == b for a, b in zip(one, other, strict=False))
+    return one[meeting:], other[meeting:]
 
 
 def ends(robot: Description) -> tuple[End, ...]:

@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from derive.errors import RobotFileError, listed, near_miss
 from derive.robot.cells import Cells
@@ -27,7 +28,7 @@ _REAL = "allowed: expressions with a finite real value"
 def validate(document: Document, cells: Cells, robot: Description) -> None:
     """Refuse a robot whose parts contradict each other."""
     _check_derived_names(document, cells, robot)
-    variables = {joint.variable for joint in robot.variables}
+    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
     for path, expression in located_expressions(robot):
         if moving := [name for name in names(expression) if name in variables]:
             found = f"joint variable '{moving[0]}'"
@@ -70,7 +71,7 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:
     """Velocities and accelerations get names of their own; nothing else may have them."""
-    taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.variables}
+    taken: dict[str, str] = {joint.variable: "joint variable" for joint in (*robot.variables, *robot.passive)}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
     places = [("variables",)] * robot.dof if robot.coupled else joint_places(robot)
     for place, joint in zip(places, robot.variables, strict=True):
@@ -87,8 +88,9 @@ def _check_derived_names(document: Document, cells: Cells, robot: Description) -
 
 def _check_coupling(document: Document, robot: Description, trials: Iterable[Mapping[str, float]]) -> None:
     """Refuse variables that move the joints only together with others."""
+    active = replace(robot, joints=tuple(joint for joint in robot.joints if not joint.follows))
     for values in trials:
-        rows = coupling(robot, lambda factor: evaluate(factor, values))  # noqa: B023 - called at once
+        rows = coupling(active, lambda factor: evaluate(factor, values))  # noqa: B023 - called at once
         lost = list(range(robot.dof))
         for row in rows:  # elimination: each row that is left takes the first variable that it still has
             pivot = next((k for k in lost if abs(row[k]) > _ROUNDING), None)
@@ -107,7 +109,7 @@ def _check_coupling(document: Document, robot: Description, trials: Iterable[Map
 
 def _check_symbols(document: Document, cells: Cells, robot: Description) -> None:
     """Parameters and run-time parameters are symbols that some cell uses, the latter named once."""
-    variables = {joint.variable for joint in robot.variables}
+    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
     symbols = cells.first_use.keys() - variables
     for name, _ in robot.parameters:
         path: KeyPath = ("parameters", name)

@@ -67,6 +67,10 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
         lines += ["variables:"] if variable is robot.coupled[0] else []
         lines += [f"  {variable.variable}: {_variable(variable, robot)}"]
     lines += [*_block("ends", {end.name: _end(end, units) for end in robot.ends if end.name}), *_root(robot)]
+    lines += ["loops:"] if robot.loops else []
+    for loop in robot.loops:
+        branch = f", branch: {_quoted(loop.branch)}" if loop.branch else ""
+        lines += [f"  - {{join: [{', '.join(map(_quoted, loop.join))}], by: {loop.by.value}{branch}}}"]
     if robot.links:
         bodies = [link for place, link in located_links(robot) if place[0] == "links"]
         lines += ["links:" if bodies else "links: []", *(line for link in bodies for line in _link(link, units))]
@@ -154,8 +158,10 @@ def _root(robot: Description) -> Iterator[str]:
 def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
     """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
     yield f"type: {row.type.value if isinstance(row, Joint) else FIXED}"
-    if isinstance(row, Joint) and any(row.variable == each.variable for each in robot.variables):
+    if isinstance(row, Joint) and any(row.variable == each.variable for each in (*robot.variables, *robot.passive)):
         yield f"q: {row.variable}"
+    if isinstance(row, Joint) and row.follows:
+        yield "passive: true"
     stand, cells = row.stand or Stand(above), row.written(cell_text)
     if stand.after != above:
         yield f"after: {_quoted(stand.after)}"

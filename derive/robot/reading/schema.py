@@ -85,6 +85,7 @@ class JointRow(Strict):
     mount: Matrix4 | None = Field(default=None, description="Constant transform before all else of the row.")
     gamma: Cell = Field(default="0", description="Angle about z of the row before; in the modified convention.")
     b: Cell = Field(default="0", description="Offset along z of the row before; in the modified convention.")
+    passive: Literal["true", "false"] = Field(default="false", description="Whether closed loops move the joint.")
 
 
 class MotorRow(Strict):
@@ -203,6 +204,19 @@ class RootRow(Strict):
     link: BodyRow | None = Field(default=None, description="Its body, in its own frame.")
 
 
+class LoopRow(Strict):
+    """Where a loop closes."""
+
+    join: tuple[RowName, RowName] = Field(description="Rows whose frames are joined, or base.")
+    by: Literal["revolute", "prismatic", "spherical", "fixed"] = Field(
+        description="revolute: origins and z axes coincide; prismatic: axes are parallel, one origin on the other's z "
+        "axis; spherical: origins coincide; fixed: the frames coincide."
+    )
+    branch: Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[+-]*$"})] = Field(
+        default="", description="Which assembly: a sign for each +- of the solution; default: all +."
+    )
+
+
 class VariableRow(Strict):
     """A variable of coupled joints."""
 
@@ -240,6 +254,7 @@ class RobotFile(Strict):
     variables: dict[str, VariableRow] | None = Field(
         default=None, description="Variables of coupled joints; default: those that the rows have for themselves."
     )
+    loops: list[LoopRow] | None = Field(default=None, description="Closed loops, which move the passive joints.")
     gravity: Vector3 | None = Field(
         default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )
