@@ -12,7 +12,7 @@ from derive.algebra.angles import composed, contracted_groups, decompose, printe
 from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, canonical, scaled, sine_and_cosine
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
-from derive.robot.coupling import coupling, drives, position
+from derive.robot.coupling import coupling, drives, position, second_derivative
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
@@ -119,7 +119,7 @@ class PolynomialDomain:
             yield from (eliminated for eliminated, _ in pairs)
             yield from (kept for _, kept in pairs)
         slid = {name for joint in joints if not joint.is_revolute for name, _ in drives(joint)}
-        for i, mover in enumerate(self.robot.variables):
+        for i, mover in enumerate((*self.robot.variables, *self.robot.passive)):  # passive joints behind all variables
             if mover.variable in slid:
                 yield Generator(Kind.VARIABLE, mover.variable, Name(mover.variable), i)
         known = slid | {mover.variable for mover in self.robot.coupled}
@@ -334,6 +334,13 @@ class PolynomialDomain:
                 cosine, sine = self._generator_pair(i)
                 by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
                 total = total + factor * (by_sine * cosine - by_cosine * sine)
+        for at, joint in enumerate(self.robot.passive, self.robot.dof):
+            if (slider := self.places.get((Kind.VARIABLE, at))) is not None:
+                total = total + p.partial(slider) * self.coupling[self.robot.joints.index(joint)][variable]
+            name = self.robot.variables[variable].variable
+            for other, factor in joint.follows if name in dict(joint.follows) else ():
+                if by_slope := p.partial(self.ring.index[factor.name]):
+                    total = total + by_slope * self.constant(second_derivative(joint, other, name))
         return total
 
 

@@ -5,6 +5,7 @@ not constant: they stand for the derivatives of their positions.
 """
 
 from collections.abc import Callable, Sequence
+from itertools import combinations_with_replacement
 from typing import Any
 
 from derive.robot.description import Description, Joint
@@ -19,6 +20,21 @@ def drives(joint: Joint) -> tuple[tuple[str, Expression], ...]:
 def position(joint: Joint) -> Expression:
     """What is variable of a joint's cell."""
     return add(*(multiply(factor, Name(variable)) for variable, factor in drives(joint)))
+
+
+def second_derivative(joint: Joint, one: str, other: str) -> Name:
+    """The name of the second derivative of a passive joint's variable by two variables that it follows."""
+    first, second = (name for name, _ in joint.follows if name in (one, other)) if one != other else (one, one)
+    return Name(f"H_{joint.variable}_{first}_{second}")
+
+
+def loop_names(robot: Description) -> tuple[Name, ...]:
+    """The names of the first and second derivatives of the variables of passive joints."""
+    found = [factor for joint in robot.passive for _, factor in joint.follows]
+    for joint in robot.passive:
+        pairs = combinations_with_replacement([name for name, _ in joint.follows], 2)
+        found += [second_derivative(joint, one, other) for one, other in pairs]
+    return tuple(found)
 
 
 def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:

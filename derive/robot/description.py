@@ -103,7 +103,7 @@ class Joint:
     drive: tuple[tuple[str, Expression], ...] = ()
     # Of a passive joint the variables that its loops let it follow, with the names of its own variable's derivatives by
     # them, G_q3_q1 for d q3/d q1; empty of others.
-    follows: tuple[tuple[str, Expression], ...] = ()
+    follows: tuple[tuple[str, Name], ...] = ()
 
     @property
     def label(self) -> str:
