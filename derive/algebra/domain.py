@@ -338,8 +338,8 @@ class PolynomialDomain:
             if (slider := self.places.get((Kind.VARIABLE, at))) is not None:
                 total = total + p.partial(slider) * self.coupling[self.robot.joints.index(joint)][variable]
             name = self.robot.variables[variable].variable
-            for other, factor in joint.follows if name in dict(joint.follows) else ():
-                if by_slope := p.partial(self.ring.index[factor.name]):
+            for other, slope in joint.follows if name in dict(joint.follows) else ():
+                if by_slope := p.partial(self.ring.index[slope.name]):
                     total = total + by_slope * self.constant(second_derivative(joint, other, name))
         return total
 

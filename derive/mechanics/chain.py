@@ -217,17 +217,17 @@ def way_frame(robot: Robot, label: str, domain: Domain[S]) -> tuple[int, Frame[S
 
 def stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
     """Mount Rot(z, gamma) Trans(z, b)."""
-    return constant_frame(stand.mount, domain) @ _about_z(stand.gamma, stand.b, domain)
+    return constant_frame(stand.mount, domain) @ about_z(stand.gamma, stand.b, domain)
 
 
 def _fixed_frame(robot: Robot, row: FixedRow, domain: Domain[S]) -> Frame[S]:
     """The frame of a row without motion in the DH frame that it follows."""
-    own, link = _about_z(row.theta, row.d, domain), link_factor(row.a, row.alpha, domain)
+    own, link = about_z(row.theta, row.d, domain), link_factor(row.a, row.alpha, domain)
     in_row = own @ link if robot.convention is Convention.STANDARD else link @ own
     return stand_frame(row.stand, domain) @ in_row
 
 
-def _about_z(angle: Expression, offset: Expression, domain: Domain[S]) -> Frame[S]:
+def about_z(angle: Expression, offset: Expression, domain: Domain[S]) -> Frame[S]:
     """Rot(z, angle) Trans(z, offset) of constants."""
     zero, one, (c, s) = domain.number(0), domain.number(1), domain.cosine_sine(angle)
     return Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, domain.constant(offset)))

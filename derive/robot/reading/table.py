@@ -108,7 +108,9 @@ class _Table:
         self._variables = self._read_variables()  # by row; nothing where it is fixed
         self._own = [name if self._is_own(row, name) else "" for row, name in enumerate(self._variables)]
         self._labels = [self._label_of(row) for row in range(len(self._variables))]
-        self._passive = [row for row in range(len(self._variables)) if document.text("joints", row, "passive") == "true"]
+        self._passive = [
+            row for row in range(len(self._variables)) if document.text("joints", row, "passive") == "true"
+        ]
         self._loops = document.length(("loops",)) if document.find(("loops",)) is not None else 0
 
     def _label_of(self, row: int) -> str:

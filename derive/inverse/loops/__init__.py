@@ -1,0 +1,1 @@
+"""Closed loops: the positions of passive joints, and how they move."""

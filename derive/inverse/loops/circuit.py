@@ -1,0 +1,237 @@
+"""The way around a closed loop, and the serial arm of its unknown joints.
+
+Once around a loop all motions make the identity. The joints that are not known yet, those of the closure among them,
+are one run of it, U, and the rest K is known, so that U = K^-1: the inverse kinematics of a serial arm whose pose the
+variables determine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import reduce
+from itertools import takewhile
+from operator import matmul
+
+from derive.mechanics.chain import Domain, about_z, constant_frame, link_factor
+from derive.mechanics.vectors import Frame, S
+from derive.robot import tree
+from derive.robot.description import (
+    BASE,
+    IDENTITY,
+    Closure,
+    Convention,
+    FixedRow,
+    Joint,
+    JointType,
+    Loop,
+    Matrix,
+    Stand,
+)
+from derive.robot.expression import ONE, ZERO, Call, Expression, Number, Pi, add, multiply, negate
+from derive.robot.names import own_names
+from derive.robot.options.inverse import InverseOptions
+from derive.robot.robot import Robot
+
+_RIGHT = multiply(Number(Fraction(1, 2)), Pi())
+# Angles about x behind the first and second of the three joints that turn about z, y and z.
+_BALL = (_RIGHT, negate(_RIGHT))
+
+
+@dataclass(frozen=True, slots=True)
+class Screw:
+    """A constant turn about an axis and shift along it."""
+
+    axis: str  # x or z
+    angle: Expression  # [rad]
+    length: Expression  # [m]
+
+    def back(self) -> Screw:
+        """Its inverse."""
+        return Screw(self.axis, negate(self.angle), negate(self.length))
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A joint passed outwards (+1) or inwards (-1), its variable alone."""
+
+    joint: Joint  # a row of the tree, or one of a closure
+    index: int  # of the joint in the tree, -1 of a closure
+    way: int
+
+    def back(self) -> Motion:
+        """The same the other way."""
+        return replace(self, way=-self.way)
+
+
+Step = Screw | Motion | Matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Circuit:
+    """A loop as a serial arm of what is unknown in it."""
+
+    arm: Robot  # in the modified convention; variables of the tree's joints keep their names
+    places: tuple[int, ...]  # for each joint of the arm its index in the tree, -1 of a closure
+    known: tuple[Step, ...]  # what is known, from behind the arm once around to its beginning
+
+    def pose(self, domain: Domain[S]) -> Frame[S]:
+        """The pose of the arm, in a domain of the tree."""
+        frames = [_frame(step, domain) for step in self.known]
+        return reduce(matmul, frames, constant_frame(IDENTITY, domain)).inverse
+
+
+def circuit(robot: Robot, loop: Loop, solved: Sequence[int]) -> Circuit:
+    """A loop of which some passive joints are known from loops before."""
+    closing = tuple(_closing(robot, loop))
+    inwards = [_back(step) for step in reversed(list(_outwards(robot, loop.join[0], loop)))]
+    steps = [*inwards, *_outwards(robot, loop.join[1], loop), *closing]
+    unknown = [
+        at
+        for at, step in enumerate(steps)
+        if isinstance(step, Motion) and (step.index < 0 or (step.joint.follows and step.index not in solved))
+    ]
+    # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
+    gaps = list(zip(unknown, [*unknown[1:], unknown[0] + len(steps)], strict=True))
+    last, first = max(gaps, key=lambda gap: (_joints_between(steps, *gap), gap[1] - gap[0]))
+    rotated = [*steps[last % len(steps) + 1 :], *steps[: last % len(steps) + 1]]
+    count = (first - last - 1) % len(steps)
+    return _arm(robot, rotated[count:], tuple(rotated[:count]))
+
+
+def _joints_between(steps: Sequence[Step], one: int, other: int) -> int:
+    return sum(isinstance(steps[k % len(steps)], Motion) for k in range(one + 1, other))
+
+
+def _closing(robot: Robot, loop: Loop) -> Iterator[Step]:
+    """The joints of a closure, from its second frame to its first."""
+    taken, k = own_names(robot), robot.loops.index(loop) + 1
+    stem = next(stem for stem in ("psi", *(f"psi{'_' * m}" for m in range(1, 99))) if f"{stem}{k}" not in taken)
+    kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
+    names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
+    for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):
+        yield Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1)
+        yield Screw("x", twist, ZERO)
+
+
+def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
+    """From where the branches of a loop meet to the frame of a row."""
+    one, other = (tree.rows_to(robot, each) for each in loop.join)
+    meeting = sum(a == b for a, b in zip(one, other, strict=False))
+    index = {joint.label: k for k, joint in enumerate(robot.joints)}
+    fixed = {row.name: row for row in robot.fixed}
+    above = one[meeting - 1] if meeting else BASE
+    for name in tree.rows_to(robot, label)[meeting:]:
+        row: Joint | FixedRow = fixed[name] if name in fixed else robot.joints[index[name]]
+        stand = row.stand or Stand(above)
+        link, about_z = Screw("x", row.alpha, row.a), Screw("z", row.theta, row.d)
+        yield stand.mount
+        yield Screw("z", stand.gamma, stand.b)
+        if robot.convention is Convention.MODIFIED:
+            yield link
+        yield about_z
+        if isinstance(row, Joint):
+            yield Motion(row, index[name], 1)
+        if robot.convention is Convention.STANDARD:
+            yield link
+
+
+def _back(step: Step) -> Step:
+    if not isinstance(step, tuple):
+        return step.back()
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), last = step  # (R, p)^-1 = (R^T, -R^T p)
+    columns = ((a, d, g), (b, e, h), (c, f, i))
+    moved = (negate(add(*(multiply(r, p) for r, p in zip(row, (x, y, z), strict=True)))) for row in columns)
+    top = tuple((*row, p) for row, p in zip(columns, moved, strict=True))
+    return (*top, last)
+
+
+def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...]) -> Circuit:
+    """The run of unknown joints as rows of the modified convention: what a row cannot hold is a mount before it."""
+    rows: list[Joint] = []
+    places: list[int] = []
+    between: list[Step] = []
+    for step in steps:
+        if not isinstance(step, Motion):
+            between += [step] if _moves(step) else []
+            continue
+        # What turns about z right behind a joint or right before one belongs to its own row.
+        lead = _about_z(between) if rows else []
+        trail = _about_z(between[len(lead) :][::-1])
+        middle = between[len(lead) : len(between) - len(trail)]
+        if lead:
+            rows[-1] = _turned(rows[-1], lead)
+        about_x = [each for each in middle if isinstance(each, Screw) and each.axis == "x"]
+        mount = IDENTITY if len(about_x) == len(middle) else reduce(_product, map(_matrix, middle))
+        alpha, a = _sums(about_x) if mount == IDENTITY else (ZERO, ZERO)
+        stand, sign = Stand(rows[-1].label if rows else BASE, mount), step.joint.sign * step.way
+        joint = Joint(step.joint.type, step.joint.variable, sign, ZERO, ZERO, a, alpha, stand=stand)
+        rows.append(_turned(joint, trail))
+        places.append(step.index)
+        between = []
+    given = tuple(robot.joints[k].variable for k in places if k >= 0 and not robot.joints[k].follows)
+    arm = Robot(
+        f"{robot.name}-loop",
+        "",
+        Convention.MODIFIED,
+        tuple(rows),
+        parameters=robot.parameters,
+        runtime=robot.runtime,
+        inverse=InverseOptions(given=given),
+    )
+    return Circuit(tree.plain(arm), tuple(places), known)
+
+
+def _moves(step: Screw | Matrix) -> bool:
+    return step != IDENTITY if isinstance(step, tuple) else (step.angle, step.length) != (ZERO, ZERO)
+
+
+def _about_z(steps: Sequence[Step]) -> list[Screw]:
+    """The steps about z with which a list begins."""
+    return [s for s in takewhile(lambda s: isinstance(s, Screw) and s.axis == "z", steps) if isinstance(s, Screw)]
+
+
+def _sums(screws: Sequence[Screw]) -> tuple[Expression, Expression]:
+    return add(*(screw.angle for screw in screws)), add(*(screw.length for screw in screws))
+
+
+def _turned(row: Joint, screws: Sequence[Screw]) -> Joint:
+    """A row with constants about z added to its cells."""
+    theta, d = _sums(screws)
+    return replace(row, theta=add(row.theta, theta), d=add(row.d, d))
+
+
+def _matrix(step: Step) -> Matrix:
+    """A constant step as a matrix."""
+    if isinstance(step, tuple):
+        return step
+    assert isinstance(step, Screw)
+    c, s, x = Call("cos", (step.angle,)), Call("sin", (step.angle,)), step.length
+    if step.axis == "x":
+        return ((ONE, ZERO, ZERO, x), (ZERO, c, negate(s), ZERO), (ZERO, s, c, ZERO), IDENTITY[3])
+    return ((c, negate(s), ZERO, ZERO), (s, c, ZERO, ZERO), (ZERO, ZERO, ONE, x), IDENTITY[3])
+
+
+def _product(left: Matrix, right: Matrix) -> Matrix:
+    rows = [
+        [add(*(multiply(a, b) for a, b in zip(row, column, strict=True))) for column in zip(*right, strict=True)]
+        for row in left
+    ]
+    return tuple((a, b, c, d) for a, b, c, d in rows)
+
+
+def _frame(step: Step, domain: Domain[S]) -> Frame[S]:
+    """A step that is known."""
+    if isinstance(step, tuple):
+        return constant_frame(step, domain)
+    if isinstance(step, Screw):
+        x, angle = step.length, step.angle
+        return link_factor(x, angle, domain) if step.axis == "x" else about_z(angle, x, domain)
+    joint, zero, one = replace(step.joint, theta=ZERO, d=ZERO), domain.number(0), domain.number(1)
+    if joint.is_revolute:
+        (c, s), d = domain.joint_cosine_sine(step.index, joint), zero
+    else:
+        (c, s), d = (one, zero), domain.joint_offset(step.index, joint)
+    frame = Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, d))
+    return frame if step.way > 0 else frame.inverse

@@ -1,0 +1,279 @@
+"""The loops of a robot, solved one after the other: where its passive joints are, and how they move.
+
+Around a closed loop the velocities of all joints add up to none. With J_p and J_a the columns of passive and active
+joints in as many rows as passive joints, those that no joint of the closure moves,
+
+    J_p qd_p + J_a qd_a = 0,   G = -J_p^-1 J_a,   qd_p = G qd_a,
+
+and once more differentiated along the loop J_p H_k + (d J/d q_k) [1; G] = 0, H_k = d G/d q_k (Khalil and Dombre,
+Modeling, Identification and Control of Robots, 2002, chapter 7). G ceases to exist where det J_p = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.algebra.domain import PolynomialDomain
+from derive.algebra.ring import Polynomial
+from derive.errors import QuantityError, listed, quoted
+from derive.inverse.closed.elementary_solver import Field
+from derive.inverse.closed.fields import FloatField
+from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.nodes import NodeKind
+from derive.inverse.closed.solve import solve
+from derive.inverse.closed.walk import GraphWalk, Leaf
+from derive.inverse.loops.circuit import Circuit, circuit
+from derive.inverse.numeric.chain import NumericChain, Problem
+from derive.inverse.numeric.newton import fit
+from derive.mechanics.chain import Domain, build_chain, way_frame
+from derive.mechanics.floats import ArrayDomain
+from derive.mechanics.vectors import Frame, S, Vector, column, cross, multiply, scale, subtract, transpose
+from derive.robot import tree
+from derive.robot.coupling import coupling, loop_names, second_derivative
+from derive.robot.description import Closure, Loop
+from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+Array = npt.NDArray[Any]
+Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of one rate
+
+_SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
+_RANK = 1e-7  # singular values below this part of the largest are rounding
+_MOST = 3  # passive joints of a loop whose velocities are written by Cramer's rule
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedLoop:
+    """A loop with the positions of its passive joints."""
+
+    loop: Loop
+    circuit: Circuit
+    graph: SolutionGraph  # of the circuit's arm
+    leaf: int  # which of its leaves is the branch that the file asks for
+    passive: tuple[int, ...]  # indices of the joints that it determines
+    rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
+
+    def walk(self, domain: Domain[Any], field: Field[Any, Any], variable: Callable[[int], Any]) -> GraphWalk[Any, Any]:
+        """The solution's graph at the pose of the circuit, in a domain of the tree that knows the loops before."""
+        frame = self.circuit.pose(domain)
+        pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
+        given = [variable(self.circuit.places[k]) for k in self.graph.given]
+        return GraphWalk(self.graph, field, pose, given)
+
+    def branch(self, run: GraphWalk[Any, Any]) -> Leaf[Any, Any]:
+        """The branch of the file."""
+        return list(run.leaves())[self.leaf]
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """First and second derivatives of the variables of the passive joints of one loop, numerators over det J_p."""
+
+    determinant: Polynomial
+    first: Mapping[str, Polynomial]  # by the names that they have as factors of joints that follow
+    second: Mapping[str, Polynomial]  # by name; the first derivatives occur in them
+
+
+@lru_cache(32)
+def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
+    """The solved loops of a robot, in the order of the file."""
+    found: list[SolvedLoop] = []
+    for loop in robot.loops:
+        before = [k for one in found for k in one.passive]
+        found.append(_solved(robot, loop, before))
+        found[-1] = _checked(robot, found)
+    return tuple(found)
+
+
+def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
+    own = circuit(robot, loop, before)
+    passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
+    graph = solve(own.arm)
+    if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
+        why = graph.why_not or "an equation of higher degree remains"
+        allowed = "allowed: loops whose passive joints follow from elementary equations one after the other"
+        raise _refused(robot, loop, f"no closed form: {why}", allowed, "close loops with fewer passive joints first")
+    branches = [node.formulas[0].branches for node in graph.nodes if node.formulas[0].branches > 1]
+    signs = loop.branch or "+" * len(branches)
+    if len(signs) != len(branches) or any(count != 2 for count in branches):
+        allowed = f"allowed: {'a sign for each of ' if len(branches) > 1 else 'one sign for '}{len(branches)} choices"
+        raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
+    leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
+    return SolvedLoop(loop, own, graph, leaf, passive)
+
+
+def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
+    """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
+    one = loops[-1]
+    values, q = _assembled(robot, loops)
+    found, closing = twists(robot, one.loop, ArrayDomain(robot, q, values))
+    columns = {k: np.array([np.broadcast_to(x, q[0].shape) for x in twist]) for k, twist in found.items()}
+    closed = np.array([[np.broadcast_to(x, q[0].shape) for x in twist] for twist in closing]).reshape(-1, 6, len(q[0]))
+    scale = max(np.abs(column[:3]).max() for column in columns.values()) or 1.0  # lengths in this unit
+
+    def _rank(joints: Iterable[int], rows: Sequence[int] = range(6), closure: bool = True) -> int:
+        own = [columns[k] for k in joints] + [*closed] * closure
+        table = np.array(own).reshape(-1, 6, len(q[0]))[:, rows] / np.where(np.array(rows) < 3, scale, 1.0)[:, None]
+        return int(np.median(np.linalg.matrix_rank(np.moveaxis(table, -1, 0), rtol=_RANK))) if len(own) else 0
+
+    names = {k: robot.joints[k].variable for k in columns}
+    free = [k for k in one.passive if _rank(p for p in one.passive if p != k) == _rank(one.passive)]
+    if free:
+        found_, remedy = (
+            f"it does not determine {listed(names[k] for k in free)}",
+            "close another loop, or leave passive out",
+        )
+        raise _refused(robot, one.loop, found_, remedy=remedy)
+    locked = _rank(columns) - _rank(one.passive)
+    if locked:
+        active = [names[k] for k in columns if k not in one.passive and _rank([*one.passive, k]) > _rank(one.passive)]
+        what = f"it makes {locked} of {listed(active)} depend on the others"
+        raise _refused(robot, one.loop, f"over-constrained: {what}", "", f"write passive: true on {locked} of them")
+    for rows in combinations(range(6), len(one.passive)):
+        if not np.abs(closed[:, rows]).max(initial=0.0) > _RANK and _rank(one.passive, rows, False) == len(rows):
+            return replace(one, rows=rows)
+    raise _refused(robot, one.loop, "the closure moves with every row of its velocities", "", "join other frames")
+
+
+def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array]]:
+    """Numbers of all symbols and positions of all joints, arrays over configurations in which the loops close."""
+    source = np.random.default_rng(7)
+    for _ in range(_DRAWS):
+        values = dict(parameter_values(robot))
+        values |= {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
+        q = []
+        for variable in robot.variables:
+            most = math.pi if variable.is_revolute else 2.0
+            low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
+            q.append(source.uniform(low, high, _SAMPLES))
+        full, exists = positions(robot, loops, q, values)
+        if exists.any():
+            kept = np.flatnonzero(exists)[:8]
+            return {k: float(v) for k, v in values.items()}, [np.asarray(x)[kept] for x in full]
+    one = loops[-1]
+    frame = one.circuit.pose(ArrayDomain(robot, full, values))
+    poses = np.array(np.broadcast_arrays(*(x for row in frame.rows(np.float64(0), np.float64(1)) for x in row)))
+    arm = Problem(
+        NumericChain.of(one.circuit.arm, {k: float(v) for k, v in values.items()}),
+        np.moveaxis(poses, 0, -1).reshape(-1, 4, 4),
+    )
+    arm = replace(arm, free=np.array([k not in one.graph.given for k in range(one.circuit.arm.n)]))
+    found, _ = fit(arm, np.full((len(arm.poses), one.circuit.arm.n), 0.7))
+    missing = float((arm.residual(found) * arm.unit).min())
+    remedy = "correct the lengths, or limits that keep the loop open"
+    raise _refused(robot, one.loop, f"it cannot be assembled: at best {missing:.3g} m are missing", "", remedy)
+
+
+def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
+    what = f"the loop of {robot.name} that joins {listed(loop.join)}: {found}"
+    return QuantityError(what, allowed=allowed, remedy=remedy)
+
+
+def positions(
+    robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any] | None = None
+) -> tuple[list[Array], Array]:
+    """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
+    numbers = dict(parameter_values(robot) if values is None else values)
+    slopes = {*loop_names(robot)}
+    matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, numbers))
+    full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros_like(q[0])) for row in matrix]
+    exists = np.ones(np.shape(q[0]), dtype=bool)
+    for one in loops:
+        run = one.walk(ArrayDomain(robot, full, numbers), FloatField(numbers), full.__getitem__)
+        leaf = one.branch(run)
+        exists &= np.broadcast_to(leaf.exists, exists.shape)
+        for place, angle in zip(one.circuit.places, run.angles(leaf), strict=True):
+            if place in one.passive:
+                full[place] = np.broadcast_to(angle, exists.shape)
+    return full, exists
+
+
+def twists(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
+    """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure.
+
+    They are taken at the origin of the first frame, in the axes of the world, or where a slide closes the loop in the
+    axes of the first frame.
+    """
+    chain = build_chain(robot, domain)
+    frames: list[Frame[S]] = []
+    for joint in chain.joints:
+        before = frames[joint.parent] if joint.parent >= 0 else chain.base
+        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)))
+    joined: list[Frame[S]] = []
+    for carrier, own in (way_frame(robot, label, domain) for label in loop.join):
+        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.base
+        joined.append(frame if own is None else frame @ own)
+    end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Closure.PRISMATIC
+    # Unless one slides along the other their origins are one point, to which each branch has a way of its own.
+    points = [end.position, end.position if is_slide else joined[1].position]
+
+    def _in_axes(linear: Vector[S], angular: Vector[S]) -> Twist:
+        return (*multiply(back, linear), *multiply(back, angular)) if is_slide else (*linear, *angular)
+
+    found: dict[int, Twist] = {}
+    for branch, way, point in zip(tree.around(robot, loop), (1, -1), points, strict=True):
+        for k in branch:
+            z = scale(way * robot.joints[k].sign, column(frames[k].rotation, 2))
+            turns = chain.joints[k].revolute
+            linear = cross(z, subtract(point, frames[k].position)) if turns else z
+            found[k] = _in_axes(linear, z if turns else chain.null)
+    z = column(end.rotation, 2)
+    axes = {Closure.REVOLUTE: [z], Closure.SPHERICAL: [column(end.rotation, i) for i in range(3)]}.get(loop.by, [])
+    slides = [_in_axes(z, chain.null)] if is_slide else []
+    return found, [*slides, *(_in_axes(chain.null, axis) for axis in axes)]
+
+
+def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
+    """How the passive joints of a loop follow the variables."""
+    columns, _ = twists(robot, one.loop, domain)
+    matrix = [[columns[k][row] for k in one.passive] for row in one.rows]
+    first: dict[str, Polynomial] = {}
+    second: dict[str, Polynomial] = {}
+    ring, names = domain.ring, [variable.variable for variable in robot.variables]
+    for k, name in enumerate(names):
+        # J_a of one variable: the columns of all joints but those that the loop determines, as they follow it.
+        others = [(m, domain.coupling[m][k]) for m in columns if m not in one.passive and domain.coupling[m][k]]
+        right = [-sum((columns[m][row] * s for m, s in others), ring.zero) for row in one.rows]
+        for at, p in enumerate(one.passive):
+            if (factor := dict(robot.joints[p].follows).get(name)) is not None:
+                first[factor.name] = _cramer(matrix, at, right, ring.zero)
+        for j in range(k + 1):
+            moved = [(m, domain.coupling[m][j]) for m in columns if domain.coupling[m][j]]
+            turned = [
+                -sum((domain.derivative(columns[m][row], k) * s for m, s in moved), ring.zero) for row in one.rows
+            ]
+            for m in (m for m in columns if m not in one.passive and robot.joints[m].follows):
+                if {names[j], name} <= dict(robot.joints[m].follows).keys():
+                    bent = domain.constant(second_derivative(robot.joints[m], names[j], name))
+                    turned = [t - columns[m][row] * bent for t, row in zip(turned, one.rows, strict=True)]
+            for at, p in enumerate(one.passive):
+                if {names[j], name} <= dict(robot.joints[p].follows).keys():
+                    bend = second_derivative(robot.joints[p], names[j], name).name
+                    second[bend] = _cramer(matrix, at, turned, ring.zero)
+    return Slopes(_determinant(matrix, ring.zero), first, second)
+
+
+def _cramer(
+    matrix: Sequence[Sequence[Polynomial]], at: int, right: Sequence[Polynomial], zero: Polynomial
+) -> Polynomial:
+    """The numerator of one unknown: the determinant with the right side in its column."""
+    pairs = zip(matrix, right, strict=True)
+    return _determinant([[*row[:at], entry, *row[at + 1 :]] for row, entry in pairs], zero)
+
+
+def _determinant(rows: Sequence[Sequence[Polynomial]], zero: Polynomial) -> Polynomial:
+    """By its first row (Laplace)."""
+    if len(rows) == 1:
+        return rows[0][0]
+    minors = ([[*row[:k], *row[k + 1 :]] for row in rows[1:]] for k in range(len(rows)))
+    terms = (e * _determinant(m, zero) if e else zero for e, m in zip(rows[0], minors, strict=True))
+    return sum((term if k % 2 == 0 else -term for k, term in enumerate(terms)), zero)
