@@ -101,8 +101,8 @@ class _Traced:
         try:
             own = trace.to_end(end)[0] if end else trace
             formulations = trace.choice.near(row.formulations(own), row.margin)
-            if not row.is_of_variables and (end or trace.robot.coupled):
-                sizes = {"r": trace.n, "p": len(columns)}
+            if end or trace.robot.coupled:
+                sizes = {"r": trace.n, "p": len(columns), "u": len(trace.robot.passive)}
                 formulations = tuple(own.for_variables(f, interface.shape, sizes) for f in formulations)
         except QuantityError:
             if not row.may_lack_value:
@@ -131,7 +131,8 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        sizes = {"n": self.trace.robot.dof, "r": self.trace.n, "p": len(self.columns)}
+        passive = len(self.trace.robot.passive)
+        sizes = {"n": self.trace.robot.dof, "r": self.trace.n, "p": len(self.columns), "u": passive}
         sizes |= {"m": len(task_rows(self.trace.robot))} if "m" in self.interface.shape else {}
         interface = self.interface
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in interface.shape)

@@ -41,7 +41,6 @@ class FunctionRow:
     search: bool = True  # whether a long search for shared parts pays
     most_improved: float = inf  # nodes above which it is emitted as traced
     columns: Callable[[Trace], tuple[Column, ...]] | None = None  # names of the columns of the result
-    is_of_variables: bool = False  # whether it is computed for the variables of coupled joints, not for the joints
     of_end: bool = False  # whether a tree has one for each of its ends
     is_optional: bool = False  # whether it is left out where it has no value in any configuration
     without_value: Callable[[Trace], Formulation] | None = None  # what stands for it there otherwise
@@ -113,7 +112,7 @@ ROWS = (
         "Derivatives of the geometric Jacobian with respect to q, in the world frame.",
         "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
         kinematics.hessians,
-        exists=lambda robot: robot.n <= POLICY.most_derivatives,
+        exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.loops,
         margin=POLICY.kinematics_margin,
         search=False,
         of_end=True,
@@ -180,7 +179,6 @@ ROWS = (
         "Joint accelerations under given torques and forces.",
         "solution of tau = B qdd + C qd + g + friction",
         dynamics.accelerations,
-        is_of_variables=True,
         exists=_has_links,
         without_value=dynamics.no_accelerations,
     ),
@@ -196,14 +194,14 @@ ROWS = (
         "Derivatives of the joint torques with respect to q.",
         "row i, column j: d tau_i / d q_j at constant qd and qdd",
         dynamics.torque_position_derivatives,
-        exists=_has_links,
+        exists=lambda robot: robot.has_dynamics and not robot.loops,
     ),
     _row(
         ("dtau/dqd = inverse_dynamics_dqd(q, qd)", ("n", "n")),
         "Derivatives of the joint torques with respect to qd.",
         "2 C + viscous friction on the diagonal; Coulomb friction counts as constant",
         dynamics.torque_velocity_derivatives,
-        exists=_has_links,
+        exists=lambda robot: robot.has_dynamics and not robot.loops,
     ),
     _row(
         ("Y = regressor(q, qd, qdd)", ("n", "p")),
@@ -272,7 +270,7 @@ ROWS = (
                 f"Derivatives of wrench_torques{suffix} with respect to q.",
                 f"row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the {axes}",
                 partial(kinematics.wrench_torque_derivatives, frame),
-                exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives,
+                exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives and not robot.loops,
                 margin=1.0,
                 search=False,
                 of_end=True,
@@ -290,6 +288,13 @@ ROWS = (
         search=False,
         most_improved=POLICY.most_eliminated,
         without_value=dynamics.no_task_inertia,
+    ),
+    _row(
+        ("q_p = passive_positions(q)", ("u",)),
+        "Variables of the passive joints of closed loops.",
+        "one for each of PASSIVE, angles in (-pi, pi]; no numbers where a loop does not close",
+        kinematics.passive_positions,
+        exists=lambda robot: bool(robot.passive),
     ),
 )
 INTERFACES: Mapping[str, Interface] = {row.interface.name: row.interface for row in ROWS}

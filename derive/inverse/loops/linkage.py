@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError, listed, quoted
 from derive.inverse.closed.elementary_solver import Field
 from derive.inverse.closed.fields import FloatField
@@ -48,7 +48,6 @@ Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of o
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
 _RANK = 1e-7  # singular values below this part of the largest are rounding
-_MOST = 3  # passive joints of a loop whose velocities are written by Cramer's rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +67,16 @@ class SolvedLoop:
         pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
         given = [variable(self.circuit.places[k]) for k in self.graph.given]
         return GraphWalk(self.graph, field, pose, given)
+
+    def determinant(self, columns: Mapping[int, Twist]) -> Any:
+        """det J_p of the twists of the loop's joints."""
+        return determinant([[columns[p][row] for p in self.passive] for row in self.rows])
+
+    def numerators(self, columns: Mapping[int, Twist], right: Sequence[Any]) -> list[Any]:
+        """x det J_p of J_p x + right = 0, for each passive joint, by Cramer's rule."""
+        rows = [[columns[p][row] for p in self.passive] for row in self.rows]
+        replaced = ([[*r[:at], -e, *r[at + 1 :]] for r, e in zip(rows, right, strict=True)] for at in range(len(rows)))
+        return [determinant(matrix) for matrix in replaced]
 
     def branch(self, run: GraphWalk[Any, Any]) -> Leaf[Any, Any]:
         """The branch of the file."""
@@ -235,45 +244,25 @@ def twists(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[dict[int, Twist
 def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
     columns, _ = twists(robot, one.loop, domain)
-    matrix = [[columns[k][row] for k in one.passive] for row in one.rows]
     first: dict[str, Polynomial] = {}
     second: dict[str, Polynomial] = {}
-    ring, names = domain.ring, [variable.variable for variable in robot.variables]
+    zero, names = domain.ring.zero, [variable.variable for variable in robot.variables]
+    followed = {m: dict(robot.joints[m].follows) for m in columns}
+    others = [m for m in columns if m not in one.passive]
     for k, name in enumerate(names):
-        # J_a of one variable: the columns of all joints but those that the loop determines, as they follow it.
-        others = [(m, domain.coupling[m][k]) for m in columns if m not in one.passive and domain.coupling[m][k]]
-        right = [-sum((columns[m][row] * s for m, s in others), ring.zero) for row in one.rows]
-        for at, p in enumerate(one.passive):
-            if (factor := dict(robot.joints[p].follows).get(name)) is not None:
-                first[factor.name] = _cramer(matrix, at, right, ring.zero)
-        for j in range(k + 1):
-            moved = [(m, domain.coupling[m][j]) for m in columns if domain.coupling[m][j]]
-            turned = [
-                -sum((domain.derivative(columns[m][row], k) * s for m, s in moved), ring.zero) for row in one.rows
+        shares = [(m, domain.coupling[m][k]) for m in others]
+        found = one.numerators(columns, [sum((columns[m][row] * s for m, s in shares), zero) for row in one.rows])
+        first |= {followed[p][name].name: n for p, n in zip(one.passive, found, strict=True) if name in followed[p]}
+        for j, other in enumerate(names[: k + 1]):
+            # d/dq_k of all columns, and the second derivatives of joints that loops before determine
+            moved = [
+                sum((domain.derivative(columns[m][row], k) * domain.coupling[m][j] for m in columns), zero)
+                for row in one.rows
             ]
-            for m in (m for m in columns if m not in one.passive and robot.joints[m].follows):
-                if {names[j], name} <= dict(robot.joints[m].follows).keys():
-                    bent = domain.constant(second_derivative(robot.joints[m], names[j], name))
-                    turned = [t - columns[m][row] * bent for t, row in zip(turned, one.rows, strict=True)]
-            for at, p in enumerate(one.passive):
-                if {names[j], name} <= dict(robot.joints[p].follows).keys():
-                    bend = second_derivative(robot.joints[p], names[j], name).name
-                    second[bend] = _cramer(matrix, at, turned, ring.zero)
-    return Slopes(_determinant(matrix, ring.zero), first, second)
-
-
-def _cramer(
-    matrix: Sequence[Sequence[Polynomial]], at: int, right: Sequence[Polynomial], zero: Polynomial
-) -> Polynomial:
-    """The numerator of one unknown: the determinant with the right side in its column."""
-    pairs = zip(matrix, right, strict=True)
-    return _determinant([[*row[:at], entry, *row[at + 1 :]] for row, entry in pairs], zero)
-
-
-def _determinant(rows: Sequence[Sequence[Polynomial]], zero: Polynomial) -> Polynomial:
-    """By its first row (Laplace)."""
-    if len(rows) == 1:
-        return rows[0][0]
-    minors = ([[*row[:k], *row[k + 1 :]] for row in rows[1:]] for k in range(len(rows)))
-    terms = (e * _determinant(m, zero) if e else zero for e, m in zip(rows[0], minors, strict=True))
-    return sum((term if k % 2 == 0 else -term for k, term in enumerate(terms)), zero)
+            for m in (m for m in others if {name, other} <= followed[m].keys()):
+                bend = domain.constant(second_derivative(robot.joints[m], other, name))
+                moved = [x + columns[m][row] * bend for x, row in zip(moved, one.rows, strict=True)]
+            pairs = zip(one.passive, one.numerators(columns, moved), strict=True)
+            bends = ((robot.joints[p], n) for p, n in pairs if {name, other} <= followed[p].keys())
+            second |= {second_derivative(joint, other, name).name: n for joint, n in bends}
+    return Slopes(one.determinant(columns), first, second)

@@ -10,7 +10,7 @@ nodes costs that its options need.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial, reduce
 from operator import or_
 
@@ -34,6 +34,7 @@ class Formulation:
 
     words: str  # what it is, for the generated file
     trace: Callable[[], Sequence[Value]]  # gives the outputs, row by row
+    is_of_variables: bool = False  # whether it is computed for the variables of coupled joints, not for the joints
 
 
 class FormulationChoice:
@@ -59,7 +60,7 @@ class FormulationChoice:
         """The formulations that as traced cost at most ``margin`` times the cheapest; None for any cost."""
         # Without a margin all are made before the first is traced; the order of tracing numbers the nodes.
         untraced = tuple(formulations) if margin is None else formulations
-        traced = [Formulation(f.words, partial(list, f.trace())) for f in untraced]
+        traced = [replace(f, trace=partial(list, f.trace())) for f in untraced]
         if margin is None:
             return tuple(traced)
         costs = [program_cost(self._graph, [value.ref for value in f.trace()]).body for f in traced]

@@ -46,6 +46,23 @@ def inertia_matrices(trace: Trace) -> Iterator[Formulation]:
 
 def coriolis_matrices(trace: Trace) -> Iterator[Formulation]:
     """Formulations of C."""
+    if trace.robot.loops:
+        n, dof = trace.n, trace.robot.dof
+
+        def _of_variables() -> list[Value]:
+            # W^T (C W + B dW/dt): the joints' rates are W qd (Khalil and Dombre 2002, chapter 10).
+            slopes = flat(trace.matrix)
+            bent = trace.in_time(slopes)
+            own = trace.by_variables(_coriolis(trace)(_coriolis_choices(trace)[0]), (n, n), 1)
+            moved = [
+                entry + sum((b * bent[dof * m + k] for m, b in enumerate(row)), trace.chain.zero)
+                for i, row in enumerate(_cheapest_inertia(trace))
+                for k, entry in enumerate(own[dof * i : dof * i + dof])
+            ]
+            return trace.by_variables(moved, (n, dof), 0)
+
+        yield Formulation("composite bodies of the joints, then the variables", _of_variables, is_of_variables=True)
+        return
     yield from _searched(trace, "coriolis", f"composite bodies and their inner motion {_BASE}", _coriolis(trace))
     yield from _closed(trace, "coriolis_matrix")
 
@@ -85,7 +102,7 @@ def torques(trace: Trace) -> Iterator[Formulation]:
 
 def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
     """Formulations of C qd."""
-    zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.zeros()
+    zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.still()
 
     def _values(choices: FrameChoices) -> list[Value]:
         weightless = replace(trace.arranged(choices, axial=True), gravity=(zero, zero, zero))
@@ -107,7 +124,8 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
             rows = [entries[dof * i : dof * i + dof] for i in range(dof)]
             return forward_dynamics(rows, trace.by_variables(bias, (n,), 0), trace.variables(TAU))
 
-        yield Formulation("inertia matrix and Newton-Euler of the variables, factorised without roots", _projected)
+        words = "inertia matrix and Newton-Euler of the variables, factorised without roots"
+        yield Formulation(words, _projected, is_of_variables=True)
         return
     if n <= POLICY.most_factorised:
 
@@ -232,7 +250,7 @@ def _coriolis_choices(trace: Trace) -> tuple[FrameChoices, ...]:
 def _newton_euler(trace: Trace, accelerations: str | None) -> Recursion:
     """Torques with friction; without accelerations they are the bias."""
     rates = trace.arguments(QD)
-    given = trace.zeros() if accelerations is None else trace.arguments(accelerations)
+    given = trace.still() if accelerations is None else trace.arguments(accelerations)
 
     def _values(choices: FrameChoices) -> list[Value]:
         return trace.with_friction(inverse_dynamics(trace.arranged(choices, axial=True), rates, given, choices))

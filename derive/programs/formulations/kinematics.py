@@ -71,6 +71,13 @@ def end_jacobians(trace: Trace) -> Iterator[Formulation]:
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
     """Formulations of dJ/dt."""
+    if trace.robot.loops:
+
+        def _of_variables() -> list[Value]:
+            return trace.in_time(trace.by_variables(flat(recursion.jacobian(trace.chain)), (6, trace.n), 1))
+
+        yield Formulation("the variables' Jacobian, differentiated in time", _of_variables, is_of_variables=True)
+        return
     rates = dict(zip(trace.variables(Q), trace.variables(QD), strict=True))
     yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
     for words, matrix, _ in _pairs(trace):
@@ -86,6 +93,12 @@ def hessians(trace: Trace) -> Iterator[Formulation]:
     for words, matrix, _ in _pairs(trace):
         entries = lambda matrix=matrix: flat(jacobian_hessian(matrix(), trace.chain.zero))  # noqa: E731
         yield Formulation(f"products of columns of the {words}", entries)
+
+
+def passive_positions(trace: Trace) -> Iterator[Formulation]:
+    """Formulations of the variables of passive joints."""
+    places = [k for k, joint in enumerate(trace.robot.joints) if joint.follows]
+    yield Formulation("closed form, one branch", lambda: [trace.domain.argument(Q, k) for k in places])
 
 
 def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:

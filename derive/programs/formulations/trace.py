@@ -32,10 +32,12 @@ from derive.programs.formulations.frame_choice import (
     arrange,
     starting_choices,
 )
+from derive.programs.formulations.loops import passive_joints, rates
 from derive.programs.formulations.parallel_axes import ParallelRun, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
+from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import Graph
-from derive.programs.tape.scalars import QD, QDD, Q, TapeDomain
+from derive.programs.tape.scalars import QD, QDD, Passive, Q, TapeDomain
 from derive.programs.tape.value import Value
 from derive.robot import tree
 from derive.robot.coupling import coupling
@@ -173,7 +175,8 @@ class Trace:
         self.effort = effort
         self._whole, self._places = whole, places
         self.graph: Graph = whole.graph if whole else Graph()
-        self.domain = TapeDomain(whole.robot, self.graph, places) if whole else TapeDomain(robot, self.graph)
+        self.passive: Passive = whole.passive if whole else passive_joints(robot, self.graph)
+        self.domain = TapeDomain(whole.robot if whole else robot, self.graph, places if whole else None, self.passive)
         self.chain: Chain[Value] = build_chain(robot, self.domain)
         self.choice: FormulationChoice = whole.choice if whole else FormulationChoice(robot, self.graph, effort)
         self._to_ends: dict[str, tuple[Trace, tuple[int, ...]]] = {}
@@ -264,7 +267,7 @@ class Trace:
         return [self.domain.variable(kind, k) for k in range(self.robot.dof)]
 
     @cached_property
-    def _matrix(self) -> list[list[Value]]:
+    def matrix(self) -> list[list[Value]]:
         """What turns velocities of the variables into those of the joints: S, or the choice of an arm's joints."""
         if self.robot.coupled:
             return coupling(self.robot, self.domain.constant)
@@ -273,7 +276,7 @@ class Trace:
 
     def by_variables(self, values: Sequence[Value], shape: Sequence[int], axis: int) -> list[Value]:
         """An array whose axis has an entry for each joint, with one for each variable: S^T v along the axis."""
-        step, matrix, found = prod(shape[axis + 1 :]), self._matrix, list[Value]()
+        step, matrix, found = prod(shape[axis + 1 :]), self.matrix, list[Value]()
         columns = list(zip(*matrix, strict=True))
         for start, column, place in product(range(prod(shape[:axis])), columns, range(step)):
             entries = values[start * self.n * step + place : (start + 1) * self.n * step : step]
@@ -284,16 +287,27 @@ class Trace:
         self, formulation: Formulation, sizes: Sequence[int | str], lengths: Mapping[str, int]
     ) -> Formulation:
         """What is computed joint by joint, for the variables of the whole robot."""
+        if formulation.is_of_variables:
+            return formulation
         values = list(formulation.trace())
         shape = [self.n if size == "n" else lengths[size] if isinstance(size, str) else size for size in sizes]
         for axis in (axis for axis, size in enumerate(sizes) if size == "n"):
             values = self.by_variables(values, shape, axis)
-            shape[axis] = len(self._matrix[0])
+            shape[axis] = len(self.matrix[0])
         return Formulation(formulation.words, partial(list, values))
 
     def zeros(self) -> list[Value]:
         """An argument that vanishes."""
         return [self.chain.zero] * self.n
+
+    def still(self) -> list[Value]:
+        """The accelerations of the joints while the variables have none."""
+        return [self.domain.bias(i) for i in range(self.n)]
+
+    def in_time(self, values: Sequence[Value]) -> list[Value]:
+        """How values change in time, those that passive joints move included."""
+        whole = self._whole or self
+        return derivative(values, rates(whole.robot, self.passive, whole.domain))
 
     def with_friction(self, torques: Sequence[Value]) -> list[Value]:
         """Torques of the joints [N m, N] and b*qd + f*sign(qd), or (f + d*sign(qd))*sign(qd) by direction."""

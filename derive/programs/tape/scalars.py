@@ -6,12 +6,14 @@ the numbers: a multiple of pi/2 exchanges sine and cosine, any other offset goes
 costs less than the addition theorem.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 from derive.algebra import constants
 from derive.algebra.angles import composed, decompose
 from derive.errors import QuantityError
+from derive.inverse.closed.unknowns import turned
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
@@ -38,21 +40,33 @@ Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
 _OF_JOINTS = frozenset({Q, QD, QDD, TAU})  # those with one entry per joint
 
 
+@dataclass(frozen=True)
+class Passive:
+    """What is known of the passive joints of closed loops, by their places in the robot."""
+
+    numbers: Mapping[int, tuple[Value, ...]] = field(default_factory=dict)  # cosine and sine of the variable, or length
+    slopes: Mapping[Expression, Value] = field(default_factory=dict)  # derivatives by the variables, by their names
+    biases: Mapping[int, Value] = field(default_factory=dict)  # accelerations while the variables have none
+
+
 class TapeDomain:
     """A `derive.mechanics.chain.Domain` on a graph, whose run-time parameter k is ``robot_symbols(robot)[k]``.
 
     With ``places`` it is that of the arm whose joints are these joints of the robot.
     """
 
-    def __init__(self, robot: Robot, graph: Graph, places: Sequence[int] | None = None) -> None:
+    def __init__(
+        self, robot: Robot, graph: Graph, places: Sequence[int] | None = None, passive: Passive | None = None
+    ) -> None:
         self.graph = graph
+        self._passive = passive or Passive()
         self._places = range(robot.n) if places is None else places
         self._coupling = coupling(robot) if robot.coupled else []
         self._joints = [robot.joints[place] for place in self._places]
         self._numbers = {k: v for k, v in dict(robot.parameters).items() if k not in robot.runtime}
         self._known: dict[Expression, Value] = {
             Name(name): Value(graph, graph.input(PARAMETER, i)) for i, name in enumerate(robot_symbols(robot))
-        }
+        } | dict(self._passive.slopes)
 
     def argument(self, kind: str, index: int) -> Value:
         """One entry of an argument; of q, its derivatives and tau that of the joint with that index in the arm."""
@@ -60,10 +74,17 @@ class TapeDomain:
             return self.variable(kind, index)
         if not self._coupling:
             return self.variable(kind, self._places[index])
-        row = enumerate(self._coupling[self._places[index]])
-        return sum(
-            (self.constant(factor) * self.variable(kind, k) for k, factor in row if factor != ZERO), self.number(0)
-        )
+        place = self._places[index]
+        if kind == Q and place in self._passive.numbers:
+            numbers = self._passive.numbers[place]
+            return numbers[0] if len(numbers) == 1 else numbers[1].arctangent(numbers[0])
+        start = self._passive.biases.get(place, self.number(0)) if kind == QDD else self.number(0)
+        row = enumerate(self._coupling[place])
+        return sum((self.constant(factor) * self.variable(kind, k) for k, factor in row if factor != ZERO), start)
+
+    def bias(self, index: int) -> Value:
+        """The acceleration of the joint with that index in the arm while the variables have none."""
+        return self._passive.biases.get(self._places[index], self.number(0))
 
     def variable(self, kind: str, index: int) -> Value:
         """One entry of an argument of the function."""
@@ -116,6 +137,8 @@ class TapeDomain:
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Value, Value]:
         """Cosine and sine of the angle ``sign*q + theta`` of a revolute joint."""
+        if (pair := self._passive.numbers.get(self._places[index])) is not None:
+            return turned(self._cosine_sine(self.number(0), joint.theta), pair, joint.sign)
         return self._cosine_sine(self._signed(index, joint), joint.theta)
 
     def cosine_sine_of_sum(self, turns: Sequence[tuple[int, int]]) -> tuple[Value, Value]:
@@ -126,7 +149,13 @@ class TapeDomain:
             if not self._coupling:
                 variable = variable + direction * self._signed(index, joint)
             offset.append(Product((Number(Fraction(direction)), joint.theta)))
-        return self._cosine_sine(self._coupled_sum(turns) if self._coupling else variable, Sum(tuple(offset)))
+        numbers = self._passive.numbers
+        active = [turn for turn in turns if self._places[turn[0]] not in numbers]
+        total = self._cosine_sine(self._coupled_sum(active) if self._coupling else variable, Sum(tuple(offset)))
+        for index, direction in turns:  # the angles of passive joints are known by cosine and sine
+            if (pair := numbers.get(self._places[index])) is not None:
+                total = turned(total, pair, direction * self._joints[index].sign)
+        return total
 
     def _coupled_sum(self, turns: Sequence[tuple[int, int]]) -> Value:
         """What is variable of a sum of angles of coupled joints; what cancels there costs nothing."""
