@@ -146,7 +146,7 @@ def _modulo_prime(graph: SolutionGraph, sampled: InverseDomain, numbers: Mapping
     closing = []
     for leaf in leaves:
         closes = everything.copy()
-        for miss in _misses(run, leaf):
+        for miss in misses(run, leaf):
             closes &= miss.values == 0
         flat = [np.broadcast_to(x.values, (_SAMPLES, 1))[:, 0] for own in leaf.joints for x in own]
         closing.append((closes[:, 0], np.stack(flat, axis=1)))
@@ -170,7 +170,7 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     solutions: list[list[Any]] = [[] for _ in range(_COMPLEX)]
     size = max(float(np.max(np.abs(x))) for row in pose for x in row)
     for leaf in run.leaves():
-        miss = np.maximum.reduce([np.abs(x) + np.zeros(_COMPLEX) for x in _misses(run, leaf)])
+        miss = np.maximum.reduce([np.abs(x) + np.zeros(_COMPLEX) for x in misses(run, leaf)])
         flat = np.stack([np.broadcast_to(x, (_COMPLEX,)) for own in leaf.joints for x in own])
         for k in np.flatnonzero(miss < _CLOSES * size):
             if all(np.abs(flat[:, k] - other).max() > _CLOSES for other in solutions[k]):
@@ -180,7 +180,7 @@ def _over_complex(graph: SolutionGraph, numbers: Mapping[str, Expression]) -> in
     return middle if counts.count(middle) > len(counts) // 2 else 0
 
 
-def _misses(run: GraphWalk[Any, Any], leaf: Leaf[Any, Any]) -> list[Any]:
+def misses(run: GraphWalk[Any, Any], leaf: Leaf[Any, Any]) -> list[Any]:
     """What a leaf misses of the wanted entries, and of c^2 + s^2 = 1: a pose may be right with pairs of no angle."""
     again = pose_of(run, leaf.joints)
     rows = [[*again.rotation[i], again.position[i]] for i in range(3)]

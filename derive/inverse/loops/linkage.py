@@ -28,11 +28,9 @@ from derive.inverse.closed.elementary_solver import Field
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
-from derive.inverse.closed.solve import solve
+from derive.inverse.closed.solve import misses, solve
 from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
-from derive.inverse.numeric.chain import NumericChain, Problem
-from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, column, cross, multiply, scale, subtract, transpose
@@ -47,6 +45,7 @@ Array = npt.NDArray[Any]
 Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of one rate
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
+_OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -60,6 +59,7 @@ class SolvedLoop:
     leaf: int  # which of its leaves is the branch that the file asks for
     passive: tuple[int, ...]  # indices of the joints that it determines
     rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
+    in_frame: bool = False  # whether the twists are taken in the axes of the loop's first frame, not in the world's
 
     def walk(self, domain: Domain[Any], field: Field[Any, Any], variable: Callable[[int], Any]) -> GraphWalk[Any, Any]:
         """The solution's graph at the pose of the circuit, in a domain of the tree that knows the loops before."""
@@ -120,42 +120,61 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     return SolvedLoop(loop, own, graph, leaf, passive)
 
 
+class _Mobility:
+    """Ranks of the twists of a loop where it is assembled."""
+
+    def __init__(self, robot: Robot, one: SolvedLoop, values: Mapping[str, float], q: Sequence[Array]) -> None:
+        found, closing = twists(robot, one, ArrayDomain(robot, q, values))
+        self.joints, size = tuple(found), len(q[0])
+        unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
+
+        def _column(twist: Twist) -> Array:
+            lengths = np.where(np.arange(6) < 3, unit, 1.0)
+            return np.stack([np.broadcast_to(x, size) for x in twist], axis=-1) / lengths
+
+        self._columns = {k: _column(twist) for k, twist in found.items()}
+        self._closure = [_column(twist) for twist in closing]
+
+    def rank(self, joints: Iterable[int]) -> int:
+        """Of joints and those of the closure, at most configurations."""
+        return self._rank([*(self._columns[k] for k in joints), *self._closure])
+
+    def determine(self, rows: Sequence[int], joints: Sequence[int]) -> bool:
+        """Whether rows in which the closure has no part determine the rates of joints."""
+        own = list(rows)
+        is_free = all(np.abs(column[:, own]).max() < _RANK for column in self._closure)
+        return is_free and self._rank([self._columns[k][:, own] for k in joints]) == len(joints)
+
+    def _rank(self, columns: Sequence[Array]) -> int:
+        ranks = np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK) if columns else [0]
+        return int(np.median(ranks))
+
+
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
-    one = loops[-1]
-    values, q = _assembled(robot, loops)
-    found, closing = twists(robot, one.loop, ArrayDomain(robot, q, values))
-    columns = {k: np.array([np.broadcast_to(x, q[0].shape) for x in twist]) for k, twist in found.items()}
-    closed = np.array([[np.broadcast_to(x, q[0].shape) for x in twist] for twist in closing]).reshape(-1, 6, len(q[0]))
-    scale = max(np.abs(column[:3]).max() for column in columns.values()) or 1.0  # lengths in this unit
-
-    def _rank(joints: Iterable[int], rows: Sequence[int] = range(6), closure: bool = True) -> int:
-        own = [columns[k] for k in joints] + [*closed] * closure
-        table = np.array(own).reshape(-1, 6, len(q[0]))[:, rows] / np.where(np.array(rows) < 3, scale, 1.0)[:, None]
-        return int(np.median(np.linalg.matrix_rank(np.moveaxis(table, -1, 0), rtol=_RANK))) if len(own) else 0
-
-    names = {k: robot.joints[k].variable for k in columns}
-    free = [k for k in one.passive if _rank(p for p in one.passive if p != k) == _rank(one.passive)]
-    if free:
-        found_, remedy = (
-            f"it does not determine {listed(names[k] for k in free)}",
-            "close another loop, or leave passive out",
-        )
-        raise _refused(robot, one.loop, found_, remedy=remedy)
-    locked = _rank(columns) - _rank(one.passive)
-    if locked:
-        active = [names[k] for k in columns if k not in one.passive and _rank([*one.passive, k]) > _rank(one.passive)]
-        what = f"it makes {locked} of {listed(active)} depend on the others"
-        raise _refused(robot, one.loop, f"over-constrained: {what}", "", f"write passive: true on {locked} of them")
-    for rows in combinations(range(6), len(one.passive)):
-        if not np.abs(closed[:, rows]).max(initial=0.0) > _RANK and _rank(one.passive, rows, False) == len(rows):
-            return replace(one, rows=rows)
-    raise _refused(robot, one.loop, "the closure moves with every row of its velocities", "", "join other frames")
+    one, (values, q) = loops[-1], _assembled(robot, loops)
+    mobility, names = _Mobility(robot, one, values, q), [joint.variable for joint in robot.joints]
+    rank = mobility.rank(one.passive)
+    if free := [k for k in one.passive if mobility.rank(p for p in one.passive if p != k) == rank]:
+        found, remedy = f"it does not determine {listed(names[k] for k in free)}", "leave passive out on some of them"
+        raise _refused(robot, one.loop, found, remedy=remedy)
+    if locked := mobility.rank(mobility.joints) - rank:
+        active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
+        found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
+        raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
+    for in_frame in (False, True):
+        turned = replace(one, in_frame=in_frame)
+        mobility = _Mobility(robot, turned, values, q)
+        for rows in combinations(range(6), len(one.passive)):
+            if mobility.determine(rows, one.passive):
+                return replace(turned, rows=rows)
+    found = "no velocities are free of the joint that closes it"
+    raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
 def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array]]:
     """Numbers of all symbols and positions of all joints, arrays over configurations in which the loops close."""
-    source = np.random.default_rng(7)
+    source, nearest = np.random.default_rng(7), math.inf
     for _ in range(_DRAWS):
         values = dict(parameter_values(robot))
         values |= {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
@@ -164,22 +183,12 @@ def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, flo
             most = math.pi if variable.is_revolute else 2.0
             low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
             q.append(source.uniform(low, high, _SAMPLES))
-        full, exists = positions(robot, loops, q, values)
-        if exists.any():
-            kept = np.flatnonzero(exists)[:8]
-            return {k: float(v) for k, v in values.items()}, [np.asarray(x)[kept] for x in full]
-    one = loops[-1]
-    frame = one.circuit.pose(ArrayDomain(robot, full, values))
-    poses = np.array(np.broadcast_arrays(*(x for row in frame.rows(np.float64(0), np.float64(1)) for x in row)))
-    arm = Problem(
-        NumericChain.of(one.circuit.arm, {k: float(v) for k, v in values.items()}),
-        np.moveaxis(poses, 0, -1).reshape(-1, 4, 4),
-    )
-    arm = replace(arm, free=np.array([k not in one.graph.given for k in range(one.circuit.arm.n)]))
-    found, _ = fit(arm, np.full((len(arm.poses), one.circuit.arm.n), 0.7))
-    missing = float((arm.residual(found) * arm.unit).min())
-    remedy = "correct the lengths, or limits that keep the loop open"
-    raise _refused(robot, one.loop, f"it cannot be assembled: at best {missing:.3g} m are missing", "", remedy)
+        full, missing = _positions(robot, loops, q, values)
+        if (kept := np.flatnonzero(missing < _OPEN)[:8]).size:
+            return {k: float(v) for k, v in values.items()}, [x[kept] for x in full]
+        nearest = min(nearest, float(missing.min()))
+    remedy = "correct the lengths and frames, or limits that keep the loop open"
+    raise _refused(robot, loops[-1].loop, f"it cannot be assembled: at best {nearest:.3g} m are missing", "", remedy)
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
@@ -191,27 +200,34 @@ def positions(
     robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any] | None = None
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
-    numbers = dict(parameter_values(robot) if values is None else values)
-    slopes = {*loop_names(robot)}
-    matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, numbers))
-    full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros_like(q[0])) for row in matrix]
-    exists = np.ones(np.shape(q[0]), dtype=bool)
+    full, missing = _positions(robot, loops, q, parameter_values(robot) if values is None else values)
+    return full, missing < _OPEN
+
+
+def _positions(
+    robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any]
+) -> tuple[list[Array], Array]:
+    """The same, and by how much the frames miss each other, in m and in entries of rotations."""
+    slopes, shape = {*loop_names(robot)}, np.shape(q[0])
+    matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
+    full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in matrix]
+    missing = np.zeros(shape)
     for one in loops:
-        run = one.walk(ArrayDomain(robot, full, numbers), FloatField(numbers), full.__getitem__)
+        run = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
         leaf = one.branch(run)
-        exists &= np.broadcast_to(leaf.exists, exists.shape)
+        # The formulas hold at poses that the arm reaches: lengths may be short, planes apart, and axes opposed.
+        units = (own if len(own) == 1 else own / np.hypot(*own) for own in map(np.array, leaf.joints))
+        for miss in misses(run, replace(leaf, joints=tuple(map(tuple, units)))):
+            missing = np.maximum(missing, np.abs(miss))
         for place, angle in zip(one.circuit.places, run.angles(leaf), strict=True):
             if place in one.passive:
-                full[place] = np.broadcast_to(angle, exists.shape)
-    return full, exists
+                full[place] = np.broadcast_to(angle, shape)
+    return full, missing
 
 
-def twists(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
-    """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure.
-
-    They are taken at the origin of the first frame, in the axes of the world, or where a slide closes the loop in the
-    axes of the first frame.
-    """
+def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
+    """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure."""
+    loop = one.loop
     chain = build_chain(robot, domain)
     frames: list[Frame[S]] = []
     for joint in chain.joints:
@@ -226,7 +242,7 @@ def twists(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[dict[int, Twist
     points = [end.position, end.position if is_slide else joined[1].position]
 
     def _in_axes(linear: Vector[S], angular: Vector[S]) -> Twist:
-        return (*multiply(back, linear), *multiply(back, angular)) if is_slide else (*linear, *angular)
+        return (*multiply(back, linear), *multiply(back, angular)) if one.in_frame else (*linear, *angular)
 
     found: dict[int, Twist] = {}
     for branch, way, point in zip(tree.around(robot, loop), (1, -1), points, strict=True):
@@ -243,7 +259,7 @@ def twists(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[dict[int, Twist
 
 def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
-    columns, _ = twists(robot, one.loop, domain)
+    columns, _ = twists(robot, one, domain)
     first: dict[str, Polynomial] = {}
     second: dict[str, Polynomial] = {}
     zero, names = domain.ring.zero, [variable.variable for variable in robot.variables]

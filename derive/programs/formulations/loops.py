@@ -23,7 +23,7 @@ def passive_joints(robot: Robot, graph: Graph) -> Passive:
         domain = TapeDomain(robot, graph, passive=found)
         found = replace(found, numbers={**found.numbers, **_positions(one, domain)})
         domain = TapeDomain(robot, graph, passive=found)
-        columns, _ = twists(bare, one.loop, domain)
+        columns, _ = twists(bare, one, domain)
         others, determinant = [m for m in columns if m not in one.passive], one.determinant(columns)
         slopes: dict[Expression, Value] = {}
         for k, variable in enumerate(robot.variables):

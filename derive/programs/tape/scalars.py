@@ -78,6 +78,8 @@ class TapeDomain:
         if kind == Q and place in self._passive.numbers:
             numbers = self._passive.numbers[place]
             return numbers[0] if len(numbers) == 1 else numbers[1].arctangent(numbers[0])
+        if self._joints[index].follows and place not in self._passive.numbers:
+            return self.number(0)  # of a loop that is still to be solved: nothing that is used depends on it
         start = self._passive.biases.get(place, self.number(0)) if kind == QDD else self.number(0)
         row = enumerate(self._coupling[place])
         return sum((self.constant(factor) * self.variable(kind, k) for k, factor in row if factor != ZERO), start)
