@@ -31,6 +31,8 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
 from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
+from derive.inverse.numeric.chain import NumericChain, Problem
+from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, column, cross, multiply, scale, subtract, transpose
@@ -183,10 +185,16 @@ def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, flo
             most = math.pi if variable.is_revolute else 2.0
             low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
             q.append(source.uniform(low, high, _SAMPLES))
-        full, missing = _positions(robot, loops, q, values)
-        if (kept := np.flatnonzero(missing < _OPEN)[:8]).size:
-            return {k: float(v) for k, v in values.items()}, [x[kept] for x in full]
-        nearest = min(nearest, float(missing.min()))
+        full, exists = positions(robot, loops, q, values)
+        numbers = {name: float(value) for name, value in values.items()}
+        if (kept := np.flatnonzero(exists)[:8]).size:
+            return numbers, [x[kept] for x in full]
+        frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
+        entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
+        arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
+        arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
+        closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
+        nearest = min(nearest, float((arm.residual(closest) * arm.unit).min()))
     remedy = "correct the lengths and frames, or limits that keep the loop open"
     raise _refused(robot, loops[-1].loop, f"it cannot be assembled: at best {nearest:.3g} m are missing", "", remedy)
 
@@ -200,14 +208,7 @@ def positions(
     robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any] | None = None
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
-    full, missing = _positions(robot, loops, q, parameter_values(robot) if values is None else values)
-    return full, missing < _OPEN
-
-
-def _positions(
-    robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any]
-) -> tuple[list[Array], Array]:
-    """The same, and by how much the frames miss each other, in m and in entries of rotations."""
+    values = parameter_values(robot) if values is None else values
     slopes, shape = {*loop_names(robot)}, np.shape(q[0])
     matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
     full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in matrix]
@@ -216,13 +217,12 @@ def _positions(
         run = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
         leaf = one.branch(run)
         # The formulas hold at poses that the arm reaches: lengths may be short, planes apart, and axes opposed.
-        units = (own if len(own) == 1 else own / np.hypot(*own) for own in map(np.array, leaf.joints))
-        for miss in misses(run, replace(leaf, joints=tuple(map(tuple, units)))):
+        for miss in misses(run, leaf):
             missing = np.maximum(missing, np.abs(miss))
         for place, angle in zip(one.circuit.places, run.angles(leaf), strict=True):
             if place in one.passive:
                 full[place] = np.broadcast_to(angle, shape)
-    return full, missing
+    return full, missing < _OPEN
 
 
 def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
