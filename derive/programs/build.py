@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
-from derive.errors import QuantityError
+from derive.errors import QuantityError, listed
 from derive.programs.formulations.choice import Formulation, FormulationChoice
 from derive.programs.formulations.trace import Trace
 from derive.programs.functions import INTERFACES, ROWS, FunctionRow
@@ -140,4 +140,7 @@ class _Traced:
         if any(isinstance(link.coulomb, tuple) for link in self.trace.robot.links):
             result = interface.result.replace("coulomb*sign(qd)", "(coulomb of the direction)*sign(qd)")
             interface = replace(interface, result=result)
+        if passive:
+            names = listed([joint.variable for joint in self.trace.robot.passive])
+            interface = replace(interface, result=interface.result.replace("each passive joint", names))
         return Function(interface, shape, tape, formulation.words, self.columns)

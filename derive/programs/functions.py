@@ -292,7 +292,7 @@ ROWS = (
     _row(
         ("q_p = passive_positions(q)", ("u",)),
         "Variables of the passive joints of closed loops.",
-        "one for each of PASSIVE, angles in (-pi, pi]; no numbers where a loop does not close",
+        "of each passive joint [rad, m], angles in (-pi, pi]; no numbers where a loop does not close",
         kinematics.passive_positions,
         exists=lambda robot: bool(robot.passive),
     ),

@@ -241,6 +241,7 @@ class Loop:
     join: tuple[str, str]  # labels of the rows whose frames are joined, or `BASE`
     by: Closure  # what joins them
     branch: str = ""  # a sign for each choice of the assembly, "+" or "-"; empty for all "+"
+    location: Location | None = field(default=None, compare=False, repr=False)  # in the file, for messages
 
 
 @dataclass(frozen=True, slots=True)

@@ -201,7 +201,7 @@ def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, flo
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
     what = f"the loop of {robot.name} that joins {listed(loop.join)}: {found}"
-    return QuantityError(what, allowed=allowed, remedy=remedy)
+    return QuantityError(what, allowed=allowed, remedy=remedy, location=loop.location)
 
 
 def positions(

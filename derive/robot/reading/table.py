@@ -244,7 +244,7 @@ class _Table:
         if set(branch) - {"+", "-"}:
             remedy = "derive show ROBOT closure lists the branches"
             raise self._document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-        return Loop((one, other), Closure(self._document.text(*path, "by")), branch)
+        return Loop((one, other), Closure(self._document.text(*path, "by")), branch, self._document.location(path))
 
     def _refuse_mixed(self, rows: Sequence[Joint | FixedRow], kinds: Mapping[str, JointType]) -> None:
         """Refuse factors between an angle and a length, of which nobody could say whether they are per degree."""
