@@ -31,7 +31,7 @@ from derive.robot.description import (
 )
 from derive.robot.expression import ONE, ZERO, Call, Expression, Number, Pi, add, multiply, negate
 from derive.robot.names import own_names
-from derive.robot.options.inverse import InverseOptions
+from derive.robot.options.inverse import TASKS, InverseOptions, Task
 from derive.robot.robot import Robot
 
 _RIGHT = multiply(Number(Fraction(1, 2)), Pi())
@@ -84,14 +84,20 @@ class Circuit:
 
 def circuit(robot: Robot, loop: Loop, solved: Sequence[int]) -> Circuit:
     """A loop of which some passive joints are known from loops before."""
-    closing = tuple(_closing(robot, loop))
-    inwards = [_back(step) for step in reversed(list(_outwards(robot, loop.join[0], loop)))]
-    steps = [*inwards, *_outwards(robot, loop.join[1], loop), *closing]
-    unknown = [
-        at
-        for at, step in enumerate(steps)
-        if isinstance(step, Motion) and (step.index < 0 or (step.joint.follows and step.index not in solved))
-    ]
+
+    def _unknown(steps: Sequence[Step]) -> list[int]:
+        motions = [(at, step) for at, step in enumerate(steps) if isinstance(step, Motion)]
+        return [at for at, step in motions if step.index < 0 or (step.joint.follows and step.index not in solved)]
+
+    one, other = (list(_outwards(robot, label, loop)) for label in loop.join)
+    for inner, outer in ((one, other), (other, one)):
+        # Where a ball joint ends the only branch that has unknown joints, these have a position to reach.
+        at = _unknown(outer) if loop.by is Closure.SPHERICAL and not _unknown(inner) else []
+        if at and not any(isinstance(step, Motion) for step in outer[at[-1] + 1 :]):
+            known = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
+            return _arm(robot, outer[at[0] :], known, TASKS["position"])
+    steps = [*(_back(step) for step in reversed(one)), *other, *_closing(robot, loop)]
+    unknown = _unknown(steps)
     # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
     gaps = list(zip(unknown, [*unknown[1:], unknown[0] + len(steps)], strict=True))
     last, first = max(gaps, key=lambda gap: (_joints_between(steps, *gap), gap[1] - gap[0]))
@@ -147,7 +153,7 @@ def _back(step: Step) -> Step:
     return (*top, last)
 
 
-def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...]) -> Circuit:
+def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...], task: Task = TASKS["pose"]) -> Circuit:
     """The run of unknown joints as rows of the modified convention: what a row cannot hold is a mount before it."""
     rows: list[Joint] = []
     places: list[int] = []
@@ -176,9 +182,10 @@ def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...]) -> Circui
         "",
         Convention.MODIFIED,
         tuple(rows),
+        tool=reduce(_product, map(_matrix, between), IDENTITY),
         parameters=robot.parameters,
         runtime=robot.runtime,
-        inverse=InverseOptions(given=given),
+        inverse=InverseOptions(task, given),
     )
     return Circuit(tree.plain(arm), tuple(places), known)
 
@@ -207,7 +214,9 @@ def _matrix(step: Step) -> Matrix:
     if isinstance(step, tuple):
         return step
     assert isinstance(step, Screw)
-    c, s, x = Call("cos", (step.angle,)), Call("sin", (step.angle,)), step.length
+    (c, s), x = (ONE, ZERO), step.length
+    if step.angle != ZERO:
+        c, s = Call("cos", (step.angle,)), Call("sin", (step.angle,))
     if step.axis == "x":
         return ((ONE, ZERO, ZERO, x), (ZERO, c, negate(s), ZERO), (ZERO, s, c, ZERO), IDENTITY[3])
     return ((c, negate(s), ZERO, ZERO), (s, c, ZERO, ZERO), (ZERO, ZERO, ONE, x), IDENTITY[3])
