@@ -214,9 +214,8 @@ def _matrix(step: Step) -> Matrix:
     if isinstance(step, tuple):
         return step
     assert isinstance(step, Screw)
-    (c, s), x = (ONE, ZERO), step.length
-    if step.angle != ZERO:
-        c, s = Call("cos", (step.angle,)), Call("sin", (step.angle,))
+    x, functions = step.length, [Call(name, (step.angle,)) for name in ("cos", "sin")]
+    c, s = functions if step.angle != ZERO else (ONE, ZERO)
     if step.axis == "x":
         return ((ONE, ZERO, ZERO, x), (ZERO, c, negate(s), ZERO), (ZERO, s, c, ZERO), IDENTITY[3])
     return ((c, negate(s), ZERO, ZERO), (s, c, ZERO, ZERO), (ZERO, ZERO, ONE, x), IDENTITY[3])

@@ -48,6 +48,7 @@ Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of o
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
 _OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
+_KEPT = 8  # of the configurations
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -108,7 +109,11 @@ def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     own = circuit(robot, loop, before)
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
-    graph = solve(own.arm)
+    try:
+        graph = solve(own.arm)
+    except QuantityError:  # its message is about the arm
+        found = f"it does not determine {listed(robot.joints[k].variable for k in passive)}"
+        raise _refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops") from None
     if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
         why = graph.why_not or "an equation of higher degree remains"
         allowed = "allowed: loops whose passive joints follow from elementary equations one after the other"
@@ -154,16 +159,19 @@ class _Mobility:
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
-    one, (values, q) = loops[-1], _assembled(robot, loops)
+    one, (values, q, missing) = loops[-1], _assembled(robot, loops)
     mobility, names = _Mobility(robot, one, values, q), [joint.variable for joint in robot.joints]
     rank = mobility.rank(one.passive)
-    if free := [k for k in one.passive if mobility.rank(p for p in one.passive if p != k) == rank]:
-        found, remedy = f"it does not determine {listed(names[k] for k in free)}", "leave passive out on some of them"
-        raise _refused(robot, one.loop, found, remedy=remedy)
     if locked := mobility.rank(mobility.joints) - rank:
         active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
         raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
+    if missing:
+        found, remedy = (
+            f"it cannot be assembled: at best {missing:.3g} m are missing",
+            "correct lengths, frames or limits",
+        )
+        raise _refused(robot, one.loop, found, remedy=remedy)
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
         mobility = _Mobility(robot, turned, values, q)
@@ -174,12 +182,15 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
-def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array]]:
-    """Numbers of all symbols and positions of all joints, arrays over configurations in which the loops close."""
-    source, nearest = np.random.default_rng(7), math.inf
-    for _ in range(_DRAWS):
+def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], float]:
+    """Numbers of all symbols, positions of all joints in configurations in which the loops close, and zero.
+
+    Where there are none, some others and what is missing at best [m].
+    """
+    source, symbols = np.random.default_rng(7), free_symbols(robot)
+    for _ in range(_DRAWS if symbols else 1):
         values = dict(parameter_values(robot))
-        values |= {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
+        values |= {name: source.uniform(0.2, 1.0) for name in symbols}
         q = []
         for variable in robot.variables:
             most = math.pi if variable.is_revolute else 2.0
@@ -187,16 +198,14 @@ def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, flo
             q.append(source.uniform(low, high, _SAMPLES))
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
-        if (kept := np.flatnonzero(exists)[:8]).size:
-            return numbers, [x[kept] for x in full]
-        frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
-        entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
-        arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
-        arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
-        closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
-        nearest = min(nearest, float((arm.residual(closest) * arm.unit).min()))
-    remedy = "correct the lengths and frames, or limits that keep the loop open"
-    raise _refused(robot, loops[-1].loop, f"it cannot be assembled: at best {nearest:.3g} m are missing", "", remedy)
+        if (kept := np.flatnonzero(exists)[:_KEPT]).size:
+            return numbers, [x[kept] for x in full], 0.0
+    frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
+    entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
+    arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
+    arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
+    closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
+    return numbers, list(source.uniform(-2, 2, (robot.n, _KEPT))), float((arm.residual(closest) * arm.unit).min())
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
