@@ -52,6 +52,9 @@ class Screw:
         return Screw(self.axis, negate(self.angle), negate(self.length))
 
 
+_OVER = Screw("x", Pi(), ZERO)
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """A joint passed outwards (+1) or inwards (-1), its variable alone."""
@@ -82,8 +85,8 @@ class Circuit:
         return reduce(matmul, frames, constant_frame(IDENTITY, domain)).inverse
 
 
-def circuit(robot: Robot, loop: Loop, solved: Sequence[int]) -> Circuit:
-    """A loop of which some passive joints are known from loops before."""
+def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = False) -> Circuit:
+    """A loop of which some passive joints are known from loops before; ``opposed`` are z axes of joined frames."""
 
     def _unknown(steps: Sequence[Step]) -> list[int]:
         motions = [(at, step) for at, step in enumerate(steps) if isinstance(step, Motion)]
@@ -96,7 +99,7 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int]) -> Circuit:
         if at and not any(isinstance(step, Motion) for step in outer[at[-1] + 1 :]):
             known = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
             return _arm(robot, outer[at[0] :], known, TASKS["position"])
-    steps = [*(_back(step) for step in reversed(one)), *other, *_closing(robot, loop)]
+    steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else []), *_closing(robot, loop)]
     unknown = _unknown(steps)
     # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
     gaps = list(zip(unknown, [*unknown[1:], unknown[0] + len(steps)], strict=True))

@@ -33,9 +33,9 @@ from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
-from derive.mechanics.chain import Domain, build_chain, way_frame
+from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
-from derive.mechanics.vectors import Frame, S, Vector, column, cross, multiply, scale, subtract, transpose
+from derive.mechanics.vectors import Frame, S, Vector, column, cross, dot, multiply, scale, subtract, transpose
 from derive.robot import tree
 from derive.robot.coupling import coupling, loop_names, second_derivative
 from derive.robot.description import Closure, Loop
@@ -107,7 +107,7 @@ def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
 
 
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
-    own = circuit(robot, loop, before)
+    own = circuit(robot, loop, before, opposed=loop.by is Closure.REVOLUTE and _are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
     try:
         graph = solve(own.arm)
@@ -125,6 +125,29 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
         raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
     leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
     return SolvedLoop(loop, own, graph, leaf, passive)
+
+
+def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list[Frame[S]], list[Frame[S]]]:
+    """The chain, its joint frames, and the frames that a loop joins, in the world."""
+    chain = build_chain(robot, domain)
+    frames: list[Frame[S]] = []
+    for joint in chain.joints:
+        before = frames[joint.parent] if joint.parent >= 0 else chain.base
+        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)))
+    joined: list[Frame[S]] = []
+    for carrier, own in (way_frame(robot, label, domain) for label in loop.join):
+        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.base
+        joined.append(frame if own is None else frame @ own)
+    return chain, frames, joined
+
+
+def _are_opposed(robot: Robot, loop: Loop) -> bool:
+    """Whether the z axes of the joined frames are opposed wherever the joints are: so is then that of the pin."""
+    source = np.random.default_rng(3)
+    values = dict(parameter_values(robot)) | {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
+    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _KEPT))), values))
+    one, other = (column(frame.rotation, 2) for frame in joined)
+    return bool(np.all(np.abs(dot(one, other) + 1.0) < _OPEN))
 
 
 class _Mobility:
@@ -237,15 +260,7 @@ def positions(
 def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
     """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure."""
     loop = one.loop
-    chain = build_chain(robot, domain)
-    frames: list[Frame[S]] = []
-    for joint in chain.joints:
-        before = frames[joint.parent] if joint.parent >= 0 else chain.base
-        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)))
-    joined: list[Frame[S]] = []
-    for carrier, own in (way_frame(robot, label, domain) for label in loop.join):
-        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.base
-        joined.append(frame if own is None else frame @ own)
+    chain, frames, joined = _frames(robot, loop, domain)
     end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Closure.PRISMATIC
     # Unless one slides along the other their origins are one point, to which each branch has a way of its own.
     points = [end.position, end.position if is_slide else joined[1].position]

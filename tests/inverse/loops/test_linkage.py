@@ -121,3 +121,10 @@ def test_a_loop_is_the_same_whichever_frame_is_named_first() -> None:
         np.abs(np.exp(1j * found[0])[:, None] - np.exp(1j * np.array(found[1:])).swapaxes(0, 1)).max(axis=(0, 2)).min()
         < 1e-12
     )
+
+
+def test_a_pin_joins_opposed_axes_too() -> None:
+    q, values = [np.linspace(-3, 3, 7)], {"l0": 1.0, "l1": 0.3, "l2": 0.8, "l3": 0.7}
+    one, other = robot(FOUR), robot(changed("a: l3", "a: l3, alpha: pi"))
+    found = [np.array(positions(each, linkage(each), q, values)[0]) for each in (one, other)]
+    assert np.abs(np.exp(1j * found[0]) - np.exp(1j * found[1])).max() < 1e-12
