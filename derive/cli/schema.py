@@ -27,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         print_json(plan_json_schema())
         return 0
-    from derive.robot.reading.schema import json_schema
+    from derive.robot.reading.json_schema import json_schema
 
     print_json(json_schema())
     return 0

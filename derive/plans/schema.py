@@ -2,7 +2,8 @@
 
 from typing import Annotated, Any, Literal
 
-from derive.robot.reading.schema import FORMS, Cell, RobotFile, Vector3, without_null
+from derive.robot.reading.json_schema import without_null
+from derive.robot.reading.schema import FORMS, Cell, RobotFile, Vector3
 from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, model_of
 
 ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline", "fastest"]

@@ -8,7 +8,7 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 LECTURE_ROBOTS = 24
-TREES = {"two-armed-torso", "human-skeleton", "palletiser", "two-finger-gripper"}
+TREES = {"two-armed-torso", "human-skeleton", "palletiser", "two-finger-gripper", "four-bar", "slider-crank", "delta"}
 
 
 def test_all_lecture_robots_and_the_arms_that_the_notes_ask_for_are_there() -> None:

@@ -38,6 +38,7 @@ ROBOT_NAME_PATTERN = rf"^[a-z0-9][a-z0-9-]{{0,{FILE_LIMITS.name_length - 1}}}$"
 Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
 RowName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
+Flag = Annotated[Literal["true", "false"], WithJsonSchema({"type": "boolean"})]
 Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
 Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
@@ -85,7 +86,7 @@ class JointRow(Strict):
     mount: Matrix4 | None = Field(default=None, description="Constant transform before all else of the row.")
     gamma: Cell = Field(default="0", description="Angle about z of the row before; in the modified convention.")
     b: Cell = Field(default="0", description="Offset along z of the row before; in the modified convention.")
-    passive: Literal["true", "false"] = Field(default="false", description="Whether closed loops move the joint.")
+    passive: Flag = Field(default="false", description="Whether closed loops move the joint.")
 
 
 class MotorRow(Strict):
@@ -272,41 +273,6 @@ class RobotFile(Strict):
     handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
     figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn and computed.")
     inverse: InverseRow = Field(default=InverseRow(), description="Task and given joints of the inverse kinematics.")
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
-    robot = without_null(model_of(RobotFile).model_json_schema(ref_template="#/$defs/{model}"))
-    definitions = robot.pop("$defs", {})
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "derive robot file",
-        "$defs": {**definitions, "RobotFile": robot},
-        "anyOf": [
-            {"$ref": "#/$defs/RobotFile"},
-            {
-                "type": "object",
-                "description": "A lecture corpus file: the robot in its own block, anything else beside it.",
-                "required": ["robot"],
-                "not": {"anyOf": [{"required": [key]} for key in ("joints", "convention", "links")]},
-                "properties": {"robot": {"$ref": "#/$defs/RobotFile"}},
-            },
-        ],
-    }
-
-
-def without_null(schema: Any) -> Any:
-    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
-    if isinstance(schema, list):
-        return [without_null(item) for item in schema]
-    if not isinstance(schema, dict):
-        return schema
-    plain = {key: without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
-    options = [option for option in plain.get("anyOf", []) if option != {"type": "null"}]
-    if len(options) == 1:
-        del plain["anyOf"]
-        plain = {**options[0], **plain}
-    return plain
 
 
 # What to write for a key that is missing.

@@ -10,7 +10,6 @@ from derive.robot.coupling import drives
 from derive.robot.description import (
     BASE,
     FIXED,
-    Closure,
     Convention,
     Description,
     End,
@@ -18,18 +17,18 @@ from derive.robot.description import (
     Joint,
     JointType,
     Link,
-    Loop,
     Matrix,
     Root,
     RootType,
     Stand,
     Variable,
 )
-from derive.robot.expression import Name, names
+from derive.robot.expression import names
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
+from derive.robot.reading.loops import with_loops
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.table import read_bound, read_frame, read_gravity, read_joint, read_limits, read_link
-from derive.robot.tree import ROOT_VARIABLES, around, plain, root_rows, table
+from derive.robot.tree import ROOT_VARIABLES, plain, root_rows
 
 # What stands behind a function's name to name another one, as in jacobian_dot: names of ends stand there, too.
 SUFFIXES = re.compile(r"(?:(?:end|dq|dqd|dot|hessian|rpy|zyz|position|orientation|nearest|step)_)*")
@@ -53,7 +52,7 @@ def read_table(document: Document, cells: Cells) -> Description:
         moved = (*(Link() for _ in moving if has_dynamics), *moved)
     convention, gravity = Convention(document.text("convention")), read_gravity(document, cells)
     whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
-    return plain(reader.closed(replace(whole, coupled=coupled)))
+    return plain(with_loops(document, replace(whole, coupled=coupled), reader.passive, reader.any_label))
 
 
 def _read_root(document: Document) -> Root | None:
@@ -108,10 +107,7 @@ class _Table:
         self._variables = self._read_variables()  # by row; nothing where it is fixed
         self._own = [name if self._is_own(row, name) else "" for row, name in enumerate(self._variables)]
         self._labels = [self._label_of(row) for row in range(len(self._variables))]
-        self._passive = [
-            row for row in range(len(self._variables)) if document.text("joints", row, "passive") == "true"
-        ]
-        self._loops = document.length(("loops",)) if document.find(("loops",)) is not None else 0
+        self.passive = [row for row in range(len(self._variables)) if document.text("joints", row, "passive") == "true"]
 
     def _label_of(self, row: int) -> str:
         usual = self._own[row] or (f"row {row + 1}" if self._variables[row] else "")
@@ -147,7 +143,7 @@ class _Table:
     def read(self) -> tuple[Joint | FixedRow, ...]:
         """All rows, each with its stand."""
         variables = frozenset((*self._roots, *filter(None, self._own), *self._declared))
-        variables -= {self._own[row] for row in self._passive}
+        variables -= {self._own[row] for row in self.passive}
         rows = tuple(
             replace(self._joint(at, variables), stand=self._stand(at)) if self._variables[at] else self._fixed_row(at)
             for at in range(len(self._labels))
@@ -167,7 +163,7 @@ class _Table:
 
     def _joint(self, row: int, variables: frozenset[str]) -> Joint:
         name, path = self._own[row], ("joints", row)
-        if row not in self._passive:
+        if row not in self.passive:
             return read_joint(self._document, self._cells, row, name or f"row {row + 1}", variables)
         if not name:
             remedy = "leave the cell that moves out, or write passive: false"
@@ -191,9 +187,9 @@ class _Table:
     def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[Variable, ...]:
         """The variables in their order, where a row is coupled or the file names them; else none."""
         joints = [row for row in rows if isinstance(row, Joint)]
-        if not (self._declared or self._passive or any(joint.drive for joint in joints)):
+        if not (self._declared or self.passive or any(joint.drive for joint in joints)):
             return ()
-        own = (name for row, name in enumerate(self._own) if row not in self._passive)
+        own = (name for row, name in enumerate(self._own) if row not in self.passive)
         used = dict.fromkeys((*self._roots, *filter(None, own)))
         order = (
             self._declared
@@ -204,47 +200,6 @@ class _Table:
         if self._cells.units.degrees or self._cells.units.millimetres:
             self._refuse_mixed(rows, {variable.variable: variable.type for variable in variables})
         return variables
-
-    def closed(self, robot: Description) -> Description:
-        """The robot with its loops, whose passive joints follow the variables of theirs."""
-        loops = tuple(self._loop(k) for k in range(self._loops))
-        robot = replace(robot, loops=loops)
-        at = dict(enumerate((k for k, row in enumerate(table(robot)) if isinstance(row, Joint)), len(self._roots)))
-        passive = {k for k, row in at.items() if row in self._passive}
-        groups = [{k for branch in around(robot, loop) for k in branch} for loop in loops]
-        for k, own in enumerate(groups):
-            if not own & passive:
-                found, remedy = "no joint of the loop is passive", "write passive: true on the joints that it moves"
-                raise self._document.error(("loops", k), found, "allowed: loops that move joints", remedy)
-        joints = list(robot.joints)
-        for k in sorted(passive):
-            members, before = {k}, set[int]()
-            while members != before:  # the loops that move it, and those that move passive joints of these
-                before = members
-                members = members.union(*(own for own in groups if own & members & passive))
-            if members == {k}:
-                found, remedy = "no loop moves the joint", "write the loop that does under loops:, or passive: false"
-                raise self._document.error(("joints", at[k], "passive"), found, remedy=remedy)
-            active = dict.fromkeys(name for m in sorted(members - passive) for name, _ in drives(joints[m]))
-            order = (each.variable for each in robot.coupled if each.variable in active)
-            follows = tuple((name, Name(f"G_{joints[k].variable}_{name}")) for name in order)
-            if not follows:
-                found, allowed = "all joints of its loops are passive", "allowed: loops that a variable moves"
-                raise self._document.error(("joints", at[k], "passive"), found, allowed, "leave passive out of one")
-            joints[k] = replace(joints[k], follows=follows)
-        return replace(robot, joints=tuple(joints))
-
-    def _loop(self, k: int) -> Loop:
-        path: KeyPath = ("loops", k)
-        one, other = (self._label((*path, "join", side), len(self._labels)) for side in (0, 1))
-        if one == other:
-            found, remedy = f"{quoted(one)} joined with itself", "name the two rows whose frames coincide"
-            raise self._document.error((*path, "join"), found, "allowed: two rows", remedy)
-        branch = self._document.text(*path, "branch")
-        if set(branch) - {"+", "-"}:
-            remedy = "derive show ROBOT closure lists the branches"
-            raise self._document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-        return Loop((one, other), Closure(self._document.text(*path, "by")), branch, self._document.location(path))
 
     def _refuse_mixed(self, rows: Sequence[Joint | FixedRow], kinds: Mapping[str, JointType]) -> None:
         """Refuse factors between an angle and a length, of which nobody could say whether they are per degree."""
@@ -319,6 +274,10 @@ class _Table:
                 found = f"row {at + 1}, {quoted(name)}, follows this one: a circle"
                 remedy = "let one of the two follow a row above both"
         raise self._document.error(path, found, f"allowed: {listed(known)}", remedy)
+
+    def any_label(self, path: KeyPath) -> str:
+        """The label of the row that is named."""
+        return self._label(path, len(self._labels))
 
     def _at(self, name: str) -> int | None:
         """The row with a label, else that with a variable."""
