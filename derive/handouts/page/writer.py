@@ -15,22 +15,7 @@ from importlib.resources import files
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.writers import svg_drawing
 from derive.handouts.page.viewer import Viewer
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Document,
-    Figure,
-    Gap,
-    Paragraph,
-    Rows,
-    SheetFormula,
-    SpanKind,
-    Steps,
-    Table,
-    blocks_of,
-    gap_rows,
-    spans,
-)
+from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import omitted_words
 from derive.targets import templating
@@ -42,7 +27,7 @@ _FONT_FACE = re.compile(r"(@font-face\{[^}]*?src:url\(fonts/([\w-]+\.woff2)\)[^}
 _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
-def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
+def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page, with a figure that the reader moves where there is one."""
     _, writer = text, BlockWriter(text)
     words = {
@@ -72,7 +57,9 @@ def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
         form=[writer.words(word) for word in document.form],
         sections=sections,
         viewer=viewer.html if viewer else "",
-        steps=any(isinstance(block, Steps) for section in document.sections for block in blocks_of(section)),
+        steps=any(
+            isinstance(block, sheet.Steps) for section in document.sections for block in sheet.blocks_of(section)
+        ),
         footer=writer.words(document.footer),
         name=html_text(document.name),
         digest=html_text(document.digest),
@@ -156,32 +143,32 @@ class BlockWriter:
     def words(self, text: str) -> str:
         """A text with its mathematics and its code."""
         parts = []
-        for kind, part in spans(text):
-            plain = f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part)
-            parts.append(formula(part) if kind is SpanKind.MATHEMATICS else plain)
+        for mark, part in sheet.spans(text):
+            plain = f"<code>{html_text(part)}</code>" if mark else html_text(part)
+            parts.append(formula(part) if mark == "$" else plain)
         return "".join(parts)
 
-    def blocks(self, blocks: Iterable[Block]) -> str:
+    def blocks(self, blocks: Iterable[sheet.Block]) -> str:
         """Several blocks."""
         parts: list[str] = []
         for block in blocks:
             match block:
-                case Paragraph(text):
+                case sheet.Paragraph(text):
                     written = f"<p>{self.words(text)}</p>"
-                case Rows(lines):
+                case sheet.Rows(lines):
                     written = self._displays(lines)
-                case SheetFormula():
+                case sheet.SheetFormula():
                     written = self._formula(block)
-                case Blank(number, task, points, gaps):
+                case sheet.Blank(number, task, points, gaps):
                     asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
-                    rows = ("".join(self._gap(gap) for gap in row) for row in gap_rows(gaps))
+                    rows = ("".join(self._gap(gap) for gap in row) for row in sheet.gap_rows(gaps))
                     written = "\n".join((asked, *(f"<div class=answers>{row}</div>" for row in rows)))
-                case Table():
+                case sheet.Table():
                     written = self._table(block)
-                case Figure(drawing, caption):
+                case sheet.Figure(drawing, caption):
                     picture = svg_drawing(drawing).replace(_NAMESPACE, "", 1)
                     written = f"<figure>\n{picture}\n<figcaption>{self.words(caption)}</figcaption>\n</figure>"
-                case Steps(title, inner):
+                case sheet.Steps(title, inner):
                     written = f"<details>\n<summary>{self.words(title)}</summary>\n{self.blocks(inner)}\n</details>"
             parts.append(written)
         return "\n".join(parts)
@@ -192,7 +179,7 @@ class BlockWriter:
         body = "\n".join(formula(line, display=True) for line in lines)
         return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
 
-    def _formula(self, block: SheetFormula) -> str:
+    def _formula(self, block: sheet.SheetFormula) -> str:
         _ = self._text
         parts: list[str] = []
         if block.named:
@@ -215,11 +202,11 @@ class BlockWriter:
             parts.append(tools.rstrip())
         return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 
-    def _gap(self, gap: Gap) -> str:
+    def _gap(self, gap: sheet.Gap) -> str:
         ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
         return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
 
-    def _table(self, block: Table) -> str:
+    def _table(self, block: sheet.Table) -> str:
         _ = self._text
         head = "".join(self._cell("th scope=col", cell) for cell in block.header)
         rows = "\n".join(
