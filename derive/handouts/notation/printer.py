@@ -225,6 +225,7 @@ def _nested(pieces: Pieces) -> int:
 
 DATA_DIGITS = 15  # significant digits of the numbers in tables, which are the user's
 _CIRCLE = "^{\\circ}"
+METRE, RADIAN = Box("\\,\\mathrm{m}", 11.0), Box("\\,\\mathrm{rad}", 18.0)
 Cell = tuple[TexPiece, ...]  # a cell in print
 
 
@@ -256,7 +257,7 @@ class DataPrinter:
 
     @property
     def _metres(self) -> Box:
-        return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
+        return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else METRE
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
         """A value of a joint variable with its unit."""
@@ -283,7 +284,7 @@ class DataPrinter:
         if value == 0 and self.notation.degrees:
             return (TexPiece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
         pieces = self.angle(value)
-        return pieces, EMPTY if _CIRCLE in joined(pieces).tex else Box("\\,\\mathrm{rad}", 18.0)
+        return pieces, EMPTY if _CIRCLE in joined(pieces).tex else RADIAN
 
 
 def _sympy(cell: Expression | Expr) -> Expr:

@@ -46,16 +46,6 @@ class PlayedSegment:
 
 
 @dataclass(frozen=True, slots=True)
-class BaseTorquesText:
-    """What the motion of the base adds to the torques, with something that the tool carries, as JavaScript."""
-
-    # Statements in ``q``, ``qd`` and ``base``: the upper three rows of the transform of the base, of its rate and of
-    # its second derivative.
-    body: tuple[str, ...]
-    results: tuple[str, ...]  # one for each joint
-
-
-@dataclass(frozen=True, slots=True)
 class PlayedRun:
     """A simulation, which the page plays instead of what is wanted."""
 
@@ -95,7 +85,10 @@ class Playback:
     base: tuple[tuple[Formula, ...], ...] = ()
     # Its first and its second derivative, where torques are known.
     base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()
-    base_torques: tuple[BaseTorquesText, ...] = ()  # what its motion adds to the torques
+    # What its motion adds to the torques, for each thing that the tool carries, as JavaScript: statements in ``q``,
+    # ``qd`` and ``base``, the upper three rows of the transform of the base, of its rate and of its second derivative;
+    # then a result for each joint.
+    base_torques: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = ()
     # By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
     exceeded: tuple[Exceeded, ...] = ()  # limits that are exceeded

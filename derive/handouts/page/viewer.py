@@ -33,7 +33,7 @@ from derive.programs.program import Program
 from derive.robot import tree
 from derive.robot.description import BASE, Convention, FixedRow, Joint
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import names
+from derive.robot.names import file_symbols
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
@@ -142,13 +142,9 @@ def viewer(
 
 def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
     """A number for every symbol [m, rad]: the caller's, else the robot file's, else 1."""
-    cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
-    cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
-    cells += [cell for own in tree.constant_cells(replace(robot, fixed=tree.massless(robot.fixed))) for cell in own]
-    cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
-    symbols = (*(name for cell in cells for name in names(cell)), *parameters)
-    known = {name: evaluate(number, {}) for name, number in dict(robot.parameters).items()}
-    return dict.fromkeys(symbols, _FALLBACK) | known | dict(values)
+    symbols = file_symbols(replace(robot, links=(), fixed=tree.massless(robot.fixed)))
+    known = {name: evaluate(number, {}) for name, number in robot.parameters}
+    return dict.fromkeys((*symbols, *parameters), _FALLBACK) | known | dict(values)
 
 
 def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:

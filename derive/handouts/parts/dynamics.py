@@ -10,7 +10,7 @@ from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.jacobian import JointAxes
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
+from derive.handouts.sheet.formula import body_formulas, formula, matrix_lines, textbook
 from derive.robot import tree
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
@@ -96,7 +96,7 @@ def link_jacobians(context: Context) -> Iterator[Block]:
         yield textbook("rotor_jacobians")
     kinds = (("v", context.entries.linear_jacobian), ("\\omega", context.entries.angular_jacobian))
     items = [
-        BodyItem(body.symbol("J", letter), find(body.index, body.is_rotor), Group.body(body.place, k))
+        (body.symbol("J", letter), find(body.index, body.is_rotor), Group.body(body.place, k))
         for body, (k, (letter, find)) in product(bodies(context.robot), enumerate(kinds, 1))
     ]
     of_both = _("Find the Jacobians of the links and of the rotors.")
@@ -138,7 +138,7 @@ def energies(context: Context) -> Iterator[Block]:
             mass = link.motor.mass if body.is_rotor and link.motor is not None else link.mass
             if mass != ZERO:
                 position = context.entries.body_position(body.index, body.is_rotor)
-                items.append(BodyItem(body.symbol("p"), position, Group.body(body.place, 3)))
+                items.append((body.symbol("p"), position, Group.body(body.place, 3)))
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))
     task = _("Write the potential energy of this arm.")
     yield formula(context, context.dynamics.closed("potential"), "gravity_vector", task)
@@ -185,16 +185,12 @@ def _contributions(context: Context) -> Iterator[Block]:
     of_links = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
     yield Paragraph(of_both if rotors else of_links)
     yield textbook("inertia_matrix", B=letter, rotors=rotors)
+    part = context.entries.inertia_part
     items = (
-        BodyItem(
-            body.symbol(letter),
-            context.entries.inertia_part(body.index, body.is_rotor),
-            Group.body(body.place, 0),
-            symmetric=True,
-        )
+        (body.symbol(letter), part(body.index, body.is_rotor), Group.body(body.place, 0))
         for body in bodies(context.robot)
     )
-    yield from body_formulas(context, items)
+    yield from body_formulas(context, items, symmetric=True)
     armatures = []
     for i, link in enumerate(context.robot.links, 1):
         if link.armature != ZERO:

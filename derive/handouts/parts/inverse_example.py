@@ -56,7 +56,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     try:
         # the configuration of the figure, or a generic one; then the generic one alone
         generic = replace(robot, figure=replace(robot.figure, q=None))
-        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot).q, configuration(generic).q))
+        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot)[1], configuration(generic)[1]))
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return

@@ -153,7 +153,6 @@ _COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
 _RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
 
 Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
-Names = tuple[Box, Box, Box]
 Place = tuple[int, int]
 
 
@@ -215,14 +214,11 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         )
 
 
-def euler_names(context: Context) -> Names:
+def euler_names(context: Context) -> list[Box]:
     """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name."""
     taken = {tex.strip() for tex in context.notation.taken}
-    phi, theta, psi = (
-        script(letter, upright("e")) if letter.tex.strip() in taken else letter
-        for letter in map(greek, ("varphi", "vartheta", "psi"))
-    )
-    return phi, theta, psi
+    letters = map(greek, ("varphi", "vartheta", "psi"))
+    return [script(letter, upright("e")) if letter.tex.strip() in taken else letter for letter in letters]
 
 
 def _euler_zyz(context: Context) -> Iterator[Block]:

@@ -290,6 +290,6 @@ def test_a_base_that_moves_brings_a_program_for_each_load() -> None:
     found = playback(Motion.from_text(text))
     assert [segment.load for segment in found.segments] == [0, 0, 0, 0, 1]
     assert len(found.base_torques) == 2
-    assert all(len(each.results) == 4 for each in found.base_torques)
+    assert all(len(results) == 4 for _, results in found.base_torques)
     assert [len(rows) for rows in found.base_rates] == [3, 3]
     assert playback(Motion.from_text(PICK_AND_PLACE)).base_torques == ()
