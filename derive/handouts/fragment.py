@@ -7,7 +7,7 @@ smaller, all by the ``\linewidth`` that it finds.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
@@ -137,17 +137,6 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> tuple[Box,
 _WIDEST = 10  # columns that amsmath's matrices have unless told otherwise
 
 
-@dataclass(frozen=True, slots=True)
-class _Item:
-    """An equation in a fragment."""
-
-    whole: str  # its LaTeX; with marks where a line may end, unless it is a matrix
-    matrix: bool = False  # whether there are entries to print where the line is too narrow for the whole
-    entries: tuple[str, ...] = ()  # the entries, with such marks
-    note: str = ""  # what else a reader of the entries must know
-    is_whole: bool = False  # whether it cannot be broken
-
-
 def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
     r"""A section in a group of its own."""
     blocks = list(sheet.blocks_of(section))
@@ -224,9 +213,10 @@ def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
         if matrix is not None:
             entries = tuple(breakable(entry) for entry in named or matrix.entries())
             is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
-            items.append(_Item(equation, True, entries, _words(unlisted(text, is_half, matrix.has_zeros))))
+            note = _words(unlisted(text, is_half, matrix.has_zeros))
+            items.append(_macro("matrix", whole=equation, entries=entries, note=note).rstrip())
         elif "\\begin" in equation:
-            items.append(_Item(equation, is_whole=True))
+            items.append(f"\\whole{{{equation}}}%")
         else:
-            items.append(_Item(breakable(equation)))
+            items.append(f"\\eq{{{breakable(equation)}}}%")
     return _macro("rows", items=items)

@@ -197,9 +197,8 @@ def _contributions(context: Context) -> Iterator[Block]:
             entry = context.dynamics.inertia_entry(i, i)
             left = Box(f"\\Delta {entry.tex}", entry.width + 9.0)
             armatures.append(Equation(left, context.data.value(link.armature)))
-    if armatures:
-        yield context.paragraph("The reflected inertia of a motor's armature adds to the diagonal alone.")
-        yield Rows(tuple(equation_lines(armatures)))
+    lines = equation_lines(armatures)
+    yield from context.announced("The reflected inertia of a motor's armature adds to the diagonal alone.", lines)
 
 
 # -- Christoffel symbols, Coriolis matrix, skew symmetry, gravity and the equations of motion

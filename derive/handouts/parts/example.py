@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -87,17 +87,13 @@ def _stated(context: Context, cells: Sequence[Expression], assumed: Mapping[str,
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
     lines = equation_lines(Equation(data.notation.glyph(name).box, data.symbol(name, cell)) for name, cell in given)
-    if lines:
-        yield context.paragraph("with these numbers for symbols that have none in the robot file's parameters:")
-        yield Rows(tuple(lines))
-    if assumed:
-        yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
-        angle = EMPTY if context.notation.degrees else RADIAN  # degrees have their circle
-        units = ((name, cell, METRE if isinstance(cell, Number) else angle) for name, cell in assumed.items())
-        lines = equation_lines(
-            Equation(data.notation.glyph(name).box, (*data.angle(cell), TexPiece(unit))) for name, cell, unit in units
-        )
-        yield Rows(tuple(lines))
+    yield from context.announced("with these numbers for symbols that have none in the robot file's parameters:", lines)
+    angle = EMPTY if context.notation.degrees else RADIAN  # degrees have their circle
+    units = ((name, cell, METRE if isinstance(cell, Number) else angle) for name, cell in assumed.items())
+    lines = equation_lines(
+        Equation(data.notation.glyph(name).box, (*data.angle(cell), TexPiece(unit))) for name, cell, unit in units
+    )
+    yield from context.announced("with numbers assumed for the symbols that have none in the robot file:", lines)
 
 
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
@@ -148,12 +144,16 @@ def _number(context: Context, value: float) -> Box:
     return minus(size) if rounded < 0 else size
 
 
+def copied_rows(rows: Iterable[Sequence[float]]) -> str:
+    """A matrix to be copied as Python."""
+    return "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
+
+
 def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
     box = concatenate(symbol, EQUALS, cells)
-    python = "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
         lines = pack(
@@ -161,7 +161,7 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
             for k, column in enumerate(zip(*rows, strict=True), 1)
         )
         note = context.text("Column by column.")
-    entries = (Entry(symbol.tex, cells.tex, python),)
+    entries = (Entry(symbol.tex, cells.tex, copied_rows(rows)),)
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))
 
 

@@ -119,9 +119,8 @@ def _steps(context: Context, axes: JointAxes) -> Iterator[Block]:
             yield formula(context, side_by_side(fitting))
         yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
         left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
-        if left and vectors is columns:
-            yield context.paragraph("Left as products, for their entries are long:")
-            yield Rows(tuple(pack(left)))
+        if vectors is columns:
+            yield from context.announced("Left as products, for their entries are long:", pack(left))
         elif left:
             end, whole = bold("p"), context.symbols.of_end("T").tex
             names = ", ".join(f"${box.tex}$" for box in left if box != end)
@@ -150,7 +149,7 @@ class JointAxes:
     @property
     def at_begin(self) -> bool:
         """Whether joints move about the axes of frames in which rows begin, not of those of the rows before."""
-        return self.context.is_standard and bool(self.context.path.labels)
+        return self.context.is_standard and bool(self.context.labels)
 
     def index(self, i: int | str) -> str:
         """How the frame about or along whose z axis a joint moves is numbered, of joint i of this arm or of any."""
@@ -173,7 +172,8 @@ class JointAxes:
 
     def of_joint(self, letter: str, i: int) -> Vector:
         """The axis z of a joint, or the origin o on it, in the world."""
-        frame, column = self._frame(i), 3 if letter == "z" else 4
+        # the frame about or along whose z axis joint i moves, or the row that begins in it
+        frame, column = i - 1 if self.context.is_standard and not self.at_begin else i, 3 if letter == "z" else 4
         symbol = self.symbol(letter, self.index(i))
         if frame > self._last_short:
             return Vector(symbol)
@@ -204,10 +204,6 @@ class JointAxes:
             if not any(quantity.part(_UPPER, (column,)).is_short(limit) for column in (3, 4)):
                 return frame - 1
         return self.context.robot.n
-
-    def _frame(self, i: int) -> int:
-        """The frame about or along whose z axis joint i moves, or the row that begins in it."""
-        return i - 1 if self.context.is_standard and not self.at_begin else i
 
     def _in_world(self, frame: int) -> Entries:
         entries = self.context.entries

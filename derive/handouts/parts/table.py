@@ -66,13 +66,13 @@ def dh_table(context: Context) -> Iterator[Block]:
     yield from table_rows(context)
     if context.robot.is_tree:
         yield from _mounts_and_ends(context)
-    elif frames := end_lines(context):
-        yield context.paragraph(
+    else:
+        yield from context.announced(
             "Constant transforms: the base takes frame $0$ into the world, "
             "the tool the end effector into frame $%(n)s$.",
+            end_lines(context),
             n=n,
         )
-        yield Rows(tuple(frames))
 
 
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
@@ -80,9 +80,7 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
     robot = context.robot
     rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand and row.stand.mount != IDENTITY)
     lines = [line for label, mount in rows for line in _matrix(context, script(bold("M"), context.name(label)), mount)]
-    if lines:
-        yield context.paragraph("Mounts, which come before all else of their rows:")
-        yield Rows(tuple(lines))
+    yield from context.announced("Mounts, which come before all else of their rows:", lines)
     places = [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]
     if places:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
@@ -90,11 +88,10 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
     frames = [] if robot.base == IDENTITY else _matrix(context, BASE, robot.base)
     for end in tree.ends(robot):
         frames += [] if end.tool == IDENTITY else _matrix(context, tool_of(end.name), end.tool)
-    if frames:
-        yield context.paragraph(
-            "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row."
-        )
-        yield Rows(tuple(frames))
+    yield from context.announced(
+        "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row.",
+        frames,
+    )
 
 
 def _units(context: Context) -> str:
@@ -210,12 +207,9 @@ def parameters(context: Context) -> Iterator[Block]:
     data, glyph = context.data, context.data.notation.glyph
     given = context.robot.parameters
     numbers = equation_lines(Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in given)
-    if numbers:
-        yield context.paragraph("Numbers given in the robot file:")
-        yield Rows(tuple(numbers))
-    if free := pack(glyph(name).box for name in free_symbols(context.robot)):
-        yield context.paragraph("Arguments of the generated functions, in this order:")
-        yield Rows(tuple(free))
+    yield from context.announced("Numbers given in the robot file:", numbers)
+    free = pack(glyph(name).box for name in free_symbols(context.robot))
+    yield from context.announced("Arguments of the generated functions, in this order:", free)
     moving = len(context.robot.root.variables) if context.robot.root else 0
     if context.robot.links:
         yield context.paragraph(

@@ -56,11 +56,7 @@ class DynamicsLayout:
         rate = f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})"
         rows: dict[str, tuple[Box, Namer, int]] = {
             "B": (self.inertia_symbol, entry, Group.B),
-            "Bdot": (
-                Box(rate, 44.0),
-                lambda i, j: Glyph(self.inertia_entry(i, j), accent="\\dot").box,
-                Group.DERIVATIVE,
-            ),
+            "Bdot": (Box(rate, 44.0), lambda i, j: Glyph(entry(i, j), accent="\\dot").box, Group.DERIVATIVE),
             "C": (self._rate_symbol("C"), partial(symbols.entry, "C"), Group.C),
             "N": (self._rate_symbol("N"), partial(symbols.entry, "N"), Group.N),
             "g": (Box("\\mathbf{g}(\\mathbf{q})", 36.0), lambda row, _: symbols.component("g", row), Group.TORQUE),
