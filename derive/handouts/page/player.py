@@ -59,16 +59,6 @@ class PlayedRun:
 
 
 @dataclass(frozen=True, slots=True)
-class Exceeded:
-    """A limit that is exceeded, where it is so most."""
-
-    quantity: str  # one of `QUANTITIES`
-    joint: int  # index of the joint
-    time: float  # when [s]
-    value: float  # what it is then [rad or m, per s, per s^2, N m or N]
-
-
-@dataclass(frozen=True, slots=True)
 class Playback:
     """A motion as the page plays it."""
 
@@ -91,7 +81,9 @@ class Playback:
     base_torques: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = ()
     # By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
-    exceeded: tuple[Exceeded, ...] = ()  # limits that are exceeded
+    # Limits that are exceeded, where they are so most: which of `QUANTITIES`, index of the joint, when [s], and what it
+    # is then [rad or m, per s, per s^2, N m or N].
+    exceeded: tuple[tuple[str, int, float, float], ...] = ()
     run: PlayedRun | None = None  # a simulation, which is played instead; None for the motion as it is wanted
     places: int = 0  # of a motion that is too long for a page, how many of its places the pieces join; 0 for all
 
@@ -117,7 +109,7 @@ class Playback:
             "base": self.base or None,
             "baseRates": self.base_rates or None,
             "bounds": [self.bounds.get(name) for name in self.quantities],
-            "exceeded": [[place(item.quantity), item.joint, item.time, item.value] for item in self.exceeded],
+            "exceeded": [[place(quantity), *where] for quantity, *where in self.exceeded],
             "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
 
@@ -164,12 +156,12 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
                 html_text(
                     text(
                         "%(joint)s beyond its limit at %(time)s s",
-                        joint=robot.joints[item.joint].variable,
-                        time=text.number(f"{item.time:.4g}"),
+                        joint=robot.joints[joint].variable,
+                        time=text.number(f"{time:.4g}"),
                     )
                 )
-                for item in playback.exceeded
-                if playback.quantities[order] == item.quantity and robot.joints[item.joint].is_revolute is revolute
+                for quantity, joint, time, _ in playback.exceeded
+                if playback.quantities[order] == quantity and robot.joints[joint].is_revolute is revolute
             ],
         }
         for order, (_, of_kind) in enumerate(quantities)

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -210,13 +210,7 @@ def _configuration(
     value: dict[str, object] = {
         "modified": robot.convention is Convention.MODIFIED,
         "joints": [
-            {
-                "revolute": joint.is_revolute,
-                "a": evaluate(joint.a, numbers),
-                "lower": way.lower,
-                "upper": way.upper,
-                "start": way.start,
-            }
+            {"revolute": way.revolute, "a": evaluate(joint.a, numbers), **asdict(way)}
             for joint, way in zip(robot.joints, ways, strict=True)
         ],
         "params": {name: numbers[name] for name in program.parameters},

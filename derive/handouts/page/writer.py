@@ -106,8 +106,6 @@ def safe_style(css: str) -> str:
     return _STYLE_END.sub(lambda found: "<\\", css)
 
 
-# -- blocks
-
 _SUBSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _SUPERSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()iTn", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻⁼⁽⁾ⁱᵀⁿ")
 

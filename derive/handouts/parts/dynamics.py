@@ -104,9 +104,6 @@ def link_jacobians(context: Context) -> Iterator[Block]:
     yield from body_formulas(context, items, task)
 
 
-# -- energies
-
-
 def energies(context: Context) -> Iterator[Block]:
     """Kinetic and potential energy."""
     _ = context.text
@@ -142,9 +139,6 @@ def energies(context: Context) -> Iterator[Block]:
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))
     task = _("Write the potential energy of this arm.")
     yield formula(context, context.dynamics.closed("potential"), "gravity_vector", task)
-
-
-# -- inertia matrix
 
 
 def inertia(context: Context) -> Iterator[Block]:

@@ -129,9 +129,6 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     )
 
 
-# -- numbers
-
-
 def _cleaned(rows: Values) -> list[list[float]]:
     """The entries without what only rounding left over."""
     threshold = _NOISE * max(1.0, *(abs(value) for row in rows for value in row))
@@ -163,9 +160,6 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, copied_rows(rows)),)
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))
-
-
-# -- the configuration
 
 
 def numbers_of(robot: Robot) -> dict[str, float]:

@@ -336,8 +336,6 @@ class _InversePart:
             found.append(f"{zero} ({posture})" if posture else zero)
         return and_list(_, found, either=True)
 
-    # -- the branches
-
     def branches(self) -> Iterator[Block]:
         """Which signs lead to which posture."""
         _, solutions = self.context.text, self.found.solutions

@@ -117,9 +117,6 @@ def _apart(a: Sequence[float], b: Sequence[float]) -> float:
     return max(abs(math.remainder(x - y, 2 * math.pi)) for x, y in zip(a, b, strict=True))
 
 
-# -- print
-
-
 def _assumed(context: Context, poses: RobotPoses) -> str:
     """The numbers of symbols that have none among the parameters of the robot file."""
     free, data = free_symbols(context.robot), context.data

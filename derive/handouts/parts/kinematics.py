@@ -287,9 +287,6 @@ def _angles(
     yield formula(context, laid_out, task=task)
 
 
-# -- entries of T
-
-
 def _terms(context: Context, *places: Place) -> int:
     """Number of terms of some entries of T together; 0 if they vanish in every configuration."""
     return sum(context.entries.T.terms(*place) for place in places)

@@ -18,14 +18,14 @@ from derive.handouts.notation.pieces import (
     RELATION_WIDTH,
     Box,
     TexPiece,
-    binary,
     bracketed,
     concatenate,
     italic,
     joined,
     script,
+    signed_sum,
 )
-from derive.handouts.notation.printer import MINUS, LatexPrinter
+from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.dynamics import has_rotors
@@ -308,15 +308,11 @@ def _turned(turn: Box, terms: list[Term]) -> Term:
     return 1, (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
 
 
-def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[TexPiece]:
-    for index, (sign, value) in enumerate(terms):
-        if index:
-            yield binary("+" if sign > 0 else "-", depth)
-        elif sign < 0:
-            yield MINUS
-        yield from (TexPiece(value),) if isinstance(value, Box) else value
+def _pieces(terms: Iterable[Term], depth: int = 0) -> list[TexPiece]:
+    values = ((sign < 0, (TexPiece(value),) if isinstance(value, Box) else value) for sign, value in terms)
+    return signed_sum(values, depth)
 
 
 def _lines(equations: Iterable[Sides]) -> list[str]:
-    broken = (break_lines(concatenate(left, EQUALS), tuple(_pieces(terms))) for left, terms in equations)
+    broken = (break_lines(concatenate(left, EQUALS), _pieces(terms)) for left, terms in equations)
     return [line for lines in broken for line in lines]

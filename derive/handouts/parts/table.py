@@ -43,8 +43,6 @@ _COLUMN_GAP = 12.0
 _LONGEST_TABLE = 30  # rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align
 _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
-# -- the DH table
-
 
 def dh_table(context: Context) -> Iterator[Block]:
     """The convention in words, the DH table, base and tool; of a tree its root, mounts and ends."""

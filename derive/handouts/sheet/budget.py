@@ -6,7 +6,7 @@ estimate is on the high side.
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil
 
 from derive.handouts.sheet import document as sheet
@@ -100,48 +100,37 @@ def _words(text: str) -> float:
     return _LINE * ceil(len(_MARKUP.sub("", text)) / _LETTERS) + 4.0 if text else 0.0
 
 
-# -- leaving out
-
 Test = Callable[[sheet.Block], bool]  # whether a block may be left out
 
 
-@dataclass(frozen=True, slots=True)
-class _Sparing:
-    """Leaves blocks out and says so where the first of them stood."""
+def _spared(blocks: tuple[sheet.Block, ...], test: Test, limit: int, text: Text) -> tuple[sheet.Block, ...]:
+    """What may be left out replaced by a sentence, where the first of it stood."""
+    kept: list[sheet.Block] = []
+    for block in blocks:
+        shown: sheet.Block = block
+        if test(block):
+            shown = sheet.Paragraph(_sentence(block, limit, text), is_answer=True)
+        elif isinstance(block, sheet.Steps):
+            shown = replace(block, blocks=_spared(block.blocks, test, limit, text))
+        elif isinstance(block, sheet.SheetFormula) and any(map(test, block.rows)):
+            rows = tuple(rows for rows in block.rows if not test(rows))
+            sentence = text("The longest entries are left out to keep within the page limit (%(pages)s).", pages=limit)
+            shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
+        if not kept or shown != kept[-1]:
+            kept.append(shown)
+    return tuple(kept)
 
-    limit: int  # pages, for the sentence
-    text: Text  # the language
 
-    def blocks(self, blocks: tuple[sheet.Block, ...], test: Test) -> tuple[sheet.Block, ...]:
-        """What may be left out replaced by a sentence."""
-        kept: list[sheet.Block] = []
-        for block in blocks:
-            shown: sheet.Block = block
-            if test(block):
-                shown = sheet.Paragraph(self._sentence(block), is_answer=True)
-            elif isinstance(block, sheet.Steps):
-                shown = replace(block, blocks=self.blocks(block.blocks, test))
-            elif isinstance(block, sheet.SheetFormula) and any(map(test, block.rows)):
-                rows = tuple(rows for rows in block.rows if not test(rows))
-                sentence = self.text(
-                    "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
-                )
-                shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
-            if not kept or shown != kept[-1]:
-                kept.append(shown)
-        return tuple(kept)
-
-    def _sentence(self, block: sheet.Block) -> str:
-        _, limit = self.text, self.limit
-        if isinstance(block, sheet.Steps):
-            return _("%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=limit)
-        if isinstance(block, sheet.SheetFormula) and block.function:
-            return _(
-                "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
-                pages=limit,
-                function=block.function,
-            )
-        return _("Left out to keep within the page limit (%(pages)s).", pages=limit)
+def _sentence(block: sheet.Block, limit: int, _: Text) -> str:
+    if isinstance(block, sheet.Steps):
+        return _("%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=limit)
+    if isinstance(block, sheet.SheetFormula) and block.function:
+        return _(
+            "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
+            pages=limit,
+            function=block.function,
+        )
+    return _("Left out to keep within the page limit (%(pages)s).", pages=limit)
 
 
 def within(document: sheet.Document, limit: int, text: Text, spare: int = 0) -> sheet.Document:
@@ -152,7 +141,7 @@ def within(document: sheet.Document, limit: int, text: Text, spare: int = 0) -> 
     # Greedy: after each cut the pages are counted anew, and the first document that fits is taken.
     sections = {section.anchor: section for section in document.sections}
     touched: list[str] = []
-    for anchor, shorter in _shortened(sections, _Sparing(limit, text)):
+    for anchor, shorter in _shortened(sections, limit, text):
         if shorter == sections.get(anchor):
             continue
         touched += [anchor] if anchor not in touched else []
@@ -166,7 +155,9 @@ def within(document: sheet.Document, limit: int, text: Text, spare: int = 0) -> 
     return _said(document, sections, touched, limit, text)
 
 
-def _shortened(sections: dict[str, sheet.Section], sparing: _Sparing) -> Iterator[tuple[str, sheet.Section | None]]:
+def _shortened(
+    sections: dict[str, sheet.Section], limit: int, text: Text
+) -> Iterator[tuple[str, sheet.Section | None]]:
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
         lambda block: isinstance(block, sheet.Rows) and block.landscape,
@@ -180,7 +171,7 @@ def _shortened(sections: dict[str, sheet.Section], sparing: _Sparing) -> Iterato
     )
     for test in tests:  # from what is missed least to what is missed most, through all parts each time
         for anchor in _least_useful(sections, USEFULNESS):
-            yield anchor, replace(sections[anchor], blocks=sparing.blocks(sections[anchor].blocks, test))
+            yield anchor, replace(sections[anchor], blocks=_spared(sections[anchor].blocks, test, limit, text))
     for anchor in _least_useful(sections, USEFULNESS[:-1]):
         yield anchor, None
 

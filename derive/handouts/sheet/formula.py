@@ -66,9 +66,6 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
     return equation_lines(Equation(namer(i, j), cell) for i, j, cell in places)
 
 
-# -- small matrices
-
-
 def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> LaidOut | None:
     """A matrix as one box, which may share a line; None if it is too wide or has too many terms."""
     if not quantity.is_short(context.policy.matrix_terms):
@@ -99,9 +96,6 @@ def in_rows(quantities: Iterable[LaidOut]) -> Iterator[LaidOut]:
         yield from [side_by_side(neighbours)] if is_small else neighbours
 
 
-# -- links and rotors
-
-
 # Of one link or rotor what it is called, the quantity, and which letter its intermediate terms have.
 BodyItem = tuple[Box, Entries, int]
 
@@ -121,9 +115,6 @@ def body_formulas(
         if laid_out.omitted:
             yield context.answer("These entries are too long to print; multiplied out they have so many terms:")
             yield Rows(laid_out.omitted, is_answer=True)
-
-
-# -- formulas that hold for every robot
 
 
 def textbook(name: str, **values: object) -> Rows:

@@ -65,9 +65,6 @@ def _with_next(source: str) -> str:
     return f"\\begingroup\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000\n{display}{end}\n\\endgroup{rest}"
 
 
-# -- templates
-
-
 @cache
 def latex_template(name: str) -> Template:
     """A template of LaTeX, which is full of braces, so that its marks are ``<< >>`` and ``<% %>``."""
@@ -88,9 +85,6 @@ def macros(name: str) -> TemplateModule:
     return latex_template(name).module
 
 
-# -- texts
-
-
 def latex_words(text: str) -> str:
     """A text with its marks."""
     written = []
@@ -105,9 +99,6 @@ def latex_words(text: str) -> str:
             body = latex_text(part)
             written.append(f"{before}{body}{after}" if body else " ")
     return "".join(written)
-
-
-# -- blocks
 
 
 def _joined(blocks: Iterable[sheet.Block], text: Text, is_open: bool = False) -> list[str]:

@@ -12,7 +12,6 @@ from derive.handouts.assemble import context_of, section_of
 from derive.handouts.page.player import (
     REGRESSOR,
     TORQUE,
-    Exceeded,
     Formula,
     Playback,
     PlayedPiece,
@@ -134,7 +133,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
             if np.isfinite(ends).any()
         },
         exceeded=tuple(
-            Exceeded(item.what, item.joint, item.time, item.value)
+            (item.what, item.joint, item.time, item.value)
             for item in violations
             if functions or item.what != "torque"
         ),
