@@ -226,6 +226,7 @@ class DataPrinter:
 
     def __init__(self, robot: Robot, notation: Notation) -> None:
         self.robot = robot
+        self._metres = Box("\\,\\mathrm{mm}", 19.0) if robot.units.millimetres else METRE
         self.notation = replace(notation, decimals=True, digits=DATA_DIGITS, degrees=robot.units.degrees)
 
     def value(self, cell: Expression | Expr) -> Cell:
@@ -246,10 +247,6 @@ class DataPrinter:
         if unit is Unit.LENGTH:
             return (*self.length(number), TexPiece(self._metres))
         return self.angle(number) if unit is Unit.ANGLE else self.value(number)
-
-    @property
-    def _metres(self) -> Box:
-        return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else METRE
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
         """A value of a joint variable with its unit."""

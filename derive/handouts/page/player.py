@@ -4,7 +4,7 @@ The page computes the motion from the same pieces as everything else does: polyn
 cosines, and formulas of time as trees of numbers; torques come from the JavaScript of the robot's own tapes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -143,6 +143,11 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
     return entries
 
 
+def html_messages(text: Text) -> Callable[..., str]:
+    """What translates the messages of a template, for HTML."""
+    return lambda message, **values: html_text(text(message, **values))
+
+
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
     """Everything that the template of the player asks for."""
     kinds = {joint.is_revolute for joint in robot.joints}
@@ -178,7 +183,6 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         for j, (row, joint) in enumerate(zip(rows, robot.joints, strict=True))
     ]
     return {
-        "words": {name: html_text(word) for name, word in _words(text).items()},
         "segments": [html_text(segment.name.replace("->", "\N{RIGHTWARDS ARROW}")) for segment in playback.segments],
         "speeds": [(speed, html_text(text.number(f"{speed:g}")), speed == 1.0) for speed in SPEEDS],
         "duration": repr(playback.duration),
@@ -217,24 +221,3 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
         yield _("The page joins %(count)s places of this long motion by cubic polynomials.", count=playback.places)
     if playback.bounds:
         yield _("Dotted lines are limits; they stand where the motion comes near them.")
-
-
-def _words(_: Text) -> dict[str, str]:
-    return {
-        "player": _("The motion"),
-        "play": _("Play"),
-        "pause": _("Pause"),
-        "time": _("Time"),
-        "speed": _("Speed"),
-        "repeat": _("Repeat"),
-        "trace": _("Path of the end effector"),
-        "segment": _("Segment"),
-        "joint": _("Joint"),
-        "moment": _("Values at this time"),
-        "plots": _("Plots over time"),
-        "range": _("from %(least)s to %(most)s", least="@least@", most="@most@"),
-        "hint": _(
-            "Arrow keys on the time slider move by one sample, with Shift by ten, Page Up and Page Down to the next "
-            "point; a click into a plot goes to that time."
-        ),
-    }

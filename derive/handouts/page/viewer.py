@@ -21,7 +21,7 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.projection import view_along
 from derive.handouts.figure.scene import arm_scene, upwards
 from derive.handouts.notation.notation import Notation
-from derive.handouts.page.player import Playback, player_texts
+from derive.handouts.page.player import Playback, html_messages, player_texts
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
@@ -118,18 +118,14 @@ def viewer(
         functions=tuple(map(camel_case, playback.functions)) if playback else (),
         base_torques=playback.base_torques if playback else (),
     )
-    assumed = ""  # what is drawn for symbols without a number
-    if values:
-        symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
-        pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
-        message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
-        assumed = html_text(message).replace("@values@", text.listing(pairs))
+    symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
+    pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
     rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=rows,
-        words={name: html_text(word) for name, word in _words(text).items()},
-        assumed=assumed,
+        _=html_messages(text),
+        assumed=text.listing(pairs),
         entries=range(4),
         ends=[end.name for end in robot.ends],
         has_ends=len(robot.ends) > 1,
@@ -272,34 +268,6 @@ def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict
         }
         for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
     ]
-
-
-def _words(_: Text) -> dict[str, str]:
-    return {
-        "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
-        "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),
-        "missing": _("This browser cannot draw in three dimensions (WebGL); the sliders and the pose still work."),
-        "joints": _("Joint variables"),
-        "exact": _("value"),
-        "reset": _("Reset joints"),
-        "view": _("Reset view"),
-        "frames": _("Frames"),
-        "labels": _("Labels"),
-        "pose": _("Pose of the end effector"),
-        "matrix": _("Homogeneous transform in the world frame"),
-        "position": _("Position"),
-        "end": _("End"),
-        "angles": _("Roll, pitch, yaw"),
-        "target": _("Target of the end effector"),
-        "coordinate": _("coordinate of the target"),
-        "branch": _("Branch"),
-        "nearest": _("nearest solution"),
-        "reached": _("The arm reaches the target"),
-        "missed": _("No configuration within the limits reaches the target"),
-        "missed_branch": _("This branch does not reach the target within the limits"),
-        "drag": _("Drag the ball at the end effector, or set the coordinates of the target: the arm follows."),
-        "legend": _("Axes x red, y green, z blue."),
-    }
 
 
 # -- the target that the reader drags: the position with the orientation kept where that moves, else the position alone

@@ -14,6 +14,7 @@ from importlib.resources import files
 
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.writers import svg_drawing
+from derive.handouts.page.player import html_messages
 from derive.handouts.page.viewer import Viewer
 from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
@@ -29,29 +30,13 @@ _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page, with a figure that the reader moves where there is one."""
-    _ = text
-    words = {
-        "skip": _("Skip to the content"),
-        "contents": _("Contents"),
-        "motion": _("The robot in motion"),
-        "open_steps": _("Open all steps"),
-        "close_steps": _("Close all steps"),
-        "dark": _("Dark page"),
-        "light": _("Light page"),
-        "copied": _("Copied"),
-        "failed": _("The browser does not allow copying"),
-    }
     sections = [
-        {
-            "anchor": html_text(section.anchor),
-            "title": _words(section.title),
-            "body": _blocks(section.blocks, text),
-        }
+        {"anchor": html_text(section.anchor), "title": _words(section.title), "body": _blocks(section.blocks, text)}
         for section in document.sections
     ]
     content = templating.render(
         "page/content.html.jinja",
-        words={name: html_text(word) for name, word in words.items()},
+        _=html_messages(text),
         title=html_text(document.title),
         subtitle=_words(document.subtitle),
         form=[_words(word) for word in document.form],
@@ -182,14 +167,12 @@ def _formula(block: sheet.SheetFormula, _: Text) -> str:
     if block.note:
         parts.append(f"<p class=note>{_words(block.note)}</p>")
     if written := tuple(block.entries()):
-        words = {"entry": _("Entry"), "latex": _("Copy LaTeX"), "python": _("Copy Python")}
         entries = [
             {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
             for e in written
         ]
-        words = {name: html_text(word) for name, word in words.items()}
         function = html_text(block.function)
-        tools = templating.render("page/tools.html.jinja", words=words, entries=entries, function=function)
+        tools = templating.render("page/tools.html.jinja", _=html_messages(_), entries=entries, function=function)
         parts.append(tools.rstrip())
     return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 

@@ -195,8 +195,6 @@ def _contributions(context: Context) -> Iterator[Block]:
     yield from context.announced("The reflected inertia of a motor's armature adds to the diagonal alone.", lines)
 
 
-# -- Christoffel symbols, Coriolis matrix, skew symmetry, gravity and the equations of motion
-
 _CORIOLIS = "coriolis_matrix"
 _TORQUE = "inverse_dynamics"  # generated functions
 

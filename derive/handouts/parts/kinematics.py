@@ -145,8 +145,6 @@ def _partial_products(context: Context) -> Iterator[Block]:
     yield Rows(tuple(equation_lines([Equation(_frame(0, last), tuple(factors))])))
 
 
-# -- position and orientation
-
 # Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
 SHORT_ANGLES = 12
 _COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)

@@ -60,21 +60,7 @@ def newton_euler(context: Context) -> Iterator[Block]:
         yield context.paragraph("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute])
         yield _link_data(context, recursion, i)
     if context.steps:
-        glyph = context.notation.glyph
-        joints = [
-            JointLetters(
-                index=str(i),
-                before=str(i - 1),
-                after=str(i + 1),
-                is_revolute=joint.is_revolute,
-                sign=joint.sign,
-                rate=glyph(velocity_name(joint.variable)).box,
-                acceleration=glyph(acceleration_name(joint.variable)).box,
-                torque=context.symbols.torque(i),
-                is_last=i == context.robot.n,
-            )
-            for i, joint in enumerate(context.robot.joints, 1)
-        ]
+        joints = [JointLetters.of(context, i) for i in range(1, context.robot.n + 1)]
         outward = tuple(line for letters in joints for line in recursion.outward(letters))
         inward = tuple(line for letters in reversed(joints) for line in recursion.inward(letters))
         yield Steps(_("Outward, link by link"), (Rows(outward),))
@@ -126,9 +112,6 @@ def _remarks(context: Context) -> Iterator[Block]:
             name = Box(f"\\Delta {symbol.tex}", symbol.width + 9.0)
             added.append(Equation(name, tuple(context.printer.pieces(torque))))
     yield from context.announced("Friction and armatures add to the torques of the joints:", equation_lines(added))
-
-
-# -- data of the links
 
 
 # A matrix, vector or number of a link: what it is called, its entries, and what prints them; the printer of the robot's
@@ -207,6 +190,15 @@ class JointLetters:
         """Joint i."""
         rate, acceleration = (script(Box(f"{dots}{{q}}", 5.5), italic("i")) for dots in ("\\dot", "\\ddot"))
         return cls("i", "i-1", "i+1", is_revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
+
+    @classmethod
+    def of(cls, context: Context, i: int) -> JointLetters:
+        """A joint of a robot, from 1."""
+        joint, glyph = context.robot.joints[i - 1], context.notation.glyph
+        rate, acceleration = (glyph(name(joint.variable)).box for name in (velocity_name, acceleration_name))
+        torque, is_last = context.symbols.torque(i), i == context.robot.n
+        names = str(i), str(i - 1), str(i + 1)
+        return cls(*names, joint.is_revolute, joint.sign, rate, acceleration, torque, is_last)
 
 
 @dataclass(frozen=True)

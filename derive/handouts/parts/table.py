@@ -1,6 +1,6 @@
 """The parts with the robot's data: the DH table, base and tool, parameters, links."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from itertools import chain
 
@@ -76,16 +76,15 @@ def dh_table(context: Context) -> Iterator[Block]:
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
     """The constant transforms of a tree as matrices, and which end is on which row."""
     robot = context.robot
-    rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand and row.stand.mount != IDENTITY)
-    lines = [line for label, mount in rows for line in _matrix(context, script(bold("M"), context.name(label)), mount)]
+    rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand)
+    lines = _matrices(context, ((script(bold("M"), context.name(label)), mount) for label, mount in rows))
     yield from context.announced("Mounts, which come before all else of their rows:", lines)
     places = [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]
     if places:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
-    frames = [] if robot.base == IDENTITY else _matrix(context, BASE, robot.base)
-    for end in tree.ends(robot):
-        frames += [] if end.tool == IDENTITY else _matrix(context, tool_of(end.name), end.tool)
+    tools = ((tool_of(end.name), end.tool) for end in tree.ends(robot))
+    frames = _matrices(context, ((BASE, robot.base), *tools))
     yield from context.announced(
         "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row.",
         frames,
@@ -112,8 +111,7 @@ def _units(context: Context) -> str:
 
 def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
     """Base and tool as matrices, where they are not the identity."""
-    pairs = ((base, context.robot.base), (tool, context.robot.tool))
-    return [line for symbol, frame in pairs if frame != IDENTITY for line in _matrix(context, symbol, frame)]
+    return _matrices(context, ((base, context.robot.base), (tool, context.robot.tool)))
 
 
 def tool_of(end: str) -> Box:
@@ -121,10 +119,13 @@ def tool_of(end: str) -> Box:
     return script(bold("T"), concatenate(upright("tool"), italic(","), upright(end))) if end else TOOL
 
 
-def _matrix(context: Context, symbol: Box, frame: Matrix) -> list[str]:
-    value, length = context.data.value, context.data.length
-    rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
-    return matrix_lines(symbol, rows, entry_namer(symbol))
+def _matrices(context: Context, frames: Iterable[tuple[Box, Matrix]]) -> list[str]:
+    value, length, lines = context.data.value, context.data.length, list[str]()
+    for symbol, frame in frames:
+        if frame != IDENTITY:
+            rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
+            lines += matrix_lines(symbol, rows, entry_namer(symbol))
+    return lines
 
 
 def table_rows(context: Context) -> Iterator[Block]:
@@ -165,7 +166,6 @@ def table_rows(context: Context) -> Iterator[Block]:
 
 
 def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limits: bool) -> list[Cell]:
-    """The cells of a row of the table."""
     data, length = context.data, row_in_file_units(row, context.robot.units).d
     theta, d = expression_to_sympy(row.theta), expression_to_sympy(length)
     if isinstance(row, Joint):
@@ -180,7 +180,6 @@ def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limi
 
 
 def _letters(context: Context, index: str, has_turns: bool, before: str = "i-1") -> list[tuple[str, str]]:
-    """The letters of the cells of a row with their indices."""
     names = [(letter, index) for letter in ("\\theta", "d", "a", "\\alpha")]
     if not context.is_standard:
         behind = index if context.robot.is_tree else before
@@ -195,9 +194,6 @@ def _named_cells(context: Context, row: Joint | FixedRow, cells: list[Cell], has
         yield Equation(script(Box(letter, 6.5), index if i == index.tex else italic(i)), cell)
     if isinstance(row, Joint) and row.limits is not None:
         yield Equation(Box(f"\\text{{limits {number}}}", 45.0), cells[-1])
-
-
-# -- parameters and links
 
 
 def parameters(context: Context) -> Iterator[Block]:
@@ -217,9 +213,8 @@ def parameters(context: Context) -> Iterator[Block]:
     for i, link in enumerate(tree.bodies(context.robot), 1):
         if (i > context.robot.n and link == Link()) or i <= moving:
             continue
-        yield context.paragraph(
-            "Link %(index)s:", index=i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
-        )
+        index = i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
+        yield context.paragraph("Link %(index)s:", index=index)
         yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 

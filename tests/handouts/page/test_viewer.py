@@ -13,7 +13,7 @@ from itertools import chain, pairwise
 import pytest
 
 from derive.handouts.figure.scene import upwards
-from derive.handouts.page.player import Playback, PlayedPiece, PlayedRun, PlayedSegment, player_texts
+from derive.handouts.page.player import Playback, PlayedPiece, PlayedRun, PlayedSegment, html_messages, player_texts
 from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
 from derive.handouts.sheet.document import SheetFormula, blocks_of
@@ -210,8 +210,8 @@ def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> No
 
 
 def test_words_of_the_player_are_translated_and_inert() -> None:
-    made = player_texts(MOTION, ARM, ROWS, Text("xx", {"Play": '<b>"Via"</b>'}, comma=True))
-    assert made["words"]["play"] == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
+    made = player_texts(MOTION, ARM, ROWS, Text("xx", comma=True))
+    assert html_messages(Text("xx", {"Play": '<b>"Via"</b>'}))("Play") == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
     assert made["segments"] == ["a → &lt;b&gt;"]
     assert (0.25, "0,25", False) in made["speeds"]
 
