@@ -242,11 +242,8 @@ class Recursion:
         if not joint.is_last:
             carried = concatenate(back, vector("f", joint.after))
             forces = [(1, carried), *forces]
-            moments = [
-                (1, concatenate(back, vector("n", joint.after))),
-                (1, concatenate(p, _TIMES, bracketed(carried))),
-                *moments,
-            ]
+            behind = concatenate(back, vector("n", joint.after)), concatenate(p, _TIMES, bracketed(carried))
+            moments = [*((1, box) for box in behind), *moments]
         received = moment if joint.is_revolute else force
         torque = concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis)
         return _lines([(force, forces), (moment, moments), (joint.torque, [(joint.sign, torque)])])

@@ -232,12 +232,8 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
         com += part
     yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
-    if link.motor is not None:
-        cells += [
-            (_("rotor mass"), link.motor.mass),
-            (_("rotor inertia"), link.motor.inertia),
-            (_("gear ratio"), link.motor.ratio),
-        ]
+    if motor := link.motor:
+        cells += [(_("rotor mass"), motor.mass), (_("rotor inertia"), motor.inertia), (_("gear ratio"), motor.ratio)]
     cells += [(_("armature"), link.armature), (_("viscous friction"), link.viscous)]
     ways = {"f": "", "fp": " (+)", "fm": " (-)"}
     cells += [(_("Coulomb friction") + ways[part], cell) for part, cell in coulomb_parts(link).items()]

@@ -1,6 +1,7 @@
 """What the parts of one handout share: the robot, its closed forms, the options, and what prints them."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 
@@ -119,7 +120,6 @@ class Context:
 
 def poses_of(robot: Robot) -> RobotPoses | None:
     """Where the frames of a robot are; None where nothing can be drawn."""
-    try:
+    with suppress(DeriveError):
         return RobotPoses(robot)
-    except DeriveError:
-        return None
+    return None

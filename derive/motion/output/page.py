@@ -9,15 +9,7 @@ from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 
 from derive.arrays import Array
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.page.player import (
-    REGRESSOR,
-    TORQUE,
-    Formula,
-    Playback,
-    PlayedPiece,
-    PlayedRun,
-    PlayedSegment,
-)
+from derive.handouts.page.player import REGRESSOR, TORQUE, Formula, Playback, PlayedPiece, PlayedRun, PlayedSegment
 from derive.handouts.page.viewer import FUNCTIONS, Viewer, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import HAND_SPLINE, plan_section, plan_sheet
@@ -133,9 +125,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
             if np.isfinite(ends).any()
         },
         exceeded=tuple(
-            (item.what, item.joint, item.time, item.value)
-            for item in violations
-            if functions or item.what != "torque"
+            (item.what, item.joint, item.time, item.value) for item in violations if functions or item.what != "torque"
         ),
         run=None if run is None else _played_run(motion, run),
         places=places,
