@@ -3,26 +3,18 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 
-from derive.handouts.parts.conversion import conversion
-from derive.handouts.parts.dynamics import (
-    christoffel,
-    coriolis,
-    energies,
-    equations_of_motion,
-    gravity,
-    has_rotors,
-    inertia,
-    link_jacobians,
-    skew,
+from derive.handouts.parts import (
+    conversion,
+    dynamics,
+    example,
+    figure,
+    inverse,
+    jacobian,
+    kinematics,
+    newton_euler,
+    singularities,
+    table,
 )
-from derive.handouts.parts.example import example
-from derive.handouts.parts.figure import arm, convention
-from derive.handouts.parts.inverse import inverse
-from derive.handouts.parts.jacobian import jacobian
-from derive.handouts.parts.kinematics import end_effector, orientation, transforms
-from derive.handouts.parts.newton_euler import newton_euler
-from derive.handouts.parts.singularities import singularities
-from derive.handouts.parts.table import dh_table, parameters
 from derive.handouts.sheet.context import Context, poses_of
 from derive.handouts.sheet.document import Block, Document, Section
 from derive.handouts.sheet.language import text_for
@@ -50,29 +42,29 @@ def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
 def section_of(context: Context, name: str) -> Section | None:
     """One part; None where the robot has nothing to show there."""
     _ = context.text
-    links = _("Jacobians of links and motors") if has_rotors(context.robot) else _("Jacobians of links")
+    links = _("Jacobians of links and motors") if dynamics.has_rotors(context.robot) else _("Jacobians of links")
     parts: dict[str, tuple[str, Callable[[Context], Iterable[Block]]]] = {  # heading, and what makes the content
-        "figure": (_("The robot") if context.robot.is_tree else _("The arm"), arm),
-        "table": (_("Denavit-Hartenberg table"), dh_table),
-        "convention": (_("Convention"), convention),
-        "parameters": (_("Parameters"), parameters),
-        "transforms": (_("Transforms between successive frames"), transforms),
-        "conversion": (_("The other convention"), conversion),
-        "kinematics": (_("End effector"), end_effector),
-        "orientation": (_("Position and orientation"), orientation),
-        "jacobian": (_("Geometric Jacobian"), jacobian),
-        "singularities": (_("Singularities"), singularities),
-        "inverse": (_("Inverse kinematics"), inverse),
-        "link-jacobians": (links, link_jacobians),
-        "energies": (_("Energies"), energies),
-        "inertia": (_("Inertia matrix"), inertia),
-        "christoffel": (_("Christoffel symbols"), christoffel),
-        "coriolis": (_("Coriolis matrix"), coriolis),
-        "skew": (_("Skew symmetry"), skew),
-        "gravity": (_("Gravity"), gravity),
-        "motion": (_("Equations of motion"), equations_of_motion),
-        "newton-euler": (_("Newton-Euler recursion"), newton_euler),
-        "example": (_("Example in numbers"), example),
+        "figure": (_("The robot") if context.robot.is_tree else _("The arm"), figure.arm),
+        "table": (_("Denavit-Hartenberg table"), table.dh_table),
+        "convention": (_("Convention"), figure.convention),
+        "parameters": (_("Parameters"), table.parameters),
+        "transforms": (_("Transforms between successive frames"), kinematics.transforms),
+        "conversion": (_("The other convention"), conversion.conversion),
+        "kinematics": (_("End effector"), kinematics.end_effector),
+        "orientation": (_("Position and orientation"), kinematics.orientation),
+        "jacobian": (_("Geometric Jacobian"), jacobian.jacobian),
+        "singularities": (_("Singularities"), singularities.singularities),
+        "inverse": (_("Inverse kinematics"), inverse.inverse),
+        "link-jacobians": (links, dynamics.link_jacobians),
+        "energies": (_("Energies"), dynamics.energies),
+        "inertia": (_("Inertia matrix"), dynamics.inertia),
+        "christoffel": (_("Christoffel symbols"), dynamics.christoffel),
+        "coriolis": (_("Coriolis matrix"), dynamics.coriolis),
+        "skew": (_("Skew symmetry"), dynamics.skew),
+        "gravity": (_("Gravity"), dynamics.gravity),
+        "motion": (_("Equations of motion"), dynamics.equations_of_motion),
+        "newton-euler": (_("Newton-Euler recursion"), newton_euler.newton_euler),
+        "example": (_("Example in numbers"), example.example),
     }
     title, make = parts[name]
     if name in CLOSED_FORMS and not context.has_closed_dynamics:

@@ -7,7 +7,7 @@ smaller, all by the ``\linewidth`` that it finds.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
@@ -18,19 +18,8 @@ from derive.handouts.layout.quantity import Item, LaidOut, Namer
 from derive.handouts.notation.pieces import Box, italic, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.inverse_words import formulas
+from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.context import Context
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Figure,
-    Paragraph,
-    Rows,
-    Section,
-    SheetFormula,
-    Steps,
-    Table,
-    blocks_of,
-)
 from derive.handouts.sheet.formula import component_namer, entry_namer, formula, unlisted
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex_words, macros, omitted_words
@@ -59,7 +48,7 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
     return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 
 
-def _quantity(context: Context, name: str) -> Section:
+def _quantity(context: Context, name: str) -> sheet.Section:
     """A section that holds one quantity, as the handout prints it where it does."""
     try:
         row, indices, entry = parse(context.entries.model, name)
@@ -80,7 +69,7 @@ def _quantity(context: Context, name: str) -> Section:
         if not blocks:
             found = f"formulas for {name} of {context.robot.name}"
             raise QuantityError(found, allowed="allowed: arms that have a closed form")
-        return Section("", "", blocks)
+        return sheet.Section("", "", blocks)
     dynamics, entries, lay_out = context.dynamics, context.entries, context.layouter.lay_out
     match row.name if entry is None and not indices else "":
         case "T":
@@ -93,7 +82,7 @@ def _quantity(context: Context, name: str) -> Section:
             laid_out = dynamics.closed(row.name)
         case _:  # no part prints it as a whole
             laid_out = _by_value(context, row, indices, entry)
-    return Section("", "", (formula(context, laid_out, row.function),))
+    return sheet.Section("", "", (formula(context, laid_out, row.function),))
 
 
 def _by_value(context: Context, row: Quantity, indices: tuple[int, ...], entry: tuple[int, ...] | None) -> LaidOut:
@@ -148,21 +137,10 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> tuple[Box,
 _WIDEST = 10  # columns that amsmath's matrices have unless told otherwise
 
 
-@dataclass(frozen=True, slots=True)
-class _Item:
-    """An equation in a fragment."""
-
-    whole: str  # its LaTeX; with marks where a line may end, unless it is a matrix
-    matrix: bool = False  # whether there are entries to print where the line is too narrow for the whole
-    entries: tuple[str, ...] = ()  # the entries, with such marks
-    note: str = ""  # what else a reader of the entries must know
-    is_whole: bool = False  # whether it cannot be broken
-
-
-def fragment(section: Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
+def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
     r"""A section in a group of its own."""
-    blocks = list(blocks_of(section))
-    is_drawn = any(isinstance(block, Figure) for block in blocks)
+    blocks = list(sheet.blocks_of(section))
+    is_drawn = any(isinstance(block, sheet.Figure) for block in blocks)
     written = "".join(_written(block, text) for block in section.blocks)
     matrices = re.findall(r"\\begin\{bmatrix\}(.*?)\\end\{bmatrix\}", written, re.DOTALL)
     columns = max((row.count("&") + 1 for matrix in matrices for row in matrix.split("\\\\")), default=0)
@@ -175,7 +153,7 @@ def fragment(section: Section, text: Text, *, name: str, robot: str, version: st
         columns=columns if columns > _WIDEST else 0,
         width=width,
         preamble=PREAMBLE.rstrip() if is_drawn else "",
-        has_tables=any(isinstance(block, Table) for block in blocks),
+        has_tables=any(isinstance(block, sheet.Table) for block in blocks),
     )
     return heading + written + _macro("ending")
 
@@ -189,28 +167,28 @@ def _words(text: str) -> str:
     return latex_words(text).replace(")\\,", ")\\,\\allowbreak ")
 
 
-def _written(block: Block, text: Text) -> str:
+def _written(block: sheet.Block, text: Text) -> str:
     match block:
-        case Paragraph(words):
+        case sheet.Paragraph(words):
             return _macro("paragraph", text=_words(words))
-        case Rows(lines):
+        case sheet.Rows(lines):
             return _rows(lines, text)
-        case SheetFormula():
+        case sheet.SheetFormula():
             return "".join(_formula(block, text))
-        case Blank(_, task):
+        case sheet.Blank(_, task):
             return _macro("paragraph", text=_words(task))
-        case Table(header, rows):
+        case sheet.Table(header, rows):
             head, *body = (" & ".join(map(_words, row)) for row in (header, *rows))
             pairs = (zip(header, row, strict=True) for row in rows)  # in words, for a line that the table does not fit
             items = ["; ".join(f"{_words(name)}: {_words(cell)}" for name, cell in row) for row in pairs]
             return _macro("table", header=head, rows=body, items=items)
-        case Figure(drawing, caption):
+        case sheet.Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=_words(caption))
-        case Steps(title, blocks):
+        case sheet.Steps(title, blocks):
             return _macro("steps", title=_words(title)) + "".join(_written(inner, text) for inner in blocks)
 
 
-def _formula(block: SheetFormula, _: Text) -> Iterator[str]:
+def _formula(block: sheet.SheetFormula, _: Text) -> Iterator[str]:
     lines = [line for rows in block.rows for line in rows.lines]
     if block.named:
         yield _macro("paragraph", text=_words(_("With the abbreviations")))
@@ -235,9 +213,10 @@ def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
         if matrix is not None:
             entries = tuple(breakable(entry) for entry in named or matrix.entries())
             is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
-            items.append(_Item(equation, True, entries, _words(unlisted(text, is_half, matrix.has_zeros))))
+            note = _words(unlisted(text, is_half, matrix.has_zeros))
+            items.append(_macro("matrix", whole=equation, entries=entries, note=note).rstrip())
         elif "\\begin" in equation:
-            items.append(_Item(equation, is_whole=True))
+            items.append(f"\\whole{{{equation}}}%")
         else:
-            items.append(_Item(breakable(equation)))
+            items.append(f"\\eq{{{breakable(equation)}}}%")
     return _macro("rows", items=items)

@@ -96,11 +96,9 @@ class LectureForm:
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
         self._not_gravity: Level = frozenset(i for i, _ in factors) - self._gravity
         self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
-        homes = [frozenset(group) for group in sorted(domain.groups)]
         # sines and cosines group by group from the base outwards
-        self._outwards: list[Level] = [
-            frozenset(i for i in self._sines if self.table.factors[i].joints[0] in home) for home in homes
-        ]
+        homes, groups = {i: self.table.factors[i].joints[0] for i in self._sines}, sorted(domain.groups)
+        self._outwards: list[Level] = [frozenset(i for i in homes if homes[i] in group) for group in groups]
 
     def with_style(self, style: Style) -> LectureForm:
         """The form of another style over the same factors."""

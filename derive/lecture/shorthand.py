@@ -26,7 +26,6 @@ MAX_TOKEN_DIGITS = 24  # digits of one token: twelve two-digit labels; no notes 
 _CIRCULAR = re.compile(r"([cs])([0-9]+)")
 _LABELLED = re.compile(r"(q|qd|qdd)([0-9]+)")
 _FUNCTION = {"c": "cos", "s": "sin"}
-_LETTER = {"cos": "c", "sin": "s"}
 _RENAME: Mapping[str, Callable[[str], str]] = {"q": str, "qd": velocity_name, "qdd": acceleration_name}
 
 
@@ -197,10 +196,10 @@ def clear_labels(robot: Robot) -> dict[str, str]:
 
 def _with_tokens(e: Expression, labels: Mapping[str, str]) -> Expression:
     """A tree with names such as c12 in the place of cosines and sines of labelled joint angles."""
-    if isinstance(e, Call) and e.function in _LETTER:
+    if isinstance(e, Call) and e.function in _FUNCTION.values():
         (angle,) = e.arguments
         terms = angle.terms if isinstance(angle, Sum) else (angle,)
         found = [labels.get(term.name, "") if isinstance(term, Name) else "" for term in terms]
         if all(found) and len(set(found)) == len(found):
-            return Name(_LETTER[e.function] + "".join(sorted(found)))
+            return Name(e.function[0] + "".join(sorted(found)))
     return tree.rebuilt(e, lambda part: _with_tokens(part, labels))

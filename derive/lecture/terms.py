@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from itertools import combinations
 from typing import NamedTuple
 
 from derive.algebra.contraction import contract
@@ -54,10 +55,9 @@ class FactorTable:
             places = tuple(domain.places[kind, j] for kind in (Kind.SINE, Kind.COSINE) for j in joints)
             self._groups.append(_Group(joints, places, domain.adds_angles(joints), frozenset(places)))
             # every sum of angles at once, so that the numbers do not depend on what is asked for first
-            for start in range(len(joints)):
-                for end in range(start + 1, len(joints) + 1):
-                    self._number(PrintedFactor(Kind.SINE, joints[start:end], None))
-                    self._number(PrintedFactor(Kind.COSINE, joints[start:end], None))
+            for edge in combinations(range(len(joints) + 1), 2):
+                self._number(PrintedFactor(Kind.SINE, joints[slice(*edge)], None))
+                self._number(PrintedFactor(Kind.COSINE, joints[slice(*edge)], None))
 
     def _number(self, factor: PrintedFactor) -> int:
         if factor not in self._index:

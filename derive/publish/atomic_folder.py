@@ -17,7 +17,6 @@ import os
 import re
 import secrets
 import shutil
-import stat
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path, PurePosixPath
@@ -320,8 +319,6 @@ def ending_of(path: Path, allowed: Sequence[str]) -> str:
 
 def _is_stream(path: Path) -> bool:
     """Whether a path is a device or a pipe, which is written to and never replaced."""
-    try:
-        mode = path.stat().st_mode
-    except OSError:
-        return False
-    return stat.S_ISCHR(mode) or stat.S_ISFIFO(mode)
+    with suppress(OSError):
+        return path.is_char_device() or path.is_fifo()
+    return False

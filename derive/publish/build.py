@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import resource_tracker
@@ -332,11 +332,8 @@ def _in_processes(
 
 def _attempt_unless_ended(work: Callable[[Robot], R], robot: Robot) -> R | BuildFailure:
     """One robot in a process of its own, which cleans up and ends when it is asked to."""
-    try:
-        with interruptible(signal.SIGTERM):
-            return _attempt(work, robot)
-    except KeyboardInterrupt:
-        pass
+    with suppress(KeyboardInterrupt), interruptible(signal.SIGTERM):
+        return _attempt(work, robot)
     os._exit(FAILED)  # what the work held is freed by now; the pool would give this process the next robot
 
 

@@ -78,11 +78,8 @@ def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[
     found = tuple(manifest.get(key) for key in ("robot_file_sha256", "version", "targets", "effort"))
     if found != wanted or not all((folder / name).is_file() for name in compiled_files(manifest)):
         return False
-    for name, expected in manifest["files"].items():
-        data = contents(folder / name)
-        if data is None or hashlib.sha256(data).hexdigest() != expected:
-            return False
-    return True
+    held = ((contents(folder / name), expected) for name, expected in manifest["files"].items())
+    return all(data is not None and hashlib.sha256(data).hexdigest() == expected for data, expected in held)
 
 
 def contents(path: Path) -> bytes | None:

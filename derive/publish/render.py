@@ -202,11 +202,8 @@ def _is_worthwhile() -> bool:
 def in_two_processes(work: Callable[[T], R], pieces: Sequence[T], sizes: Sequence[int]) -> Sequence[R]:
     """Do pieces of work that do not depend on each other, half of them in another process."""
     halves: tuple[list[int], list[int]] = ([], [])
-    loads = [0, 0]
     for place in sorted(range(len(pieces)), key=lambda place: -sizes[place]):
-        lighter = loads.index(min(loads))
-        halves[lighter].append(place)
-        loads[lighter] += sizes[place]
+        min(halves, key=lambda half: sum(sizes[k] for k in half)).append(place)  # to the lighter one
 
     def _half(places: Sequence[int]) -> dict[int, R]:
         return {place: work(pieces[place]) for place in sorted(places)}

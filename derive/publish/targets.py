@@ -31,10 +31,10 @@ LATEX = Target(
     needs_program=False,
 )
 
-_ALL = (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, OCTAVE, LATEX, README)
-
 # By name, in the order in which they are written.
-TARGETS: dict[str, Target] = {target.name: target for target in _ALL}
+TARGETS: dict[str, Target] = {
+    target.name: target for target in (NUMPY, CASADI, CASADI_C, C, NATIVE, JAVASCRIPT, OCTAVE, LATEX, README)
+}
 EVERY = "all"  # what the user says for all of them
 
 

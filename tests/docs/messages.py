@@ -20,7 +20,7 @@ TEMPLATE = LOCALE / "derive.pot"
 HEADER = "# Texts of the handout; see derive/handouts/sheet/language.py."
 WIDTH = 100
 
-TRANSLATED = ("_", "_label", "_text", "text", "paragraph", "answer")
+TRANSLATED = ("_", "_label", "_text", "text", "paragraph", "announced", "answer")
 """Names by which code calls `derive.handouts.sheet.language.Text`, itself or by a `Context`."""
 
 Found = tuple[str, str]

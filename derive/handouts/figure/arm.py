@@ -177,12 +177,8 @@ def frame_names(robot: Robot) -> list[str]:
 
 # Told apart by readers who see few colours; after them lines are dashed, too.
 COLORS: tuple[Color, ...] = (
-    (0.00, 0.32, 0.62),
-    (0.80, 0.33, 0.00),
-    (0.00, 0.48, 0.36),
-    (0.62, 0.20, 0.52),
-    (0.45, 0.36, 0.00),
-    (0.25, 0.25, 0.28),
+    *((0.00, 0.32, 0.62), (0.80, 0.33, 0.00), (0.00, 0.48, 0.36)),
+    *((0.62, 0.20, 0.52), (0.45, 0.36, 0.00), (0.25, 0.25, 0.28)),
 )
 _MOST = 4  # lines over each other; more are two drawings side by side
 _WIDTH, _HALF = 300.0, 210.0  # width of one drawing, and of each of two [pt]

@@ -120,13 +120,10 @@ def plane_normal(scenes: Sequence[Scene]) -> Array | None:
 
 def view_along(normal: Array, up: tuple[float, float, float]) -> View:
     """A plane as it is."""
-    above = np.array(up)
-    height = float(normal @ above)
+    height = float(normal @ np.array(up))
     if abs(height) > 0.99:
         return View(math.radians(-90.0), math.radians(_TOP), up)
-    first = np.array((1.0, 0.0, 0.0)) if abs(above[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
-    first = first - above * (first @ above)
-    second = np.cross(above, first)
+    second, _, first = View(0.0, 0.0, up).rows  # horizontal, at azimuths of 90 and 0 degrees
     return View(math.atan2(float(normal @ second), float(normal @ first)), math.asin(height), up)
 
 

@@ -153,11 +153,8 @@ def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Array], li
     starts, before = poses[len(labels) :] if robot.is_tree else poses, tree.antecedents(robot)
     rows: tuple[Joint | FixedRow, ...] = (*robot.joints, *robot.fixed)
     for row in (number - 1 for number in _numbers(robot)[1:] if labels[number] != BASE):
-        start, end, z = (
-            starts[row][:3, 3],
-            poses[row + 1][:3, 3],
-            (starts[row] if is_standard else poses[row + 1])[:3, 2],
-        )
+        start, end = starts[row][:3, 3], poses[row + 1][:3, 3]
+        z = (starts[row] if is_standard else poses[row + 1])[:3, 2]
         offset = z * (z @ (end - start))
         corner = start + offset if is_standard else end - offset
         corners.append(corner)

@@ -19,11 +19,7 @@ _DEXTEROUS = (0.56, 0.69, 0.88)
 _EDGE = (0.10, 0.22, 0.55)
 _INNER_EDGE = (0.20, 0.36, 0.68)
 _SETTINGS = {"font.size": 8.0, "axes.linewidth": 0.6, "lines.linewidth": 0.9}
-_AXES = {
-    Picture.SECTION: ("$r$ [m]", "$z$ [m]"),
-    Picture.TOP: ("$x$ [m]", "$y$ [m]"),
-    Picture.SIDE: ("$x$ [m]", "$z$ [m]"),
-}
+_AXES = {Picture.SECTION: ("r", "z"), Picture.TOP: ("x", "y"), Picture.SIDE: ("x", "z")}
 
 _MARGIN = 0.06
 _ONE_POINT = 1e-9  # a workspace smaller than this is a point, which gives a plot no scale; a metre is shown then [m]
@@ -65,7 +61,8 @@ def _panel(axes: Any, view: WorkspaceView) -> None:
         left = 0.0
     axes.set(xlim=(left - margin, right + margin), ylim=(low - margin, high + margin))
     axes.set_aspect("equal", adjustable="box")
-    axes.set(xlabel=_AXES[view.picture][0], ylabel=_AXES[view.picture][1])
+    across, up = _AXES[view.picture]
+    axes.set(xlabel=f"${across}$ [m]", ylabel=f"${up}$ [m]")
     axes.set_title(str(view.picture), fontsize=9.0)
     axes.grid(visible=True, color="0.9", linewidth=0.4)
     axes.set_axisbelow(True)

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import groupby
 
 from derive.handouts.layout.lines import INDENTS
 
@@ -58,13 +59,9 @@ def whole_equations(lines: Iterable[str]) -> list[str]:
             joined[-1] = f"{whole}{space}{rest}"
     equations: list[str] = []
     for line in joined:
-        equations.append("")
-        for kind, text in _atoms(line):
-            if kind is _Kind.GAP:
-                equations.append("")
-            else:
-                equations[-1] += text
-    return [equation.strip() for equation in equations]
+        parts = groupby(_atoms(line), lambda atom: atom[0] is _Kind.GAP)
+        equations += ("".join(text for _, text in part).strip() for is_gap, part in parts if not is_gap)
+    return equations
 
 
 def breakable(equation: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, TexPiece, concatenate
+from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, TexPiece, concatenate, joined
 
 # Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve.
 LINE_WIDTH = 455.0
@@ -35,11 +35,6 @@ class Equation:
 
     left: Box  # the symbol that is defined
     right: tuple[TexPiece, ...]  # the expression
-
-    @property
-    def width(self) -> float:
-        """Width on one line [pt]."""
-        return self.left.width + RELATION_WIDTH + sum(piece.box.width for piece in self.right)
 
 
 def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH) -> list[str]:
@@ -93,12 +88,12 @@ def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> 
     lines: list[str] = []
     row: list[Box] = []
     for equation in equations:
-        head = concatenate(equation.left, EQUALS)
-        if equation.width > width / 2:
+        head, right = concatenate(equation.left, EQUALS), joined(equation.right)
+        if head.width + right.width > width / 2:
             lines += [*pack(row, width), *break_lines(head, equation.right, width)]
             row = []
         else:
-            row.append(concatenate(head, *(piece.box for piece in equation.right)))
+            row.append(concatenate(head, right))
     return lines + pack(row, width)
 
 

@@ -137,7 +137,6 @@ class Order:
         self._terms: dict[Any, TermKey] = {}
 
     def _factor_key(self, factor: Any) -> FactorKey:
-        """Sort key of a factor of a product."""
         base, exponent = factor.as_base_exp()
         return (*self._base(base), float(exponent) if exponent.is_number else 0.0)
 

@@ -139,9 +139,24 @@ class TexPiece(NamedTuple):
     nest: int = 0  # height of the bracket that it opens or closes, 0 for other pieces
 
 
+MINUS = TexPiece(Box("-", MINUS_WIDTH))
+
+
 def binary(sign: str, depth: int) -> TexPiece:
     """Plus or minus between two terms."""
     return TexPiece(Box(f" {sign} ", BINARY_WIDTH), Break.BINARY, depth)
+
+
+def signed_sum(terms: Iterable[tuple[bool, Iterable[TexPiece]]], depth: int = 0) -> list[TexPiece]:
+    """A sum of terms: of each whether it is subtracted, and its absolute value."""
+    row: list[TexPiece] = []
+    for negative, pieces in terms:
+        if row:
+            row.append(binary("-" if negative else "+", depth))
+        elif negative:
+            row.append(MINUS)
+        row += pieces
+    return row
 
 
 def joined(pieces: Iterable[TexPiece]) -> Box:

@@ -14,7 +14,7 @@ from derive.handouts.notation.notation import Notation, Order, is_below
 from derive.handouts.notation.pieces import (
     BRACKET_WIDTH,
     EMPTY,
-    MINUS_WIDTH,
+    MINUS,
     Box,
     Break,
     TexPiece,
@@ -28,6 +28,7 @@ from derive.handouts.notation.pieces import (
     magnitude,
     operator,
     script,
+    signed_sum,
 )
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.description import Joint
@@ -37,7 +38,6 @@ from derive.robot.units import Unit, in_file_units, symbol_unit
 
 # Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken.
 WIDEST_FRACTION = 120.0
-MINUS = TexPiece(Box("-", MINUS_WIDTH))
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
 _FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
@@ -82,16 +82,8 @@ class LatexPrinter:
         """Written once: a root inside a root is measured before it is placed, which doubles the work at each level."""
         key = (expression, depth)
         if key not in self._written:
-            terms = expression.args if expression.is_Add else (expression,)
-            row: Pieces = []
-            for term in sorted(terms, key=self._order.term):
-                negative, pieces = self._term(term, depth)
-                if row:
-                    row.append(binary("-" if negative else "+", depth))
-                elif negative:
-                    row.append(MINUS)
-                row += pieces
-            self._written[key] = tuple(row)
+            terms = sorted(expression.args if expression.is_Add else (expression,), key=self._order.term)
+            self._written[key] = tuple(signed_sum((self._term(term, depth) for term in terms), depth))
         return list(self._written[key])
 
     def _term(self, term: Any, depth: int) -> tuple[bool, Pieces]:
@@ -225,6 +217,7 @@ def _nested(pieces: Pieces) -> int:
 
 DATA_DIGITS = 15  # significant digits of the numbers in tables, which are the user's
 _CIRCLE = "^{\\circ}"
+METRE, RADIAN = Box("\\,\\mathrm{m}", 11.0), Box("\\,\\mathrm{rad}", 18.0)
 Cell = tuple[TexPiece, ...]  # a cell in print
 
 
@@ -233,6 +226,7 @@ class DataPrinter:
 
     def __init__(self, robot: Robot, notation: Notation) -> None:
         self.robot = robot
+        self._metres = Box("\\,\\mathrm{mm}", 19.0) if robot.units.millimetres else METRE
         self.notation = replace(notation, decimals=True, digits=DATA_DIGITS, degrees=robot.units.degrees)
 
     def value(self, cell: Expression | Expr) -> Cell:
@@ -253,10 +247,6 @@ class DataPrinter:
         if unit is Unit.LENGTH:
             return (*self.length(number), TexPiece(self._metres))
         return self.angle(number) if unit is Unit.ANGLE else self.value(number)
-
-    @property
-    def _metres(self) -> Box:
-        return Box("\\,\\mathrm{mm}", 19.0) if self.robot.units.millimetres else Box("\\,\\mathrm{m}", 11.0)
 
     def position(self, joint: Joint, cell: Expression) -> Cell:
         """A value of a joint variable with its unit."""
@@ -283,7 +273,7 @@ class DataPrinter:
         if value == 0 and self.notation.degrees:
             return (TexPiece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
         pieces = self.angle(value)
-        return pieces, EMPTY if _CIRCLE in joined(pieces).tex else Box("\\,\\mathrm{rad}", 18.0)
+        return pieces, EMPTY if _CIRCLE in joined(pieces).tex else RADIAN
 
 
 def _sympy(cell: Expression | Expr) -> Expr:

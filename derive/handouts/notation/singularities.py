@@ -46,9 +46,6 @@ def singularities_parts(found: Singularities, write: Write) -> dict[str, Any]:
     }
 
 
-# -- aspects
-
-
 def aspects_text(found: Aspects, write: Callable[[Any], str], digits: int | None = None) -> list[str]:
     """The aspects as plain text; joint variables on a path with so many significant digits, None for all."""
     if found.why_not:

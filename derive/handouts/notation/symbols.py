@@ -83,22 +83,14 @@ class Group:
     # Small numbers get a letter of their own, larger ones a letter with two indices, see `Symbols.term`.
     # The quantities; g and tau have the same, for they stand in different parts.
     T, J, B, CHRISTOFFEL, C, N, TORQUE, POTENTIAL = range(8)
-    _FIRST_FRAME = 8
-    _PER_FRAME = 3
-
     SINGULARITY_BLOCKS = 60  # the one or two blocks of J whose determinants are taken
     DETERMINANT = 62
-    _FIRST_AXES = 90
-
-    _FIRST_BODY = 1000  # from here on single bodies; before them the quantities and the transforms
-    _PER_BODY = 5
-    KINETIC = _FIRST_BODY - 1
-    DERIVATIVE = _FIRST_BODY - 2
+    DERIVATIVE, KINETIC, _FIRST_BODY = 998, 999, 1000  # before single bodies the quantities and the transforms
 
     @staticmethod
     def row(i: int) -> int:
         """The transform A_i."""
-        return Group._FIRST_FRAME + Group._PER_FRAME * (i - 1)
+        return 8 + 3 * (i - 1)
 
     @staticmethod
     def factor(start: int) -> int:
@@ -113,9 +105,9 @@ class Group:
     @staticmethod
     def axis(n: int, frame: int, column: int) -> int:
         """The axis or the origin of a frame; above all transforms."""
-        return max(Group._FIRST_AXES, Group.row(n + 3)) + 2 * frame + column - 3
+        return max(90, Group.row(n + 3)) + 2 * frame + column - 3
 
     @staticmethod
     def body(index: int, quantity: int) -> int:
         """A quantity of a link or rotor."""
-        return Group._FIRST_BODY + Group._PER_BODY * index + quantity
+        return Group._FIRST_BODY + 5 * index + quantity

@@ -4,7 +4,7 @@ The page computes the motion from the same pieces as everything else does: polyn
 cosines, and formulas of time as trees of numbers; torques come from the JavaScript of the robot's own tapes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -46,16 +46,6 @@ class PlayedSegment:
 
 
 @dataclass(frozen=True, slots=True)
-class BaseTorquesText:
-    """What the motion of the base adds to the torques, with something that the tool carries, as JavaScript."""
-
-    # Statements in ``q``, ``qd`` and ``base``: the upper three rows of the transform of the base, of its rate and of
-    # its second derivative.
-    body: tuple[str, ...]
-    results: tuple[str, ...]  # one for each joint
-
-
-@dataclass(frozen=True, slots=True)
 class PlayedRun:
     """A simulation, which the page plays instead of what is wanted."""
 
@@ -66,16 +56,6 @@ class PlayedRun:
     law: str  # of the control
     friction: str  # how friction is simulated
     reached: bool  # whether it reached the end of the motion
-
-
-@dataclass(frozen=True, slots=True)
-class Exceeded:
-    """A limit that is exceeded, where it is so most."""
-
-    quantity: str  # one of `QUANTITIES`
-    joint: int  # index of the joint
-    time: float  # when [s]
-    value: float  # what it is then [rad or m, per s, per s^2, N m or N]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +75,15 @@ class Playback:
     base: tuple[tuple[Formula, ...], ...] = ()
     # Its first and its second derivative, where torques are known.
     base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()
-    base_torques: tuple[BaseTorquesText, ...] = ()  # what its motion adds to the torques
+    # What its motion adds to the torques, for each thing that the tool carries, as JavaScript: statements in ``q``,
+    # ``qd`` and ``base``, the upper three rows of the transform of the base, of its rate and of its second derivative;
+    # then a result for each joint.
+    base_torques: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = ()
     # By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
-    exceeded: tuple[Exceeded, ...] = ()  # limits that are exceeded
+    # Limits that are exceeded, where they are so most: which of `QUANTITIES`, index of the joint, when [s], and what it
+    # is then [rad or m, per s, per s^2, N m or N].
+    exceeded: tuple[tuple[str, int, float, float], ...] = ()
     run: PlayedRun | None = None  # a simulation, which is played instead; None for the motion as it is wanted
     places: int = 0  # of a motion that is too long for a page, how many of its places the pieces join; 0 for all
 
@@ -124,7 +109,7 @@ class Playback:
             "base": self.base or None,
             "baseRates": self.base_rates or None,
             "bounds": [self.bounds.get(name) for name in self.quantities],
-            "exceeded": [[place(item.quantity), item.joint, item.time, item.value] for item in self.exceeded],
+            "exceeded": [[place(quantity), *where] for quantity, *where in self.exceeded],
             "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
 
@@ -158,6 +143,11 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
     return entries
 
 
+def html_messages(text: Text) -> Callable[..., str]:
+    """What translates the messages of a template, for HTML."""
+    return lambda message, **values: html_text(text(message, **values))
+
+
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
     """Everything that the template of the player asks for."""
     kinds = {joint.is_revolute for joint in robot.joints}
@@ -171,12 +161,12 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
                 html_text(
                     text(
                         "%(joint)s beyond its limit at %(time)s s",
-                        joint=robot.joints[item.joint].variable,
-                        time=text.number(f"{item.time:.4g}"),
+                        joint=robot.joints[joint].variable,
+                        time=text.number(f"{time:.4g}"),
                     )
                 )
-                for item in playback.exceeded
-                if playback.quantities[order] == item.quantity and robot.joints[item.joint].is_revolute is revolute
+                for quantity, joint, time, _ in playback.exceeded
+                if playback.quantities[order] == quantity and robot.joints[joint].is_revolute is revolute
             ],
         }
         for order, (_, of_kind) in enumerate(quantities)
@@ -193,7 +183,6 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         for j, (row, joint) in enumerate(zip(rows, robot.joints, strict=True))
     ]
     return {
-        "words": {name: html_text(word) for name, word in _words(text).items()},
         "segments": [html_text(segment.name.replace("->", "\N{RIGHTWARDS ARROW}")) for segment in playback.segments],
         "speeds": [(speed, html_text(text.number(f"{speed:g}")), speed == 1.0) for speed in SPEEDS],
         "duration": repr(playback.duration),
@@ -232,24 +221,3 @@ def _notes(_: Text, playback: Playback) -> Iterator[str]:
         yield _("The page joins %(count)s places of this long motion by cubic polynomials.", count=playback.places)
     if playback.bounds:
         yield _("Dotted lines are limits; they stand where the motion comes near them.")
-
-
-def _words(_: Text) -> dict[str, str]:
-    return {
-        "player": _("The motion"),
-        "play": _("Play"),
-        "pause": _("Pause"),
-        "time": _("Time"),
-        "speed": _("Speed"),
-        "repeat": _("Repeat"),
-        "trace": _("Path of the end effector"),
-        "segment": _("Segment"),
-        "joint": _("Joint"),
-        "moment": _("Values at this time"),
-        "plots": _("Plots over time"),
-        "range": _("from %(least)s to %(most)s", least="@least@", most="@most@"),
-        "hint": _(
-            "Arrow keys on the time slider move by one sample, with Shift by ten, Page Up and Page Down to the next "
-            "point; a click into a plot goes to that time."
-        ),
-    }

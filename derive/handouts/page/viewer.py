@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -21,7 +21,7 @@ from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.projection import view_along
 from derive.handouts.figure.scene import arm_scene, upwards
 from derive.handouts.notation.notation import Notation
-from derive.handouts.page.player import Playback, player_texts
+from derive.handouts.page.player import Playback, html_messages, player_texts
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
@@ -33,7 +33,7 @@ from derive.programs.program import Program
 from derive.robot import tree
 from derive.robot.description import BASE, Convention, FixedRow, Joint
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import names
+from derive.robot.names import file_symbols
 from derive.robot.options.inverse import POSE, InverseOptions
 from derive.robot.robot import Robot
 from derive.targets.escape import html_text
@@ -118,18 +118,14 @@ def viewer(
         functions=tuple(map(camel_case, playback.functions)) if playback else (),
         base_torques=playback.base_torques if playback else (),
     )
-    assumed = ""  # what is drawn for symbols without a number
-    if values:
-        symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
-        pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
-        message = text("Symbols without a number are drawn with %(values)s (metres, radians).", values="@values@")
-        assumed = html_text(message).replace("@values@", text.listing(pairs))
+    symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
+    pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
     rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=rows,
-        words={name: html_text(word) for name, word in _words(text).items()},
-        assumed=assumed,
+        _=html_messages(text),
+        assumed=text.listing(pairs),
         entries=range(4),
         ends=[end.name for end in robot.ends],
         has_ends=len(robot.ends) > 1,
@@ -142,13 +138,9 @@ def viewer(
 
 def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
     """A number for every symbol [m, rad]: the caller's, else the robot file's, else 1."""
-    cells = [cell for joint in robot.joints for cell in (joint.theta, joint.d, joint.a, joint.alpha)]
-    cells += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
-    cells += [cell for own in tree.constant_cells(replace(robot, fixed=tree.massless(robot.fixed))) for cell in own]
-    cells += [*(robot.gravity or ()), *(limit for joint in robot.joints for limit in joint.limits or ())]
-    symbols = (*(name for cell in cells for name in names(cell)), *parameters)
-    known = {name: evaluate(number, {}) for name, number in dict(robot.parameters).items()}
-    return dict.fromkeys(symbols, _FALLBACK) | known | dict(values)
+    symbols = file_symbols(replace(robot, links=(), fixed=tree.massless(robot.fixed)))
+    known = {name: evaluate(number, {}) for name, number in robot.parameters}
+    return dict.fromkeys((*symbols, *parameters), _FALLBACK) | known | dict(values)
 
 
 def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
@@ -214,13 +206,7 @@ def _configuration(
     value: dict[str, object] = {
         "modified": robot.convention is Convention.MODIFIED,
         "joints": [
-            {
-                "revolute": joint.is_revolute,
-                "a": evaluate(joint.a, numbers),
-                "lower": way.lower,
-                "upper": way.upper,
-                "start": way.start,
-            }
+            {"revolute": way.revolute, "a": evaluate(joint.a, numbers), **asdict(way)}
             for joint, way in zip(robot.joints, ways, strict=True)
         ],
         "params": {name: numbers[name] for name in program.parameters},
@@ -282,34 +268,6 @@ def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict
         }
         for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
     ]
-
-
-def _words(_: Text) -> dict[str, str]:
-    return {
-        "canvas": _("The robot in three dimensions, in the configuration of the sliders"),
-        "hint": _("Drag to turn, right button to shift; click, then scroll to zoom. Arrow keys, + and - work too."),
-        "missing": _("This browser cannot draw in three dimensions (WebGL); the sliders and the pose still work."),
-        "joints": _("Joint variables"),
-        "exact": _("value"),
-        "reset": _("Reset joints"),
-        "view": _("Reset view"),
-        "frames": _("Frames"),
-        "labels": _("Labels"),
-        "pose": _("Pose of the end effector"),
-        "matrix": _("Homogeneous transform in the world frame"),
-        "position": _("Position"),
-        "end": _("End"),
-        "angles": _("Roll, pitch, yaw"),
-        "target": _("Target of the end effector"),
-        "coordinate": _("coordinate of the target"),
-        "branch": _("Branch"),
-        "nearest": _("nearest solution"),
-        "reached": _("The arm reaches the target"),
-        "missed": _("No configuration within the limits reaches the target"),
-        "missed_branch": _("This branch does not reach the target within the limits"),
-        "drag": _("Drag the ball at the end effector, or set the coordinates of the target: the arm follows."),
-        "legend": _("Axes x red, y green, z blue."),
-    }
 
 
 # -- the target that the reader drags: the position with the orientation kept where that moves, else the position alone

@@ -14,23 +14,9 @@ from importlib.resources import files
 
 from derive.handouts.figure.drawing import label_runs
 from derive.handouts.figure.writers import svg_drawing
+from derive.handouts.page.player import html_messages
 from derive.handouts.page.viewer import Viewer
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Document,
-    Figure,
-    Gap,
-    Paragraph,
-    Rows,
-    SheetFormula,
-    SpanKind,
-    Steps,
-    Table,
-    blocks_of,
-    gap_rows,
-    spans,
-)
+from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import omitted_words
 from derive.targets import templating
@@ -42,38 +28,24 @@ _FONT_FACE = re.compile(r"(@font-face\{[^}]*?src:url\(fonts/([\w-]+\.woff2)\)[^}
 _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
-def page(document: Document, text: Text, viewer: Viewer | None = None) -> str:
+def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> str:
     """The document as a web page, with a figure that the reader moves where there is one."""
-    _, writer = text, BlockWriter(text)
-    words = {
-        "skip": _("Skip to the content"),
-        "contents": _("Contents"),
-        "motion": _("The robot in motion"),
-        "open_steps": _("Open all steps"),
-        "close_steps": _("Close all steps"),
-        "dark": _("Dark page"),
-        "light": _("Light page"),
-        "copied": _("Copied"),
-        "failed": _("The browser does not allow copying"),
-    }
     sections = [
-        {
-            "anchor": html_text(section.anchor),
-            "title": writer.words(section.title),
-            "body": writer.blocks(section.blocks),
-        }
+        {"anchor": html_text(section.anchor), "title": _words(section.title), "body": _blocks(section.blocks, text)}
         for section in document.sections
     ]
     content = templating.render(
         "page/content.html.jinja",
-        words={name: html_text(word) for name, word in words.items()},
+        _=html_messages(text),
         title=html_text(document.title),
-        subtitle=writer.words(document.subtitle),
-        form=[writer.words(word) for word in document.form],
+        subtitle=_words(document.subtitle),
+        form=[_words(word) for word in document.form],
         sections=sections,
         viewer=viewer.html if viewer else "",
-        steps=any(isinstance(block, Steps) for section in document.sections for block in blocks_of(section)),
-        footer=writer.words(document.footer),
+        steps=any(
+            isinstance(block, sheet.Steps) for section in document.sections for block in sheet.blocks_of(section)
+        ),
+        footer=_words(document.footer),
         name=html_text(document.name),
         digest=html_text(document.digest),
         version=html_text(document.version),
@@ -119,8 +91,6 @@ def safe_style(css: str) -> str:
     return _STYLE_END.sub(lambda found: "<\\", css)
 
 
-# -- blocks
-
 _SUBSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
 _SUPERSCRIPTS = str.maketrans("0123456789+-\N{MINUS SIGN}=()iTn", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻⁼⁽⁾ⁱᵀⁿ")
 
@@ -147,88 +117,81 @@ def unicode_name(latex: str) -> str:
     return "".join(parts)
 
 
-class BlockWriter:
-    """Writes blocks in one language."""
+def _words(text: str) -> str:
+    parts = []
+    for mark, part in sheet.spans(text):
+        plain = f"<code>{html_text(part)}</code>" if mark else html_text(part)
+        parts.append(formula(part) if mark == "$" else plain)
+    return "".join(parts)
 
-    def __init__(self, text: Text) -> None:
-        self._text = text
 
-    def words(self, text: str) -> str:
-        """A text with its mathematics and its code."""
-        parts = []
-        for kind, part in spans(text):
-            plain = f"<code>{html_text(part)}</code>" if kind is SpanKind.CODE else html_text(part)
-            parts.append(formula(part) if kind is SpanKind.MATHEMATICS else plain)
-        return "".join(parts)
+def _blocks(blocks: Iterable[sheet.Block], _: Text) -> str:
+    parts: list[str] = []
+    for block in blocks:
+        match block:
+            case sheet.Paragraph(text):
+                written = f"<p>{_words(text)}</p>"
+            case sheet.Rows(lines):
+                written = _displays(lines, _)
+            case sheet.SheetFormula():
+                written = _formula(block, _)
+            case sheet.Blank(number, task, points, gaps):
+                asked = f"<p class=task><b>{number}</b> {_words(task)} {html_text(points)}</p>"
+                rows = ("".join(_gap(gap) for gap in row) for row in sheet.gap_rows(gaps))
+                written = "\n".join((asked, *(f"<div class=answers>{row}</div>" for row in rows)))
+            case sheet.Table():
+                written = _table(block, _)
+            case sheet.Figure(drawing, caption):
+                picture = svg_drawing(drawing).replace(_NAMESPACE, "", 1)
+                written = f"<figure>\n{picture}\n<figcaption>{_words(caption)}</figcaption>\n</figure>"
+            case sheet.Steps(title, inner):
+                written = f"<details>\n<summary>{_words(title)}</summary>\n{_blocks(inner, _)}\n</details>"
+        parts.append(written)
+    return "\n".join(parts)
 
-    def blocks(self, blocks: Iterable[Block]) -> str:
-        """Several blocks."""
-        parts: list[str] = []
-        for block in blocks:
-            match block:
-                case Paragraph(text):
-                    written = f"<p>{self.words(text)}</p>"
-                case Rows(lines):
-                    written = self._displays(lines)
-                case SheetFormula():
-                    written = self._formula(block)
-                case Blank(number, task, points, gaps):
-                    asked = f"<p class=task><b>{number}</b> {self.words(task)} {html_text(points)}</p>"
-                    rows = ("".join(self._gap(gap) for gap in row) for row in gap_rows(gaps))
-                    written = "\n".join((asked, *(f"<div class=answers>{row}</div>" for row in rows)))
-                case Table():
-                    written = self._table(block)
-                case Figure(drawing, caption):
-                    picture = svg_drawing(drawing).replace(_NAMESPACE, "", 1)
-                    written = f"<figure>\n{picture}\n<figcaption>{self.words(caption)}</figcaption>\n</figure>"
-                case Steps(title, inner):
-                    written = f"<details>\n<summary>{self.words(title)}</summary>\n{self.blocks(inner)}\n</details>"
-            parts.append(written)
-        return "\n".join(parts)
 
-    def _displays(self, lines: Iterable[str]) -> str:
-        """Displayed lines in a box that scrolls, by keys too."""
-        _ = self._text
-        body = "\n".join(formula(line, display=True) for line in lines)
-        return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
+def _displays(lines: Iterable[str], _: Text) -> str:
+    """Displayed lines in a box that scrolls, by keys too."""
+    body = "\n".join(formula(line, display=True) for line in lines)
+    return f'<div class=display tabindex=0 role=group aria-label="{html_text(_("Formula"))}">\n{body}\n</div>'
 
-    def _formula(self, block: SheetFormula) -> str:
-        _ = self._text
-        parts: list[str] = []
-        if block.named:
-            parts += [f"<p>{self.words(_('With the abbreviations'))}</p>", self._displays(block.named)]
-            parts.append(f"<p>{self.words(_('the entries are as follows.'))}</p>")
-        parts += [self._displays(rows.lines) for rows in block.rows if rows.lines]
-        if block.omitted:
-            parts += [f"<p>{self.words(omitted_words(block, _))}</p>", self._displays(block.omitted)]
-        if block.note:
-            parts.append(f"<p class=note>{self.words(block.note)}</p>")
-        if written := tuple(block.entries()):
-            words = {"entry": _("Entry"), "latex": _("Copy LaTeX"), "python": _("Copy Python")}
-            entries = [
-                {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
-                for e in written
-            ]
-            words = {name: html_text(word) for name, word in words.items()}
-            function = html_text(block.function)
-            tools = templating.render("page/tools.html.jinja", words=words, entries=entries, function=function)
-            parts.append(tools.rstrip())
-        return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 
-    def _gap(self, gap: Gap) -> str:
-        ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
-        return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
+def _formula(block: sheet.SheetFormula, _: Text) -> str:
+    parts: list[str] = []
+    if block.named:
+        parts += [f"<p>{_words(_('With the abbreviations'))}</p>", _displays(block.named, _)]
+        parts.append(f"<p>{_words(_('the entries are as follows.'))}</p>")
+    parts += [_displays(rows.lines, _) for rows in block.rows if rows.lines]
+    if block.omitted:
+        parts += [f"<p>{_words(omitted_words(block, _))}</p>", _displays(block.omitted, _)]
+    if block.note:
+        parts.append(f"<p class=note>{_words(block.note)}</p>")
+    if written := tuple(block.entries()):
+        entries = [
+            {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
+            for e in written
+        ]
+        function = html_text(block.function)
+        tools = templating.render("page/tools.html.jinja", _=html_messages(_), entries=entries, function=function)
+        parts.append(tools.rstrip())
+    return "<div class=formula>\n{}\n</div>".format("\n".join(parts))
 
-    def _table(self, block: Table) -> str:
-        _ = self._text
-        head = "".join(self._cell("th scope=col", cell) for cell in block.header)
-        rows = "\n".join(
-            f"<tr>{''.join(self._cell('td' if k else 'th scope=row', cell) for k, cell in enumerate(row))}</tr>"
-            for row in block.rows
-        )
-        table = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>"
-        return f'<div class=scroll tabindex=0 role=group aria-label="{html_text(_("Table"))}">\n{table}\n</div>'
 
-    def _cell(self, tag: str, text: str) -> str:
-        inner = self.words(text)
-        return f"<{tag}>{inner}</{tag[:2]}>" if inner.strip() else "<td></td>"
+def _gap(gap: sheet.Gap) -> str:
+    ruled = f'<div class=ruled style="--lines:{math.ceil(gap.lines)}" role=presentation></div>'
+    return f"<div class=answer>{formula(f'{gap.name} =') if gap.name else ''}{ruled}</div>"
+
+
+def _table(block: sheet.Table, _: Text) -> str:
+    head = "".join(_cell("th scope=col", cell) for cell in block.header)
+    rows = "\n".join(
+        f"<tr>{''.join(_cell('td' if k else 'th scope=row', cell) for k, cell in enumerate(row))}</tr>"
+        for row in block.rows
+    )
+    table = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>"
+    return f'<div class=scroll tabindex=0 role=group aria-label="{html_text(_("Table"))}">\n{table}\n</div>'
+
+
+def _cell(tag: str, text: str) -> str:
+    inner = _words(text)
+    return f"<{tag}>{inner}</{tag[:2]}>" if inner.strip() else "<td></td>"

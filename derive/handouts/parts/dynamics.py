@@ -10,7 +10,7 @@ from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.jacobian import JointAxes
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import BodyItem, body_formulas, formula, matrix_lines, textbook
+from derive.handouts.sheet.formula import body_formulas, formula, matrix_lines, textbook
 from derive.robot import tree
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO
@@ -96,15 +96,12 @@ def link_jacobians(context: Context) -> Iterator[Block]:
         yield textbook("rotor_jacobians")
     kinds = (("v", context.entries.linear_jacobian), ("\\omega", context.entries.angular_jacobian))
     items = [
-        BodyItem(body.symbol("J", letter), find(body.index, body.is_rotor), Group.body(body.place, k))
+        (body.symbol("J", letter), find(body.index, body.is_rotor), Group.body(body.place, k))
         for body, (k, (letter, find)) in product(bodies(context.robot), enumerate(kinds, 1))
     ]
     of_both = _("Find the Jacobians of the links and of the rotors.")
     task = of_both if has_rotors(context.robot) else _("Find the Jacobians of the links.")
     yield from body_formulas(context, items, task)
-
-
-# -- energies
 
 
 def energies(context: Context) -> Iterator[Block]:
@@ -138,13 +135,10 @@ def energies(context: Context) -> Iterator[Block]:
             mass = link.motor.mass if body.is_rotor and link.motor is not None else link.mass
             if mass != ZERO:
                 position = context.entries.body_position(body.index, body.is_rotor)
-                items.append(BodyItem(body.symbol("p"), position, Group.body(body.place, 3)))
+                items.append((body.symbol("p"), position, Group.body(body.place, 3)))
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))
     task = _("Write the potential energy of this arm.")
     yield formula(context, context.dynamics.closed("potential"), "gravity_vector", task)
-
-
-# -- inertia matrix
 
 
 def inertia(context: Context) -> Iterator[Block]:
@@ -185,28 +179,21 @@ def _contributions(context: Context) -> Iterator[Block]:
     of_links = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
     yield Paragraph(of_both if rotors else of_links)
     yield textbook("inertia_matrix", B=letter, rotors=rotors)
+    part = context.entries.inertia_part
     items = (
-        BodyItem(
-            body.symbol(letter),
-            context.entries.inertia_part(body.index, body.is_rotor),
-            Group.body(body.place, 0),
-            symmetric=True,
-        )
+        (body.symbol(letter), part(body.index, body.is_rotor), Group.body(body.place, 0))
         for body in bodies(context.robot)
     )
-    yield from body_formulas(context, items)
+    yield from body_formulas(context, items, symmetric=True)
     armatures = []
     for i, link in enumerate(context.robot.links, 1):
         if link.armature != ZERO:
             entry = context.dynamics.inertia_entry(i, i)
             left = Box(f"\\Delta {entry.tex}", entry.width + 9.0)
             armatures.append(Equation(left, context.data.value(link.armature)))
-    if armatures:
-        yield context.paragraph("The reflected inertia of a motor's armature adds to the diagonal alone.")
-        yield Rows(tuple(equation_lines(armatures)))
+    lines = equation_lines(armatures)
+    yield from context.announced("The reflected inertia of a motor's armature adds to the diagonal alone.", lines)
 
-
-# -- Christoffel symbols, Coriolis matrix, skew symmetry, gravity and the equations of motion
 
 _CORIOLIS = "coriolis_matrix"
 _TORQUE = "inverse_dynamics"  # generated functions

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import ExpressionError
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
+from derive.handouts.notation.printer import METRE, RADIAN
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Rows, SheetFormula
@@ -29,10 +30,6 @@ _DIGITS = 5  # significant digits in print
 copied = "{:.12g}".format  # a number to be copied, with twelve digits: beyond them machines differ
 _NOISE = 1e-12  # part of the largest entry below which an entry is zero up to rounding
 _LARGEST = 24  # joints of the largest inertia matrix that is printed in numbers
-_METRE = Box("\\,\\mathrm{m}", 11.0)
-_RADIAN = Box("\\,\\mathrm{rad}", 18.0)
-_NEWTON = Box("\\,\\mathrm{N}", 10.0)
-_NEWTON_METRE = Box("\\,\\mathrm{N\\,m}", 20.0)
 
 Values = Sequence[Sequence[float]]
 
@@ -48,13 +45,13 @@ def example(context: Context) -> Iterator[Block]:
         for name, value, unit in (context.poses.assumed if context.poses is not None else ())
     }
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
-    chosen = configuration(robot)
-    yield from _stated(context, chosen, assumed)
+    cells, q = configuration(robot)
+    yield from _stated(context, cells, assumed)
     task = context.text("Compute the transform of the end effector in numbers, lengths in metres.")
     numbered = [(own, replace(own.robot, figure=replace(robot.figure, q=None))) for own in context.ends]
     for own, arm in numbered:
         yield context.paragraph("The end effector; lengths are in metres:")
-        value = value_at(arm, "T", [chosen.q[place] for place in own.places])
+        value = value_at(arm, "T", [q[place] for place in own.places])
         yield _matrix(context, own.symbols.of_end("T"), value, own.function("forward_kinematics"), task)
     if all(joint.is_revolute for joint in robot.joints):
         yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
@@ -64,7 +61,7 @@ def example(context: Context) -> Iterator[Block]:
         )
     task = context.text("Compute the Jacobian in numbers.")
     for own, arm in numbered:
-        rows = value_at(arm, "J", [chosen.q[place] for place in own.places])
+        rows = value_at(arm, "J", [q[place] for place in own.places])
         columns = dict(zip(own.places, zip(*rows, strict=True), strict=True))
         spread = [list(row) for row in zip(*(columns.get(k, (0.0,) * 6) for k in range(robot.n)), strict=True)]
         yield _matrix(context, own.symbols.of_end("J"), spread, own.function("jacobian"), task)
@@ -74,33 +71,29 @@ def example(context: Context) -> Iterator[Block]:
             symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
         )
     elif robot.has_dynamics:
-        yield from _dynamics(context, robot, chosen.q)
+        yield from _dynamics(context, robot, q)
 
 
-def _stated(context: Context, chosen: Configuration, assumed: Mapping[str, Expression]) -> Iterator[Block]:
+def _stated(context: Context, cells: Sequence[Expression], assumed: Mapping[str, Expression]) -> Iterator[Block]:
     """The configuration, the numbers that stand under ``figure:`` alone, and those that nobody gave."""
     robot, data = context.robot, context.data
     if robot.figure.q is not None:
         yield context.paragraph("At the configuration of the figure:")
     else:
         yield context.paragraph("At a configuration without symmetry, within the limits:")
-    pairs = zip(robot.joints, chosen.cells, strict=True)
+    pairs = zip(robot.joints, cells, strict=True)
     variables = (Equation(data.notation.glyph(j.variable).box, data.position(j, cell)) for j, cell in pairs)
     yield Rows(tuple(equation_lines(variables)))
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
     given = ((name, cell) for name, cell in robot.figure.values if name in used)
     lines = equation_lines(Equation(data.notation.glyph(name).box, data.symbol(name, cell)) for name, cell in given)
-    if lines:
-        yield context.paragraph("with these numbers for symbols that have none in the robot file's parameters:")
-        yield Rows(tuple(lines))
-    if assumed:
-        yield context.paragraph("with numbers assumed for the symbols that have none in the robot file:")
-        angle = EMPTY if context.notation.degrees else _RADIAN  # degrees have their circle
-        units = ((name, cell, _METRE if isinstance(cell, Number) else angle) for name, cell in assumed.items())
-        lines = equation_lines(
-            Equation(data.notation.glyph(name).box, (*data.angle(cell), TexPiece(unit))) for name, cell, unit in units
-        )
-        yield Rows(tuple(lines))
+    yield from context.announced("with these numbers for symbols that have none in the robot file's parameters:", lines)
+    angle = EMPTY if context.notation.degrees else RADIAN  # degrees have their circle
+    units = ((name, cell, METRE if isinstance(cell, Number) else angle) for name, cell in assumed.items())
+    lines = equation_lines(
+        Equation(data.notation.glyph(name).box, (*data.angle(cell), TexPiece(unit))) for name, cell, unit in units
+    )
+    yield from context.announced("with numbers assumed for the symbols that have none in the robot file:", lines)
 
 
 def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
@@ -124,7 +117,8 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
     names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
     numbers = [_number(context, value) for value in values]
-    units = [_NEWTON_METRE if joint.is_revolute else _NEWTON for joint in context.robot.joints]
+    newton, moment = Box("\\,\\mathrm{N}", 10.0), Box("\\,\\mathrm{N\\,m}", 20.0)
+    units = [moment if joint.is_revolute else newton for joint in context.robot.joints]
     lines = pack(concatenate(name, EQUALS, *pair) for name, *pair in zip(names, numbers, units, strict=True))
     rows = zip(names, numbers, values, strict=True)
     entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
@@ -133,9 +127,6 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
     yield SheetFormula(
         (Rows(tuple(lines)),), function="gravity_vector", entries=lambda: entries, task=task, blanks=blanks
     )
-
-
-# -- numbers
 
 
 def _cleaned(rows: Values) -> list[list[float]]:
@@ -150,12 +141,16 @@ def _number(context: Context, value: float) -> Box:
     return minus(size) if rounded < 0 else size
 
 
+def copied_rows(rows: Iterable[Sequence[float]]) -> str:
+    """A matrix to be copied as Python."""
+    return "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
+
+
 def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: str) -> SheetFormula:
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
     box = concatenate(symbol, EQUALS, cells)
-    python = "[" + ", ".join("[" + ", ".join(map(copied, row)) + "]" for row in rows) + "]"
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
         lines = pack(
@@ -163,19 +158,8 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
             for k, column in enumerate(zip(*rows, strict=True), 1)
         )
         note = context.text("Column by column.")
-    entries = (Entry(symbol.tex, cells.tex, python),)
+    entries = (Entry(symbol.tex, cells.tex, copied_rows(rows)),)
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))
-
-
-# -- the configuration
-
-
-@dataclass(frozen=True, slots=True)
-class Configuration:
-    """Values of the joint variables."""
-
-    cells: tuple[Expression, ...]  # exact
-    q: tuple[float, ...]  # in floats [rad or m]
 
 
 def numbers_of(robot: Robot) -> dict[str, float]:
@@ -192,13 +176,10 @@ def _unnumbered(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name in robot_symbols(robot) if name not in known)
 
 
-def configuration(robot: Robot) -> Configuration:
-    """Where the example is evaluated."""
-    values = numbers_of(robot)
-    if robot.figure.q is not None:
-        return Configuration(robot.figure.q, tuple(evaluate(cell, values) for cell in robot.figure.q))
-    cells: list[Expression] = []
-    for i, joint in enumerate(robot.joints):
+def configuration(robot: Robot) -> tuple[Sequence[Expression], tuple[float, ...]]:
+    """Where the example is evaluated: values of the joint variables, exact and in floats [rad or m]."""
+    values, cells = numbers_of(robot), list(robot.figure.q or ())
+    for i, joint in enumerate(() if cells else robot.joints):
         sixths = Number(Fraction(ANGLES[i % len(ANGLES)], 6))
         cell: Expression = Product((sixths, Pi())) if joint.is_revolute else _DISPLACEMENT
         if joint.limits is not None:
@@ -209,4 +190,4 @@ def configuration(robot: Robot) -> Configuration:
                 if not (lower <= value <= upper or is_close):
                     cell = middle(joint)
         cells.append(cell)
-    return Configuration(tuple(cells), tuple(evaluate(cell, values) for cell in cells))
+    return cells, tuple(evaluate(cell, values) for cell in cells)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 
 from derive.errors import DeriveError
@@ -24,12 +25,9 @@ _DIGITS = 4  # significant digits of a number in a caption
 
 def arm(context: Context) -> tuple[Block, ...]:
     """The arm at its zero configuration and at the one that the robot file asks for."""
-    if context.poses is None:
-        return ()
-    try:
-        return tuple(_figures(context, context.poses))
-    except DeriveError:  # a value that does not exist with the numbers of the figure
-        return ()
+    with suppress(DeriveError):  # a value that does not exist with the numbers of the figure
+        return () if context.poses is None else tuple(_figures(context, context.poses))
+    return ()
 
 
 def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:

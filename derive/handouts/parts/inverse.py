@@ -87,8 +87,6 @@ class _InversePart:
         writer = self.writer = FormulaWriter(context, found)
         self._tex, self._math, self._pieces = writer.tex, writer.math, writer.printer.pieces
 
-    # -- what is given, and how many solutions there are
-
     def given(self) -> Iterator[Block]:
         """What is known, and what is looked for."""
         pose, task = self.found.pose, self.found.graph.task
@@ -186,8 +184,6 @@ class _InversePart:
                 end=self.context.symbols.of_end("T").tex,
             )
         return Paragraph(words, is_answer=True)
-
-    # -- the way
 
     def decoupled(self) -> Iterator[Block]:
         """How the problem falls into parts, and names for what the pose is within the arm."""
@@ -335,8 +331,6 @@ class _InversePart:
             zero = f"${self.context.printer.latex(factor.expression)} = 0$"
             found.append(f"{zero} ({posture})" if posture else zero)
         return and_list(_, found, either=True)
-
-    # -- the branches
 
     def branches(self) -> Iterator[Block]:
         """Which signs lead to which posture."""

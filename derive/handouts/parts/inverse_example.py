@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 
 import mpmath
 import numpy as np
@@ -13,7 +14,7 @@ from derive.errors import DeriveError
 from derive.handouts.figure.arm import branches_drawing
 from derive.handouts.layout.lines import EQUALS, matrix
 from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
-from derive.handouts.parts.example import configuration, copied
+from derive.handouts.parts.example import configuration, copied_rows
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Figure, Paragraph, Rows, SheetFormula, Table
@@ -36,12 +37,8 @@ _UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0
 _LEAST = 1e-9  # two configurations closer to each other than this are one [rad or m]
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
-    """One configuration that reaches the pose."""
-
-    number: int  # that of its branch, from 1
-    q: tuple[float, ...]  # its joint variables [rad or m], angles in (-pi, pi]
+# What reaches a pose: joint variables [rad or m], angles in (-pi, pi], by the number of the branch, from 1.
+Solutions = dict[int, tuple[float, ...]]
 
 
 def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
@@ -56,7 +53,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     try:
         # the configuration of the figure, or a generic one; then the generic one alone
         generic = replace(robot, figure=replace(robot.figure, q=None))
-        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot).q, configuration(generic).q))
+        tried = ((q, reached(found, numbers, q)) for q in (configuration(robot)[1], configuration(generic)[1]))
         q, solutions = next((q, solutions) for q, solutions in tried if _is_regular(found, solutions, q))
     except (StopIteration, DeriveError):
         return
@@ -75,23 +72,23 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     yield Paragraph(f"{words} {rest}", is_answer=True)
     yield from _results(context, solutions)
     if len(solutions) > 1:
-        frames = [poses.frames(solution.q) for solution in solutions]
+        frames = [poses.frames(own) for own in solutions.values()]
         title = _("The arm in all configurations that reach one pose")
-        if drawing := branches_drawing(context.robot, frames, [str(each.number) for each in solutions], title):
+        if drawing := branches_drawing(context.robot, frames, list(map(str, solutions)), title):
             caption = _("The arm in these configurations, drawn over each other; numbers are those of the table.")
             yield Figure(drawing, caption, is_answer=True)
 
 
-def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> list[Found]:
+def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[float]) -> Solutions:
     """Every solution of the pose of a configuration [rad or m], put back; with formulas to fifty digits."""
     if not found.is_explicit:  # by the eigenvalues of a matrix, or by the roots of a quartic
         solver = InverseSolver.of(found.robot, found.graph, {str(symbol): x for symbol, x in numbers.items()})
         pose, _slopes = solver.chain.pose_and_jacobian(np.array(q, dtype=float))
         solved = solver.solve(pose, [q[k] for k in found.graph.given]).q
         real = sorted(solved[np.isfinite(solved).all(axis=-1)].tolist(), key=lambda own: [round(x, 6) for x in own])
-        return [Found(number, tuple(own)) for number, own in enumerate(real, 1)]
+        return {number: tuple(own) for number, own in enumerate(real, 1)}
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
-    solutions = []
+    solutions = Solutions()
     with mpmath.workdps(DIGITS):
         given: Numbers = {symbol: mpmath.mpf(x) for symbol, x in zip(variables, q, strict=True)}
         parameters: Numbers = {symbol: mpmath.mpf(x) for symbol, x in numbers.items()}
@@ -99,8 +96,8 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
         for number, solution in enumerate(found.solutions, 1):
             by_formulas = solution.numbers(values)
             if by_formulas is not None and found.error(values, whole := {**given, **by_formulas}) < CLOSE:
-                kept = _in_one_turn(found.robot.joints, [float(whole[symbol]) for symbol in variables])
-                solutions.append(Found(number, kept))
+                own = [float(whole[symbol]) for symbol in variables]
+                solutions[number] = _in_one_turn(found.robot.joints, own)
     return solutions
 
 
@@ -109,19 +106,15 @@ def _in_one_turn(joints: Sequence[Joint], q: Sequence[float]) -> tuple[float, ..
     return tuple(x - turn * math.ceil((x - math.pi) / turn) if joint.is_revolute else x for x, joint in pairs)
 
 
-def _is_regular(found: InverseKinematics, solutions: Sequence[Found], q: Sequence[float]) -> bool:
+def _is_regular(found: InverseKinematics, solutions: Solutions, q: Sequence[float]) -> bool:
     """Whether a pose has as many different configurations as others: one that teaches nothing special."""
     turned = _in_one_turn(found.robot.joints, q)
-    own = any(_apart(solution.q, turned) < _LEAST for solution in solutions)
-    pairs = ((a, b) for k, a in enumerate(solutions) for b in solutions[:k])
-    return own and all(_apart(a.q, b.q) > _LEAST for a, b in pairs)
+    own = any(_apart(solution, turned) < _LEAST for solution in solutions.values())
+    return own and all(_apart(*pair) > _LEAST for pair in combinations(solutions.values(), 2))
 
 
 def _apart(a: Sequence[float], b: Sequence[float]) -> float:
     return max(abs(math.remainder(x - y, 2 * math.pi)) for x, y in zip(a, b, strict=True))
-
-
-# -- print
 
 
 def _assumed(context: Context, poses: RobotPoses) -> str:
@@ -165,26 +158,26 @@ def _number(context: Context, value: float, places: int = _PLACES) -> Box:
     return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
 
 
-def _results(context: Context, solutions: Sequence[Found]) -> Iterator[Block]:
+def _results(context: Context, solutions: Solutions) -> Iterator[Block]:
     """What an exercise asks for and a page copies, then the configurations as a table."""
     _, joints = context.text, context.robot.joints
     names = [context.notation.glyph(joint.variable).box for joint in joints]
     units = [_unit(context, joint)[0] for joint in joints]
     heads = [f"{name.tex.strip()}\\,[{unit}]" for name, unit in zip(names, units, strict=True)]
-    cells = [[_position(context, x, j).tex for x, j in zip(s.q, joints, strict=True)] for s in solutions]
-    body = " \\\\ ".join(" & ".join((str(s.number), *row)) for s, row in zip(solutions, cells, strict=True))
+    cells = [[_position(context, x, j).tex for x, j in zip(q, joints, strict=True)] for q in solutions.values()]
+    body = " \\\\ ".join(" & ".join((str(k), *row)) for k, row in zip(solutions, cells, strict=True))
     array = f"\\begin{{array}}{{c|{'r' * len(joints)}}} & {' & '.join(heads)} \\\\ \\hline {body} \\end{{array}}"
-    python = "[" + ", ".join("[" + ", ".join(map(copied, s.q)) + "]" for s in solutions) + "]"
+    python = copied_rows(solutions.values())
     task = _("Compute in numbers all configurations that reach this pose.")
     room, entries = ("",) * max(1, len(solutions) // 2), (Entry("\\mathbf{q}", array, python),)
     yield SheetFormula((), function="inverse_kinematics", entries=lambda: entries, task=task, blanks=room)
     if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:
         separator = ";\\, " if context.notation.comma else ",\\, "
         vectors = (f"\\mathbf{{q}} = [{separator.join(row)}]" for row in cells)
-        lines = (f"{s.number}\\colon\\quad {q}" for s, q in zip(solutions, vectors, strict=True))
+        lines = (f"{k}\\colon\\quad {q}" for k, q in zip(solutions, vectors, strict=True))
         yield Rows(tuple(lines), is_answer=True)
         return
     # a phantom minus aligns a number without a sign below one that has it
     aligned = ([f"${x}$" if x.startswith("-") else f"$\\phantom{{-}}{x}$" for x in row] for row in cells)
-    rows = tuple((str(s.number), *row) for s, row in zip(solutions, aligned, strict=True))
+    rows = tuple((str(k), *row) for k, row in zip(solutions, aligned, strict=True))
     yield Table((_("Branch"), *(f"${head}$" for head in heads)), rows, is_answer=True)

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 
 from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import BINARY_WIDTH, Box, bracketed, concatenate, italic, minus, script
+from derive.handouts.notation.pieces import BINARY_WIDTH, EMPTY, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.kinematics import euler_names
 from derive.handouts.sheet.context import Context
@@ -28,14 +28,9 @@ _ZERO = Box("\\mathbf{0}", 6.0)
 _CROSS = Box(" \\times ", BINARY_WIDTH)
 
 
-@dataclass(frozen=True, slots=True)
-class Vector:
-    """A vector of a step."""
-
-    box: Box  # ``symbol = ...`` without its entries, where these are too long
-    small: LaidOut | None = None  # the vector with its entries; None where these are too wide
-    # Its entries one by one, in that case; None where these are too long, or stand elsewhere.
-    entries: LaidOut | None = None
+# A vector of a step: with its entries, small enough to share a line or one by one; else what stands in their place,
+# where they are too long, or stand elsewhere.
+Vector = LaidOut | Box
 
 
 def jacobian(context: Context) -> Iterator[Block]:
@@ -115,13 +110,13 @@ def _steps(context: Context, axes: JointAxes) -> Iterator[Block]:
         if not vectors:
             continue
         yield Paragraph(title)
-        if fitting := [vector.small for vector in vectors if vector.small is not None]:
+        laid_out = [vector for vector in vectors if isinstance(vector, LaidOut)]
+        if fitting := [vector for vector in laid_out if vector.box != EMPTY]:
             yield formula(context, side_by_side(fitting))
-        yield from (formula(context, vector.entries) for vector in vectors if vector.entries is not None)
-        left = [vector.box for vector in vectors if vector.small is None and vector.entries is None]
-        if left and vectors is columns:
-            yield context.paragraph("Left as products, for their entries are long:")
-            yield Rows(tuple(pack(left)))
+        yield from (formula(context, vector) for vector in laid_out if vector.box == EMPTY)
+        left = [vector for vector in vectors if isinstance(vector, Box)]
+        if vectors is columns:
+            yield from context.announced("Left as products, for their entries are long:", pack(left))
         elif left:
             end, whole = bold("p"), context.symbols.of_end("T").tex
             names = ", ".join(f"${box.tex}$" for box in left if box != end)
@@ -150,7 +145,7 @@ class JointAxes:
     @property
     def at_begin(self) -> bool:
         """Whether joints move about the axes of frames in which rows begin, not of those of the rows before."""
-        return self.context.is_standard and bool(self.context.path.labels)
+        return self.context.is_standard and bool(self.context.labels)
 
     def index(self, i: int | str) -> str:
         """How the frame about or along whose z axis a joint moves is numbered, of joint i of this arm or of any."""
@@ -173,27 +168,28 @@ class JointAxes:
 
     def of_joint(self, letter: str, i: int) -> Vector:
         """The axis z of a joint, or the origin o on it, in the world."""
-        frame, column = self._frame(i), 3 if letter == "z" else 4
+        # the frame about or along whose z axis joint i moves, or the row that begins in it
+        frame, column = i - 1 if self.context.is_standard and not self.at_begin else i, 3 if letter == "z" else 4
         symbol = self.symbol(letter, self.index(i))
         if frame > self._last_short:
-            return Vector(symbol)
+            return symbol
         quantity, namer = self._in_world(frame).part(_UPPER, (column,)), component_namer(symbol)
         found = small(self.context, symbol, quantity, namer)
         if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
-            return Vector(symbol, found)
+            return found or symbol
         group = Group.axis(self.context.robot.n, frame, column)
-        return Vector(symbol, entries=self.context.layouter.lay_out(symbol, namer, quantity, group=group))
+        return self.context.layouter.lay_out(symbol, namer, quantity, group=group)
 
     def end(self) -> Vector:
         """The origin of the end effector."""
         p = bold("p")
-        return Vector(p, small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)))
+        return small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)) or p
 
     def column(self, i: int) -> Vector:
         """A column of J."""
         symbol = script(bold("J"), italic(str(self.context.places[i - 1] + 1)))
         box = concatenate(symbol, EQUALS, matrix([[half] for half in self.halves(i)]))
-        return Vector(box, small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)))
+        return small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)) or box
 
     @cached_property
     def _last_short(self) -> int:
@@ -204,10 +200,6 @@ class JointAxes:
             if not any(quantity.part(_UPPER, (column,)).is_short(limit) for column in (3, 4)):
                 return frame - 1
         return self.context.robot.n
-
-    def _frame(self, i: int) -> int:
-        """The frame about or along whose z axis joint i moves, or the row that begins in it."""
-        return i - 1 if self.context.is_standard and not self.at_begin else i
 
     def _in_world(self, frame: int) -> Entries:
         entries = self.context.entries

@@ -60,7 +60,7 @@ def transforms(context: Context) -> Iterator[Block]:
 
 def end_effector(context: Context) -> Iterator[Block]:
     """T as a product and by its entries, and the names of its columns."""
-    symbol, n = context.symbols.of_end("T"), context.path.last
+    symbol, n = context.symbols.of_end("T"), len(context.path) - 1
     end = context.layouter.lay_out(symbol, partial(context.symbols.entry, "t"), context.entries.T, group=Group.T)
     yield context.paragraph("The end effector in the world:")
     factors = [_row(context, i) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
@@ -84,7 +84,7 @@ def end_effector(context: Context) -> Iterator[Block]:
 
 def _row(context: Context, i: int) -> Box:
     """A of the row at a place on the way to the end effector."""
-    return context.symbols.frame("A", context.path.names[i], context.path.names[i - 1])
+    return context.symbols.frame("A", context.path[i], context.path[i - 1])
 
 
 def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> LaidOut:
@@ -99,15 +99,15 @@ def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box
 
 def _steps(context: Context) -> Iterator[Block]:
     """T_i^0 = T_{i-1}^0 A_i, with its entries as long as they are short."""
-    robot, path, names = context.robot, context.path, context.path.names
+    robot, names, ahead = context.robot, context.path, range(1, len(context.path))
     frames = [context.symbols.frame("T", name, names[0]) for name in names]
     yield Rows((concatenate(frames[1], EQUALS, _row(context, 1)).tex,))
-    last = path.last - 1 if robot.base == IDENTITY == robot.tool else path.last
-    products = {i: concatenate(frames[i], EQUALS, frames[i - 1], _row(context, i)) for i in range(1, path.last + 1)}
+    last = ahead[-1] - 1 if robot.base == IDENTITY == robot.tool else ahead[-1]
+    products = {i: concatenate(frames[i], EQUALS, frames[i - 1], _row(context, i)) for i in ahead}
     limit = context.policy.matrix_terms
-    long = next((i for i in range(2, last + 1) if not path.between(0, i).is_short(limit)), last + 1)
+    long = next((i for i in range(2, last + 1) if not context.between(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
-        symbol, quantity = frames[i], path.between(0, i)
+        symbol, quantity = frames[i], context.between(0, i)
         if (on_one_line := small(context, products[i], quantity, entry_namer(symbol))) is not None:
             yield formula(context, side_by_side([on_one_line]))
         else:
@@ -116,18 +116,18 @@ def _steps(context: Context) -> Iterator[Block]:
     if long <= last:
         yield context.paragraph("From here on the entries are too long for a step:")
     end = concatenate(context.symbols.of_end("T"), EQUALS, *_between_base_and_tool(context, [frames[-1]]))
-    yield Rows(tuple(pack([*(products[i] for i in range(long, path.last + 1)), end])))
+    yield Rows(tuple(pack([*(products[i] for i in ahead[long - 1 :]), end])))
 
 
 def _partial_products(context: Context) -> Iterator[Block]:
     """Where T is too long: the arm as a product of a few transforms that can be printed, if it is long enough."""
-    path, cuts = context.path, [0]
-    for end in range(1, path.last + 1):
-        quantity = path.between(cuts[-1], end)
+    last, cuts = len(context.path) - 1, [0]
+    for end in range(1, last + 1):
+        quantity = context.between(cuts[-1], end)
         longest = max(quantity.terms(*place) for place in quantity.places)
         if end > cuts[-1] + 1 and longest > context.policy.factor_terms:
             cuts.append(end - 1)
-    cuts.append(path.last)
+    cuts.append(last)
     if len(cuts) == 2:
         return
     yield context.paragraph(
@@ -135,17 +135,15 @@ def _partial_products(context: Context) -> Iterator[Block]:
     )
 
     def _frame(start: int, end: int) -> Box:
-        return context.symbols.frame("T", path.names[end], path.names[start])
+        return context.symbols.frame("T", context.path[end], context.path[start])
 
     for start, end in pairwise(cuts):
-        laid_out = _laid_out(context, _frame(start, end), path.between(start, end), Group.factor(start))
+        laid_out = _laid_out(context, _frame(start, end), context.between(start, end), Group.factor(start))
         yield formula(context, laid_out, "link_transforms", context.text("Multiply these transforms out."))
     yield context.paragraph("The arm as a whole is")
     factors = (TexPiece(_frame(start, end), Break.COMMA) for start, end in pairwise(cuts))
-    yield Rows(tuple(equation_lines([Equation(_frame(0, path.last), tuple(factors))])))
+    yield Rows(tuple(equation_lines([Equation(_frame(0, last), tuple(factors))])))
 
-
-# -- position and orientation
 
 # Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
 SHORT_ANGLES = 12
@@ -153,7 +151,6 @@ _COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
 _RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
 
 Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
-Names = tuple[Box, Box, Box]
 Place = tuple[int, int]
 
 
@@ -215,14 +212,11 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         )
 
 
-def euler_names(context: Context) -> Names:
+def euler_names(context: Context) -> list[Box]:
     """The Euler angles ZYZ: Greek letters, with an index where the robot has a symbol of that name."""
     taken = {tex.strip() for tex in context.notation.taken}
-    phi, theta, psi = (
-        script(letter, upright("e")) if letter.tex.strip() in taken else letter
-        for letter in map(greek, ("varphi", "vartheta", "psi"))
-    )
-    return phi, theta, psi
+    letters = map(greek, ("varphi", "vartheta", "psi"))
+    return [script(letter, upright("e")) if letter.tex.strip() in taken else letter for letter in letters]
 
 
 def _euler_zyz(context: Context) -> Iterator[Block]:
@@ -289,9 +283,6 @@ def _angles(
         blanks=tuple(name.tex for name in names),
     )
     yield formula(context, laid_out, task=task)
-
-
-# -- entries of T
 
 
 def _terms(context: Context, *places: Place) -> int:

@@ -8,7 +8,7 @@ constant in frame i-1.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines, fits, matrix, pack
@@ -18,14 +18,14 @@ from derive.handouts.notation.pieces import (
     RELATION_WIDTH,
     Box,
     TexPiece,
-    binary,
     bracketed,
     concatenate,
     italic,
     joined,
     script,
+    signed_sum,
 )
-from derive.handouts.notation.printer import MINUS, LatexPrinter
+from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.dynamics import has_rotors
@@ -60,21 +60,7 @@ def newton_euler(context: Context) -> Iterator[Block]:
         yield context.paragraph("Link %(index)s, its joint %(kind)s:", index=i, kind=words[row.is_revolute])
         yield _link_data(context, recursion, i)
     if context.steps:
-        glyph = context.notation.glyph
-        joints = [
-            JointLetters(
-                index=str(i),
-                before=str(i - 1),
-                after=str(i + 1),
-                is_revolute=joint.is_revolute,
-                sign=joint.sign,
-                rate=glyph(velocity_name(joint.variable)).box,
-                acceleration=glyph(acceleration_name(joint.variable)).box,
-                torque=context.symbols.torque(i),
-                is_last=i == context.robot.n,
-            )
-            for i, joint in enumerate(context.robot.joints, 1)
-        ]
+        joints = [JointLetters.of(context, i) for i in range(1, context.robot.n + 1)]
         outward = tuple(line for letters in joints for line in recursion.outward(letters))
         inward = tuple(line for letters in reversed(joints) for line in recursion.inward(letters))
         yield Steps(_("Outward, link by link"), (Rows(outward),))
@@ -125,60 +111,43 @@ def _remarks(context: Context) -> Iterator[Block]:
             torque, symbol = armature + context.entries.friction(i), context.symbols.torque(i)
             name = Box(f"\\Delta {symbol.tex}", symbol.width + 9.0)
             added.append(Equation(name, tuple(context.printer.pieces(torque))))
-    if added:
-        yield context.paragraph("Friction and armatures add to the torques of the joints:")
-        yield Rows(tuple(equation_lines(added)))
+    yield from context.announced("Friction and armatures add to the torques of the joints:", equation_lines(added))
 
 
-# -- data of the links
-
-
-@dataclass(frozen=True)
-class _Constant:
-    """A matrix, vector or number of a link."""
-
-    symbol: Box  # what it is called
-    cells: Sequence[Sequence[Expr]]  # its entries
-    printer: LatexPrinter  # what prints them; that of the robot's data prints every digit
-
-    @property
-    def named(self) -> list[tuple[Box, Expr]]:
-        """The entries with their names."""
-        if len(self.cells) == 1:
-            return [(self.symbol, self.cells[0][0])]
-        namer = entry_namer(self.symbol) if len(self.cells[0]) > 1 else component_namer(self.symbol)
-        return [(namer(r, c), cell) for r, row in enumerate(self.cells, 1) for c, cell in enumerate(row, 1)]
+# A matrix, vector or number of a link: what it is called, its entries, and what prints them; the printer of the robot's
+# data prints every digit.
+_Constant = tuple[Box, list[list[Expr]], LatexPrinter]
 
 
 def _link_data(context: Context, recursion: Recursion, i: int) -> SheetFormula:
     """R_i^{i-1}, p_i, r_i, m_i and I_i of link i (from 1), one formula."""
     lines: list[str] = []
-    shared: list[Box] = []
-    constants = list(_constants(context, recursion, i))
-    for constant in constants:
-        pieces = constant.printer.pieces
-        rows = [[joined(pieces(cell)) for cell in row] for row in constant.cells]
-        box = concatenate(constant.symbol, EQUALS, rows[0][0] if len(rows) == 1 else matrix(rows))
+    shared, entries, blanks, python = list[Box](), list[Entry](), list[str](), PlainPrinter().doprint
+    for symbol, cells, printer in _constants(context, recursion, i):
+        rows = [[joined(printer.pieces(cell)) for cell in row] for row in cells]
+        box = concatenate(symbol, EQUALS, rows[0][0] if len(rows) == 1 else matrix(rows))
+        namer = entry_namer(symbol) if len(cells[0]) > 1 else component_namer(symbol)
+        named = [(namer(r, c), cell) for r, row in enumerate(cells, 1) for c, cell in enumerate(row, 1)]
+        if len(cells) == 1:
+            named = [(symbol, cells[0][0])]
         if fits(box, len(rows)):
             shared.append(box)
         else:
-            lines += equation_lines(Equation(name, tuple(pieces(cell))) for name, cell in constant.named if cell != 0)
-    python = PlainPrinter().doprint
-    named = [(constant.printer.latex, *pair) for constant in constants for pair in constant.named]
-    entries = [Entry(name.tex, write(cell), python(cell)) for write, name, cell in named]
-    blanks = tuple(constant.symbol.tex for constant in constants)
+            lines += equation_lines(Equation(name, tuple(printer.pieces(cell))) for name, cell in named if cell != 0)
+        entries += (Entry(name.tex, printer.latex(cell), python(cell)) for name, cell in named)
+        blanks.append(symbol.tex)
     task = context.text("Write the constants of each link that the recursion needs.")
-    return SheetFormula((Rows((*pack(shared), *lines)),), entries=lambda: entries, task=task, blanks=blanks)
+    return SheetFormula((Rows((*pack(shared), *lines)),), entries=lambda: entries, task=task, blanks=tuple(blanks))
 
 
 def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Constant]:
     index, link, row = str(i), context.robot.links[i - 1], context.entries.A(i)
     rotation = [[row.entry(r, c) for c in (1, 2, 3)] for r in (1, 2, 3)]
-    yield _Constant(context.symbols.frame("R", i, i - 1), rotation, context.printer)
+    yield context.symbols.frame("R", i, i - 1), rotation, context.printer
     # p leads from o_{i-1} to o_i: in frame i (standard), where it is constant, or in frame i-1 (modified)
     back = context.entries.transform(i, i - 1) if context.is_standard else None
     p = [row.entry(r, 4) if back is None else -back.entry(r, 4) for r in (1, 2, 3)]
-    yield _Constant(recursion.offset(index), [[cell] for cell in p], context.printer)
+    yield recursion.offset(index), [[cell] for cell in p], context.printer
     t = link.inertia
     tensor = ((t.xx, t.xy, t.xz), (t.xy, t.yy, t.yz), (t.xz, t.yz, t.zz))
     data = LatexPrinter(context.data.notation)
@@ -187,7 +156,7 @@ def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Cons
         (script(italic("m"), italic(index)), [[link.mass]]),
         (vector("I", index), [list(row) for row in tensor]),
     ):
-        yield _Constant(symbol, [[expression_to_sympy(cell) for cell in row] for row in cells], data)
+        yield symbol, [[expression_to_sympy(cell) for cell in row] for row in cells], data
 
 
 # -- the recursion as equations: for any joint, or for one joint of the robot
@@ -221,6 +190,15 @@ class JointLetters:
         """Joint i."""
         rate, acceleration = (script(Box(f"{dots}{{q}}", 5.5), italic("i")) for dots in ("\\dot", "\\ddot"))
         return cls("i", "i-1", "i+1", is_revolute, 1, rate, acceleration, script(Box("\\tau", 5.0), italic("i")))
+
+    @classmethod
+    def of(cls, context: Context, i: int) -> JointLetters:
+        """A joint of a robot, from 1."""
+        joint, glyph = context.robot.joints[i - 1], context.notation.glyph
+        rate, acceleration = (glyph(name(joint.variable)).box for name in (velocity_name, acceleration_name))
+        torque, is_last = context.symbols.torque(i), i == context.robot.n
+        names = str(i), str(i - 1), str(i + 1)
+        return cls(*names, joint.is_revolute, joint.sign, rate, acceleration, torque, is_last)
 
 
 @dataclass(frozen=True)
@@ -264,11 +242,8 @@ class Recursion:
         if not joint.is_last:
             carried = concatenate(back, vector("f", joint.after))
             forces = [(1, carried), *forces]
-            moments = [
-                (1, concatenate(back, vector("n", joint.after))),
-                (1, concatenate(p, _TIMES, bracketed(carried))),
-                *moments,
-            ]
+            behind = concatenate(back, vector("n", joint.after)), concatenate(p, _TIMES, bracketed(carried))
+            moments = [*((1, box) for box in behind), *moments]
         received = moment if joint.is_revolute else force
         torque = concatenate(Box(f"{received.tex}^{{T}}", received.width + 5.0), axis)
         return _lines([(force, forces), (moment, moments), (joint.torque, [(joint.sign, torque)])])
@@ -322,15 +297,11 @@ def _turned(turn: Box, terms: list[Term]) -> Term:
     return 1, (TexPiece(concatenate(turn, _OPEN)), *_pieces(terms, depth=1), TexPiece(_CLOSE))
 
 
-def _pieces(terms: Iterable[Term], depth: int = 0) -> Iterator[TexPiece]:
-    for index, (sign, value) in enumerate(terms):
-        if index:
-            yield binary("+" if sign > 0 else "-", depth)
-        elif sign < 0:
-            yield MINUS
-        yield from (TexPiece(value),) if isinstance(value, Box) else value
+def _pieces(terms: Iterable[Term], depth: int = 0) -> list[TexPiece]:
+    values = ((sign < 0, (TexPiece(value),) if isinstance(value, Box) else value) for sign, value in terms)
+    return signed_sum(values, depth)
 
 
 def _lines(equations: Iterable[Sides]) -> list[str]:
-    broken = (break_lines(concatenate(left, EQUALS), tuple(_pieces(terms))) for left, terms in equations)
+    broken = (break_lines(concatenate(left, EQUALS), _pieces(terms)) for left, terms in equations)
     return [line for lines in broken for line in lines]

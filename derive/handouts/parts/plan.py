@@ -126,8 +126,7 @@ def _plots(context: Context, segments: Sequence[SegmentPeaks], times: Array, *cu
     rows = []
     for values, (letter, *units) in zip(curves, _QUANTITIES, strict=False):
         shown = ((kind, unit) for kind, unit in zip(kinds, units, strict=True) if kind)
-        panels = (Panel(f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind)) for kind, unit in shown)
-        rows.append(tuple(panels))
+        rows.append(tuple((f"{letter}\\,[{unit}]", tuple((j, values[:, j]) for j in kind)) for kind, unit in shown))
     ends = np.cumsum([float(peaks.segment.duration) for peaks in segments])
     names = tuple(context.notation.glyph(joint.variable).box.tex for joint in joints)
     figure = Panels(times, tuple(rows), tuple(map(float, ends[:-1])), names, partial(_decimal, context))
@@ -248,12 +247,8 @@ COLORS: tuple[Color, ...] = (
 STEPS = (1.0, 2.0, 5.0, 10.0)  # between numbers at an axis, times a power of ten
 
 
-@dataclass(frozen=True, slots=True)
-class Panel:
-    """Some curves over time with one unit."""
-
-    latex: str  # what they are, with the unit
-    curves: tuple[tuple[int, Array], ...]  # numbers of their colours, and their values at the common times, (k,) each
+# What some curves over time are, with their one unit, as LaTeX; numbers of their colours, and their values, (k,) each.
+Panel = tuple[str, tuple[tuple[int, Array], ...]]
 
 
 @dataclass(frozen=True)
@@ -285,9 +280,9 @@ class Panels:
         return Drawing(width, height, tuple(items), title)
 
     def _panel(self, panel: Panel, corner: Point, width: float, *, is_last: bool) -> Iterator[Item]:
-        (x, y), start, end = corner, float(self.times[0]), float(self.times[-1])
+        (x, y), (latex, curves), start, end = corner, panel, float(self.times[0]), float(self.times[-1])
         # The values with a rim of 6 % above and below; what is constant but for rounding has a panel of height 2.
-        values = [row for _, row in panel.curves]
+        values = [row for _, row in curves]
         low, high = min(float(row.min()) for row in values), max(float(row.max()) for row in values)
         if high - low < 1e-9 * max(abs(low), abs(high), 1e-3):
             low, high = low - 1.0, high + 1.0
@@ -302,11 +297,11 @@ class Panels:
             yield Label((x - 3.0, _at(start, tick)[1]), self.write(tick), (1, 0))
         for time in self.corners:
             yield Path((_at(time, low), _at(time, high)), stroke=PALE, width=0.5, dashed=True)
-        for color, row in panel.curves:
+        for color, row in curves:
             points = tuple(_at(float(t), float(value)) for t, value in zip(self.times, row, strict=True))
             yield Path(points, stroke=COLORS[color % len(COLORS)], width=0.9)
         yield Path(((x, y + HEIGHT), (x, y), (x + width, y)), width=0.5)
-        yield Label((x + 2.0, y + HEIGHT + 3.0), panel.latex, (-1, -1))
+        yield Label((x + 2.0, y + HEIGHT + 3.0), latex, (-1, -1))
         if is_last:
             for tick in _ticks(start, end, 6):
                 yield Path((_at(tick, low), (_at(tick, low)[0], y - 2.5)), width=0.4)

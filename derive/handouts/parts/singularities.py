@@ -99,14 +99,10 @@ def _introduction(context: Context, found: Singularities) -> Iterator[Paragraph]
 
 def _task(context: Context, found: Singularities) -> str:
     _ = context.text
-    words = {
-        "phi": "$\\varphi$",
-        "position": "$x$, $y$, $z$",
-        "orientation": _("orientation"),
-        "approach": _("direction of the approach"),
-    }
-    turns = {f"rotation about {axis}": _("rotation about $%(axis)s$", axis=axis) for axis in "xyz"}
-    return ", ".join((words | turns).get(word, f"${word}$") for word in found.task)
+    words = {f"rotation about {axis}": _("rotation about $%(axis)s$", axis=axis) for axis in "xyz"}
+    words |= {"orientation": _("orientation"), "approach": _("direction of the approach")}
+    words |= {"phi": "$\\varphi$", "position": "$x$, $y$, $z$"}
+    return ", ".join(words.get(word, f"${word}$") for word in found.task)
 
 
 def _minors(context: Context, found: Singularities) -> Iterator[Block]:

@@ -1,6 +1,6 @@
 """The parts with the robot's data: the DH table, base and tool, parameters, links."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from itertools import chain
 
@@ -43,8 +43,6 @@ _COLUMN_GAP = 12.0
 _LONGEST_TABLE = 30  # rows of a table that is kept on one page; a longer one needs two runs of LaTeX to align
 _LETTER_WIDTH = 5.2  # of running text in mathematics [pt]
 
-# -- the DH table
-
 
 def dh_table(context: Context) -> Iterator[Block]:
     """The convention in words, the DH table, base and tool; of a tree its root, mounts and ends."""
@@ -66,35 +64,31 @@ def dh_table(context: Context) -> Iterator[Block]:
     yield from table_rows(context)
     if context.robot.is_tree:
         yield from _mounts_and_ends(context)
-    elif frames := end_lines(context):
-        yield context.paragraph(
+    else:
+        yield from context.announced(
             "Constant transforms: the base takes frame $0$ into the world, "
             "the tool the end effector into frame $%(n)s$.",
+            end_lines(context),
             n=n,
         )
-        yield Rows(tuple(frames))
 
 
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
     """The constant transforms of a tree as matrices, and which end is on which row."""
     robot = context.robot
-    rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand and row.stand.mount != IDENTITY)
-    lines = [line for label, mount in rows for line in _matrix(context, script(bold("M"), context.name(label)), mount)]
-    if lines:
-        yield context.paragraph("Mounts, which come before all else of their rows:")
-        yield Rows(tuple(lines))
+    rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand)
+    lines = _matrices(context, ((script(bold("M"), context.name(label)), mount) for label, mount in rows))
+    yield from context.announced("Mounts, which come before all else of their rows:", lines)
     places = [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]
     if places:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
-    frames = [] if robot.base == IDENTITY else _matrix(context, BASE, robot.base)
-    for end in tree.ends(robot):
-        frames += [] if end.tool == IDENTITY else _matrix(context, tool_of(end.name), end.tool)
-    if frames:
-        yield context.paragraph(
-            "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row."
-        )
-        yield Rows(tuple(frames))
+    tools = ((tool_of(end.name), end.tool) for end in tree.ends(robot))
+    frames = _matrices(context, ((BASE, robot.base), *tools))
+    yield from context.announced(
+        "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row.",
+        frames,
+    )
 
 
 def _units(context: Context) -> str:
@@ -117,8 +111,7 @@ def _units(context: Context) -> str:
 
 def end_lines(context: Context, base: Box = BASE, tool: Box = TOOL) -> list[str]:
     """Base and tool as matrices, where they are not the identity."""
-    pairs = ((base, context.robot.base), (tool, context.robot.tool))
-    return [line for symbol, frame in pairs if frame != IDENTITY for line in _matrix(context, symbol, frame)]
+    return _matrices(context, ((base, context.robot.base), (tool, context.robot.tool)))
 
 
 def tool_of(end: str) -> Box:
@@ -126,10 +119,13 @@ def tool_of(end: str) -> Box:
     return script(bold("T"), concatenate(upright("tool"), italic(","), upright(end))) if end else TOOL
 
 
-def _matrix(context: Context, symbol: Box, frame: Matrix) -> list[str]:
-    value, length = context.data.value, context.data.length
-    rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
-    return matrix_lines(symbol, rows, entry_namer(symbol))
+def _matrices(context: Context, frames: Iterable[tuple[Box, Matrix]]) -> list[str]:
+    value, length, lines = context.data.value, context.data.length, list[str]()
+    for symbol, frame in frames:
+        if frame != IDENTITY:
+            rows = [[*map(value, row[:3]), (length if i < 3 else value)(row[3])] for i, row in enumerate(frame)]
+            lines += matrix_lines(symbol, rows, entry_namer(symbol))
+    return lines
 
 
 def table_rows(context: Context) -> Iterator[Block]:
@@ -170,7 +166,6 @@ def table_rows(context: Context) -> Iterator[Block]:
 
 
 def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limits: bool) -> list[Cell]:
-    """The cells of a row of the table."""
     data, length = context.data, row_in_file_units(row, context.robot.units).d
     theta, d = expression_to_sympy(row.theta), expression_to_sympy(length)
     if isinstance(row, Joint):
@@ -185,7 +180,6 @@ def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limi
 
 
 def _letters(context: Context, index: str, has_turns: bool, before: str = "i-1") -> list[tuple[str, str]]:
-    """The letters of the cells of a row with their indices."""
     names = [(letter, index) for letter in ("\\theta", "d", "a", "\\alpha")]
     if not context.is_standard:
         behind = index if context.robot.is_tree else before
@@ -202,20 +196,14 @@ def _named_cells(context: Context, row: Joint | FixedRow, cells: list[Cell], has
         yield Equation(Box(f"\\text{{limits {number}}}", 45.0), cells[-1])
 
 
-# -- parameters and links
-
-
 def parameters(context: Context) -> Iterator[Block]:
     """Numbers of the robot file, arguments of the generated functions, inertial data of the links."""
     data, glyph = context.data, context.data.notation.glyph
     given = context.robot.parameters
     numbers = equation_lines(Equation(glyph(name).box, data.symbol(name, cell)) for name, cell in given)
-    if numbers:
-        yield context.paragraph("Numbers given in the robot file:")
-        yield Rows(tuple(numbers))
-    if free := pack(glyph(name).box for name in free_symbols(context.robot)):
-        yield context.paragraph("Arguments of the generated functions, in this order:")
-        yield Rows(tuple(free))
+    yield from context.announced("Numbers given in the robot file:", numbers)
+    free = pack(glyph(name).box for name in free_symbols(context.robot))
+    yield from context.announced("Arguments of the generated functions, in this order:", free)
     moving = len(context.robot.root.variables) if context.robot.root else 0
     if context.robot.links:
         yield context.paragraph(
@@ -225,9 +213,8 @@ def parameters(context: Context) -> Iterator[Block]:
     for i, link in enumerate(tree.bodies(context.robot), 1):
         if (i > context.robot.n and link == Link()) or i <= moving:
             continue
-        yield context.paragraph(
-            "Link %(index)s:", index=i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
-        )
+        index = i if i <= context.robot.n else f"`{tree.labels(context.robot)[i]}`"
+        yield context.paragraph("Link %(index)s:", index=index)
         yield Rows(tuple(equation_lines(link_equations(context, link))))
 
 
@@ -245,12 +232,8 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
         com += part
     yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
-    if link.motor is not None:
-        cells += [
-            (_("rotor mass"), link.motor.mass),
-            (_("rotor inertia"), link.motor.inertia),
-            (_("gear ratio"), link.motor.ratio),
-        ]
+    if motor := link.motor:
+        cells += [(_("rotor mass"), motor.mass), (_("rotor inertia"), motor.inertia), (_("gear ratio"), motor.ratio)]
     cells += [(_("armature"), link.armature), (_("viscous friction"), link.viscous)]
     ways = {"f": "", "fp": " (+)", "fm": " (-)"}
     cells += [(_("Coulomb friction") + ways[part], cell) for part, cell in coulomb_parts(link).items()]

@@ -6,48 +6,19 @@ estimate is on the high side.
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil
 
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Document,
-    Figure,
-    Paragraph,
-    Rows,
-    Section,
-    SheetFormula,
-    Steps,
-    Table,
-)
+from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 
 # What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high.
 PAGE = 780.0
 # Parts of the handout, the least useful first: what follows from other parts by rule comes before what does not.
 USEFULNESS = (
-    "conversion",
-    "skew",
-    "christoffel",
-    "link-jacobians",
-    "newton-euler",
-    "coriolis",
-    "energies",
-    "orientation",
-    "singularities",
-    "motion",
-    "example",
-    "parameters",
-    "convention",
-    "gravity",
-    "inverse",
-    "transforms",
-    "inertia",
-    "jacobian",
-    "kinematics",
-    "figure",
-    "table",
+    *("conversion", "skew", "christoffel", "link-jacobians", "newton-euler", "coriolis", "energies", "orientation"),
+    *("singularities", "motion", "example", "parameters", "convention", "gravity", "inverse", "transforms", "inertia"),
+    *("jacobian", "kinematics", "figure", "table"),
 )
 _LINE, _ROW, _FRACTION, _DISPLAY, _HEADING, _LANDSCAPE = 12.0, 15.0, 14.0, 22.0, 36.0, 440.0
 """Heights of a line of text, of a row of a display, more for a fraction, around a display, of a heading, of a page
@@ -58,7 +29,7 @@ _LONG = 60.0  # height from which a formula may be left out on its own [pt]
 _MARKUP = re.compile(r"\\[A-Za-z]+|[{}$`_^]")
 
 
-def pages(document: Document) -> int:
+def pages(document: sheet.Document) -> int:
     """About how many pages a document has on paper."""
     count, filled = 1, 3 * _HEADING
     for section in document.sections:
@@ -73,35 +44,35 @@ def pages(document: Document) -> int:
     return count
 
 
-def height(block: Block) -> float:
+def height(block: sheet.Block) -> float:
     """About how much of a page a block takes."""
     return sum(_pieces(block))
 
 
-def _pieces(block: Block) -> Iterator[float]:
+def _pieces(block: sheet.Block) -> Iterator[float]:
     """Heights of what no page divides, one below the other [pt]."""
     match block:
-        case Paragraph(text):
+        case sheet.Paragraph(text):
             yield _words(text)
-        case Rows(lines, landscape):
+        case sheet.Rows(lines, landscape):
             heights = (_LINE * x.count("\\\\") * ("bmatrix" in x) + _FRACTION * ("\\frac" in x) for x in lines)
             drawn = [_DISPLAY, *(_ROW + height for height in heights)]  # a page may end between any two rows of it
             yield from [PAGE] * ceil(sum(drawn) / _LANDSCAPE) if landscape else drawn
-        case SheetFormula():
+        case sheet.SheetFormula():
             for rows in block.rows:
                 yield from _pieces(rows)
             # Above named terms and above what is omitted stand two lines of words.
             for entries in (block.named, block.omitted):
-                yield from (*_pieces(Rows(entries)), 2 * _ROW) if entries else ()
+                yield from (*_pieces(sheet.Rows(entries)), 2 * _ROW) if entries else ()
             yield _words(block.note)
-        case Blank(_, task, _, gaps):
+        case sheet.Blank(_, task, _, gaps):
             yield _words(task) + _LINE * sum(gap.lines for gap in gaps)
-        case Table(_, rows, long):
+        case sheet.Table(_, rows, long):
             count = len(rows) + 3  # with the head and its rules
             yield from [_LINE] * count if long else [_LINE * count]
-        case Figure(drawing, caption):
+        case sheet.Figure(drawing, caption):
             yield drawing.height + _words(caption) + _LINE
-        case Steps(_, blocks):
+        case sheet.Steps(_, blocks):
             yield 1.5 * _LINE
             for inner in blocks:
                 yield from _pieces(inner)
@@ -111,51 +82,40 @@ def _words(text: str) -> float:
     return _LINE * ceil(len(_MARKUP.sub("", text)) / _LETTERS) + 4.0 if text else 0.0
 
 
-# -- leaving out
-
-Test = Callable[[Block], bool]  # whether a block may be left out
+Test = Callable[[sheet.Block], bool]  # whether a block may be left out
 
 
-@dataclass(frozen=True, slots=True)
-class _Sparing:
-    """Leaves blocks out and says so where the first of them stood."""
-
-    limit: int  # pages, for the sentence
-    text: Text  # the language
-
-    def blocks(self, blocks: tuple[Block, ...], test: Test) -> tuple[Block, ...]:
-        """What may be left out replaced by a sentence."""
-        kept: list[Block] = []
-        for block in blocks:
-            shown: Block = block
-            if test(block):
-                shown = Paragraph(self._sentence(block), is_answer=True)
-            elif isinstance(block, Steps):
-                shown = replace(block, blocks=self.blocks(block.blocks, test))
-            elif isinstance(block, SheetFormula) and any(map(test, block.rows)):
-                rows = tuple(rows for rows in block.rows if not test(rows))
-                sentence = self.text(
-                    "The longest entries are left out to keep within the page limit (%(pages)s).", pages=self.limit
-                )
-                shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
-            if not kept or shown != kept[-1]:
-                kept.append(shown)
-        return tuple(kept)
-
-    def _sentence(self, block: Block) -> str:
-        _, limit = self.text, self.limit
-        if isinstance(block, Steps):
-            return _("%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=limit)
-        if isinstance(block, SheetFormula) and block.function:
-            return _(
-                "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
-                pages=limit,
-                function=block.function,
-            )
-        return _("Left out to keep within the page limit (%(pages)s).", pages=limit)
+def _spared(blocks: tuple[sheet.Block, ...], test: Test, limit: int, text: Text) -> tuple[sheet.Block, ...]:
+    """What may be left out replaced by a sentence, where the first of it stood."""
+    kept: list[sheet.Block] = []
+    for block in blocks:
+        shown: sheet.Block = block
+        if test(block):
+            shown = sheet.Paragraph(_sentence(block, limit, text), is_answer=True)
+        elif isinstance(block, sheet.Steps):
+            shown = replace(block, blocks=_spared(block.blocks, test, limit, text))
+        elif isinstance(block, sheet.SheetFormula) and any(map(test, block.rows)):
+            rows = tuple(rows for rows in block.rows if not test(rows))
+            sentence = text("The longest entries are left out to keep within the page limit (%(pages)s).", pages=limit)
+            shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
+        if not kept or shown != kept[-1]:
+            kept.append(shown)
+    return tuple(kept)
 
 
-def within(document: Document, limit: int, text: Text, spare: int = 0) -> Document:
+def _sentence(block: sheet.Block, limit: int, _: Text) -> str:
+    if isinstance(block, sheet.Steps):
+        return _("%(title)s: left out to keep within the page limit (%(pages)s).", title=block.title, pages=limit)
+    if isinstance(block, sheet.SheetFormula) and block.function:
+        return _(
+            "Left out to keep within the page limit (%(pages)s); `%(function)s` in `model_numpy.py` computes it.",
+            pages=limit,
+            function=block.function,
+        )
+    return _("Left out to keep within the page limit (%(pages)s).", pages=limit)
+
+
+def within(document: sheet.Document, limit: int, text: Text, spare: int = 0) -> sheet.Document:
     """The document, shortened until it has no more pages than that: see `_shortened` for what goes first."""
     most = limit - spare
     if not limit or pages(document) <= most:
@@ -163,7 +123,7 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
     # Greedy: after each cut the pages are counted anew, and the first document that fits is taken.
     sections = {section.anchor: section for section in document.sections}
     touched: list[str] = []
-    for anchor, shorter in _shortened(sections, _Sparing(limit, text)):
+    for anchor, shorter in _shortened(sections, limit, text):
         if shorter == sections.get(anchor):
             continue
         touched += [anchor] if anchor not in touched else []
@@ -177,34 +137,38 @@ def within(document: Document, limit: int, text: Text, spare: int = 0) -> Docume
     return _said(document, sections, touched, limit, text)
 
 
-def _shortened(sections: dict[str, Section], sparing: _Sparing) -> Iterator[tuple[str, Section | None]]:
+def _shortened(
+    sections: dict[str, sheet.Section], limit: int, text: Text
+) -> Iterator[tuple[str, sheet.Section | None]]:
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
-        lambda block: isinstance(block, Rows) and block.landscape,
+        lambda block: isinstance(block, sheet.Rows) and block.landscape,
         # Of steps the tallest display counts, for they need not go as a whole.
         lambda block: (
-            isinstance(block, SheetFormula | Steps)
-            and max(map(height, block.blocks if isinstance(block, Steps) else block.rows), default=0.0) > PAGE
+            isinstance(block, sheet.SheetFormula | sheet.Steps)
+            and max(map(height, block.blocks if isinstance(block, sheet.Steps) else block.rows), default=0.0) > PAGE
         ),
-        lambda block: isinstance(block, Steps),
-        lambda block: isinstance(block, SheetFormula) and height(block) > _LONG,
+        lambda block: isinstance(block, sheet.Steps),
+        lambda block: isinstance(block, sheet.SheetFormula) and height(block) > _LONG,
     )
     for test in tests:  # from what is missed least to what is missed most, through all parts each time
         for anchor in _least_useful(sections, USEFULNESS):
-            yield anchor, replace(sections[anchor], blocks=sparing.blocks(sections[anchor].blocks, test))
+            yield anchor, replace(sections[anchor], blocks=_spared(sections[anchor].blocks, test, limit, text))
     for anchor in _least_useful(sections, USEFULNESS[:-1]):
         yield anchor, None
 
 
-def _least_useful(sections: dict[str, Section], parts: Sequence[str]) -> list[str]:
+def _least_useful(sections: dict[str, sheet.Section], parts: Sequence[str]) -> list[str]:
     """The anchors of the sections, the least useful first."""
     return [anchor for part in parts for anchor, section in sections.items() if section.part == part]
 
 
-def _said(document: Document, sections: dict[str, Section], touched: list[str], limit: int, text: Text) -> Document:
+def _said(
+    document: sheet.Document, sections: dict[str, sheet.Section], touched: list[str], limit: int, text: Text
+) -> sheet.Document:
     """The shorter document with a sentence at its head that names what it lacks."""
     titles = ", ".join(section.title for section in document.sections if section.anchor in touched)
     sentence = text("Omitted or shortened because of the %(pages)s-page limit: %(titles)s.", pages=limit, titles=titles)
     kept = [sections[section.anchor] for section in document.sections if section.anchor in sections]
-    first = replace(kept[0], blocks=(Paragraph(sentence, is_answer=True), *kept[0].blocks))
+    first = replace(kept[0], blocks=(sheet.Paragraph(sentence, is_answer=True), *kept[0].blocks))
     return replace(document, sections=(first, *kept[1:]))

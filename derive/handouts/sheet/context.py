@@ -1,6 +1,8 @@
 """What the parts of one handout share: the robot, its closed forms, the options, and what prints them."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 
 import sympy
@@ -11,7 +13,7 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, italic, upright
 from derive.handouts.notation.printer import DataPrinter, LatexPrinter
 from derive.handouts.notation.symbols import Symbols
-from derive.handouts.sheet.document import Paragraph
+from derive.handouts.sheet.document import Block, Paragraph, Rows
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
 from derive.model.entries import Entries, ModelEntries
@@ -20,24 +22,6 @@ from derive.robot.description import Convention
 from derive.robot.options.handout import Derivation, HandoutOptions
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
-
-
-@dataclass(frozen=True, slots=True)
-class Path:
-    """The frames from frame 0 to an end effector."""
-
-    entries: ModelEntries
-    names: tuple[Box, ...]  # how they are written
-    labels: tuple[str, ...]  # of the rows of a tree, that of frame 0 empty; none of a chain
-
-    @property
-    def last(self) -> int:
-        """The place of the last frame, that of frame 0 being 0."""
-        return len(self.names) - 1
-
-    def between(self, i: int, j: int) -> Entries:
-        """The frame at one place, 4x4, in that at another one."""
-        return self.entries.between(self.labels[i], self.labels[j]) if self.labels else self.entries.transform(i, j)
 
 
 class Context:
@@ -90,12 +74,20 @@ class Context:
         return italic(str(number)) if number <= self.whole.robot.n else upright(label)
 
     @cached_property
-    def path(self) -> Path:
-        """The way to the end effector."""
-        robot, is_tree = self.robot, bool(self.end) or self.robot.is_tree
-        labels = ("", *tree.rows_to(robot, tree.ends(robot)[0].after)) if is_tree else ()
-        names = tuple(map(self.name, labels)) or tuple(italic(str(i)) for i in range(robot.n + 1))
-        return Path(self.entries, names, labels)
+    def labels(self) -> tuple[str, ...]:
+        """Of the rows of a tree on the way to the end effector, that of frame 0 empty; none of a chain."""
+        is_tree = bool(self.end) or self.robot.is_tree
+        return ("", *tree.rows_to(self.robot, tree.ends(self.robot)[0].after)) if is_tree else ()
+
+    @cached_property
+    def path(self) -> tuple[Box, ...]:
+        """How the frames from frame 0 to the end effector are written."""
+        return tuple(map(self.name, self.labels)) or tuple(italic(str(i)) for i in range(self.robot.n + 1))
+
+    def between(self, i: int, j: int) -> Entries:
+        """The frame at one place of the path, 4x4, in that at another one."""
+        entries, labels = self.entries, self.labels
+        return entries.between(labels[i], labels[j]) if labels else entries.transform(i, j)
 
     @property
     def J(self) -> Entries:
@@ -117,6 +109,10 @@ class Context:
         """A message in the reader's language."""
         return Paragraph(self.text(message, **values))
 
+    def announced(self, message: str, lines: Sequence[str], **values: object) -> list[Block]:
+        """A message and the lines that it announces; nothing where there are none."""
+        return [self.paragraph(message, **values), Rows(tuple(lines))] if lines else []
+
     def answer(self, message: str, **values: object) -> Paragraph:
         """The same, of what an exercise asks for."""
         return Paragraph(self.text(message, **values), is_answer=True)
@@ -124,7 +120,6 @@ class Context:
 
 def poses_of(robot: Robot) -> RobotPoses | None:
     """Where the frames of a robot are; None where nothing can be drawn."""
-    try:
+    with suppress(DeriveError):
         return RobotPoses(robot)
-    except DeriveError:
-        return None
+    return None

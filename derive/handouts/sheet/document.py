@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import TypeAlias
 
 from derive.handouts.figure.drawing import Drawing
@@ -159,25 +158,10 @@ def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
     return rows
 
 
-_SPAN = re.compile(r"\$([^$]*)\$|`([^`]*)`")
-
-
-class SpanKind(Enum):
-    """What a span of text is."""
-
-    WORDS = "words"
-    MATHEMATICS = "mathematics"
-    CODE = "code"
-
-
-def spans(text: str) -> Iterator[tuple[SpanKind, str]]:
-    """The parts of a text: what each is, and its contents without the marks."""
-    end = 0
-    for match in _SPAN.finditer(text):
-        if match.start() > end:
-            yield SpanKind.WORDS, text[end : match.start()]
-        mathematics, code = match.groups()
-        yield (SpanKind.CODE, code) if mathematics is None else (SpanKind.MATHEMATICS, mathematics)
-        end = match.end()
-    if end < len(text):
-        yield SpanKind.WORDS, text[end:]
+def spans(text: str) -> Iterator[tuple[str, str]]:
+    """The parts of a text: the mark around each, a dollar sign, a backtick or none, and its contents without it."""
+    for k, part in enumerate(re.split(r"(\$[^$]*\$|`[^`]*`)", text)):
+        if k % 2:
+            yield part[0], part[1:-1]
+        elif part:
+            yield "", part

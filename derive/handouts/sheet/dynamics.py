@@ -8,8 +8,19 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
-from derive.handouts.notation.pieces import Box, Break, TexPiece, binary, bracketed, concatenate, italic, script
-from derive.handouts.notation.printer import MINUS, LatexPrinter
+from derive.handouts.notation.pieces import (
+    MINUS,
+    Box,
+    Break,
+    TexPiece,
+    binary,
+    bracketed,
+    concatenate,
+    italic,
+    script,
+    signed_sum,
+)
+from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
 from derive.lecture.sympy_conversion import Expr
@@ -56,11 +67,7 @@ class DynamicsLayout:
         rate = f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})"
         rows: dict[str, tuple[Box, Namer, int]] = {
             "B": (self.inertia_symbol, entry, Group.B),
-            "Bdot": (
-                Box(rate, 44.0),
-                lambda i, j: Glyph(self.inertia_entry(i, j), accent="\\dot").box,
-                Group.DERIVATIVE,
-            ),
+            "Bdot": (Box(rate, 44.0), lambda i, j: Glyph(entry(i, j), accent="\\dot").box, Group.DERIVATIVE),
             "C": (self._rate_symbol("C"), partial(symbols.entry, "C"), Group.C),
             "N": (self._rate_symbol("N"), partial(symbols.entry, "N"), Group.N),
             "g": (Box("\\mathbf{g}(\\mathbf{q})", 36.0), lambda row, _: symbols.component("g", row), Group.TORQUE),
@@ -175,11 +182,8 @@ def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:
 
 def _signed_sum(terms: Iterable[Signed]) -> tuple[TexPiece, ...]:
     """Pieces of a sum of products, to be broken before a sign or between factors; 0 for an empty sum."""
-    row: list[TexPiece] = []
-    for sign, factors in terms:
-        if row:
-            row.append(binary("+" if sign > 0 else "-", 0))
-        elif sign < 0:
-            row.append(MINUS)
-        row += [TexPiece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)]
-    return tuple(row) or (TexPiece(italic("0")),)
+    products = (
+        (sign < 0, [TexPiece(factor, Break.FACTOR if k else Break.NEVER) for k, factor in enumerate(factors)])
+        for sign, factors in terms
+    )
+    return tuple(signed_sum(products)) or (TexPiece(italic("0")),)

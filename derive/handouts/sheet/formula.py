@@ -1,7 +1,7 @@
 """From closed forms to formulas of the handout, and the formulas of textbooks that hold for every robot."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby
 
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
@@ -66,9 +66,6 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
     return equation_lines(Equation(namer(i, j), cell) for i, j, cell in places)
 
 
-# -- small matrices
-
-
 def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> LaidOut | None:
     """A matrix as one box, which may share a line; None if it is too wide or has too many terms."""
     if not quantity.is_short(context.policy.matrix_terms):
@@ -99,25 +96,18 @@ def in_rows(quantities: Iterable[LaidOut]) -> Iterator[LaidOut]:
         yield from [side_by_side(neighbours)] if is_small else neighbours
 
 
-# -- links and rotors
+# Of one link or rotor what it is called, the quantity, and which letter its intermediate terms have.
+BodyItem = tuple[Box, Entries, int]
 
 
-@dataclass(frozen=True, slots=True)
-class BodyItem:
-    """A quantity of one link or rotor."""
-
-    symbol: Box  # what it is called
-    quantity: Entries
-    group: int  # which letter its intermediate terms have
-    symmetric: bool = False  # whether the entries below the diagonal may be left out
-
-
-def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -> Iterator[Block]:
+def body_formulas(
+    context: Context, items: Iterable[BodyItem], task: str = "", *, symmetric: bool = False
+) -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
     quantities = (
-        small(context, item.symbol, item.quantity, entry_namer(item.symbol))
-        or context.dynamics.body(item.symbol, item.quantity, item.group, item.symmetric)
-        for item in items
+        small(context, symbol, quantity, entry_namer(symbol))
+        or context.dynamics.body(symbol, quantity, group, symmetric)
+        for symbol, quantity, group in items
     )
     for laid_out in in_rows(quantities):
         if laid_out.lines or not laid_out.omitted:
@@ -125,9 +115,6 @@ def body_formulas(context: Context, items: Iterable[BodyItem], task: str = "") -
         if laid_out.omitted:
             yield context.answer("These entries are too long to print; multiplied out they have so many terms:")
             yield Rows(laid_out.omitted, is_answer=True)
-
-
-# -- formulas that hold for every robot
 
 
 def textbook(name: str, **values: object) -> Rows:

@@ -8,22 +8,7 @@ from jinja2.environment import Template, TemplateModule
 
 from derive.handouts.figure.writers import PREAMBLE, latex_drawing
 from derive.handouts.layout.lines import displays
-from derive.handouts.sheet.document import (
-    Blank,
-    Block,
-    Document,
-    Figure,
-    Gap,
-    Paragraph,
-    Rows,
-    SheetFormula,
-    SpanKind,
-    Steps,
-    Table,
-    blocks_of,
-    gap_rows,
-    spans,
-)
+from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 from derive.targets.escape import latex_text
 from derive.targets.templating import environment
@@ -37,15 +22,15 @@ _TABLE_FOLLOWS = "\\nopagebreak"  # between a paragraph and what it announces
 _NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
 
 
-def latex(document: Document, text: Text) -> str:
+def latex(document: sheet.Document, text: Text) -> str:
     """The document as ``sheet.tex``."""
-    blocks = [block for section in document.sections for block in blocks_of(section)]
-    rows = [part for block in blocks for part in (block.rows if isinstance(block, SheetFormula) else (block,))]
+    blocks = [block for section in document.sections for block in sheet.blocks_of(section)]
+    rows = [part for block in blocks for part in (block.rows if isinstance(block, sheet.SheetFormula) else (block,))]
     long = _LONGEST_WORD
     words = ([word[k : k + long] for k in range(0, len(word), long)] for word in document.title.split())
     sections: list[dict[str, Any]] = []
     for part in document.sections:
-        is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], Paragraph)
+        is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], sheet.Paragraph)
         if is_short and sections:
             # no page ends behind the last display before a sentence in a section of its own, which is never alone then
             before, display, last = "\n".join(sections[-1]["blocks"]).rpartition(_DISPLAY)
@@ -59,8 +44,8 @@ def latex(document: Document, text: Text) -> str:
         subtitle=latex_words(document.subtitle),
         form=[latex_words(word) for word in document.form],
         footer=latex_words(document.footer),
-        landscape=any(isinstance(part, Rows) and part.landscape for part in rows),
-        figures=any(isinstance(block, Figure) for block in blocks),
+        landscape=any(isinstance(part, sheet.Rows) and part.landscape for part in rows),
+        figures=any(isinstance(block, sheet.Figure) for block in blocks),
         figure_preamble=PREAMBLE.rstrip(),
         sections=sections,
     )
@@ -78,9 +63,6 @@ def _with_next(source: str) -> str:
     if not end or "\\\\\n" in display:
         return source
     return f"\\begingroup\\postdisplaypenalty=10000 \\interdisplaylinepenalty=10000\n{display}{end}\n\\endgroup{rest}"
-
-
-# -- templates
 
 
 @cache
@@ -103,16 +85,13 @@ def macros(name: str) -> TemplateModule:
     return latex_template(name).module
 
 
-# -- texts
-
-
 def latex_words(text: str) -> str:
     """A text with its marks."""
     written = []
-    for kind, part in spans(text):
-        if kind is SpanKind.MATHEMATICS:
+    for mark, part in sheet.spans(text):
+        if mark == "$":
             written.append(f"${part}$")
-        elif kind is SpanKind.CODE:
+        elif mark:
             code = latex_text(part).replace("\\_", "\\_\\allowbreak{}").replace(" ", "\\ ")
             written.append(f"\\texttt{{{code}}}")
         else:
@@ -122,10 +101,7 @@ def latex_words(text: str) -> str:
     return "".join(written)
 
 
-# -- blocks
-
-
-def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[str]:
+def _joined(blocks: Iterable[sheet.Block], text: Text, is_open: bool = False) -> list[str]:
     """Blocks one after the other; a display joins the paragraph before it, which may be that of a title."""
     written: list[str] = []
     for block in blocks:
@@ -137,22 +113,22 @@ def _joined(blocks: Iterable[Block], text: Text, is_open: bool = False) -> list[
             first, rest = source.split(_DISPLAY_END, 1)
             source = f"\\begingroup\\abovedisplayskip=0pt\n{first}{_DISPLAY_END}\n\\endgroup{rest}"
         elif is_open and not is_display:
-            if isinstance(block, Table) and block.long and written:
+            if isinstance(block, sheet.Table) and block.long and written:
                 written[-1] = f"\\tableroom\n{written[-1]}"
-            announced = isinstance(block, Table) or (written and written[-1].endswith(f":{_OPEN}"))
+            announced = isinstance(block, sheet.Table) or (written and written[-1].endswith(f":{_OPEN}"))
             source = f"{_TABLE_FOLLOWS if announced else ''}\\par\n{source}"
         written.append(source)
         is_open = source.endswith(_OPEN)
     return [*written, "\\par"] if is_open else written
 
 
-def _written(block: Block, _: Text) -> str:
+def _written(block: sheet.Block, _: Text) -> str:
     match block:
-        case Paragraph(text):
+        case sheet.Paragraph(text):
             return latex_words(text) + _OPEN
-        case Rows(lines, landscape):
+        case sheet.Rows(lines, landscape):
             return _macro("rows", displays=displays(lines), landscape=landscape)
-        case SheetFormula():
+        case sheet.SheetFormula():
             named = displays(block.named)
             sentences = {
                 "named": latex_words(_("With the abbreviations")),
@@ -167,21 +143,21 @@ def _written(block: Block, _: Text) -> str:
                 note=latex_words(block.note),
                 words=sentences,
             )
-        case Blank(number, task, points, gaps):
-            room = displays(["".join(map(_gap, row)) for row in gap_rows(gaps)], kept=False)
+        case sheet.Blank(number, task, points, gaps):
+            room = displays(["".join(map(_gap, row)) for row in sheet.gap_rows(gaps)], kept=False)
             return _macro("blank", number=number, task=latex_words(task), points=points, displays=room)
-        case Table(header, rows, long):
+        case sheet.Table(header, rows, long):
             struts = ("\\rule[-1.3ex]{0pt}{4ex}" * any("frac" in cell for cell in row) for row in (header, *rows))
             cells = (" & ".join(map(latex_words, row)) for row in (header, *rows))
             head, *body = map(str.__add__, struts, cells)  # struts keep fractions off the rules
             return _macro("table", columns="l" * len(header), header=head, rows=body, long=long)
-        case Figure(drawing, caption):
+        case sheet.Figure(drawing, caption):
             return _macro("figure", drawing=latex_drawing(drawing), caption=latex_words(caption))
-        case Steps(title, blocks):
+        case sheet.Steps(title, blocks):
             return _macro("steps", title=latex_words(title), blocks=_joined(blocks, _, is_open=True))
 
 
-def omitted_words(block: SheetFormula, _: Text) -> str:
+def omitted_words(block: sheet.SheetFormula, _: Text) -> str:
     """What stands before the numbers of terms of entries that are left out."""
     if block.function:
         return _(
@@ -192,7 +168,7 @@ def omitted_words(block: SheetFormula, _: Text) -> str:
     return _("These entries are too long to print; multiplied out they have so many terms:")
 
 
-def _gap(gap: Gap) -> str:
+def _gap(gap: sheet.Gap) -> str:
     """The left side of an answer with room behind it and below, as an invisible rule."""
     room = f"\\rule[-{gap.lines:.1f}\\baselineskip]{{0pt}}{{{gap.lines:.1f}\\baselineskip}}"
     whole = f"{gap.name} = {room}" if gap.name else room

@@ -9,17 +9,7 @@ from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 
 from derive.arrays import Array
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.page.player import (
-    REGRESSOR,
-    TORQUE,
-    BaseTorquesText,
-    Exceeded,
-    Formula,
-    Playback,
-    PlayedPiece,
-    PlayedRun,
-    PlayedSegment,
-)
+from derive.handouts.page.player import REGRESSOR, TORQUE, Formula, Playback, PlayedPiece, PlayedRun, PlayedSegment
 from derive.handouts.page.viewer import FUNCTIONS, Viewer, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import HAND_SPLINE, plan_section, plan_sheet
@@ -135,9 +125,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
             if np.isfinite(ends).any()
         },
         exceeded=tuple(
-            Exceeded(item.what, item.joint, item.time, item.value)
-            for item in violations
-            if functions or item.what != "torque"
+            (item.what, item.joint, item.time, item.value) for item in violations if functions or item.what != "torque"
         ),
         run=None if run is None else _played_run(motion, run),
         places=places,
@@ -167,15 +155,14 @@ def _tracks(motion: Motion, room: int) -> tuple[tuple[tuple[PlayedPiece, ...], .
 
 def _base_of(
     motion: Motion, loads: Sequence[Payload | None]
-) -> tuple[_Rows, tuple[_Rows, ...], tuple[BaseTorquesText, ...]]:
+) -> tuple[_Rows, tuple[_Rows, ...], tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]]:
     """The transform of a base that moves, its derivatives, and what they add to the torques."""
     base, added = motion.base, motion.base_torques
     if base is None or added is None:
         return (), (), ()
     matrices = (base.transform.diff(TIME, order).tolist() for order in range(3))
     transform, rate, bend = (tuple(tuple(map(tree, row)) for row in matrix) for matrix in matrices)
-    texts = (Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
-    written = tuple(BaseTorquesText(body, results) for body, results in texts)
+    written = tuple(Kernel("base_torques", added.tape(load)).written(JAVASCRIPT) for load in loads)
     return transform, (rate[:3], bend[:3]) if written else (), written
 
 

@@ -13,7 +13,7 @@ from itertools import chain, pairwise
 import pytest
 
 from derive.handouts.figure.scene import upwards
-from derive.handouts.page.player import Exceeded, Playback, PlayedPiece, PlayedRun, PlayedSegment, player_texts
+from derive.handouts.page.player import Playback, PlayedPiece, PlayedRun, PlayedSegment, html_messages, player_texts
 from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
 from derive.handouts.sheet.document import SheetFormula, blocks_of
@@ -186,7 +186,7 @@ def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None
 
 
 def test_a_plot_says_which_joint_is_beyond_its_limit_and_when() -> None:
-    exceeded = (Exceeded("speed", 1, 0.25, -3.0),)
+    exceeded = (("speed", 1, 0.25, -3.0),)
     made = player_texts(replace(MOTION, exceeded=exceeded), ARM, ROWS, Text())
     assert [plot["exceeded"] for plot in made["plots"]] == [[], [], [], ["q2 beyond its limit at 0.25 s"], [], []]
 
@@ -196,7 +196,7 @@ def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> No
     run = PlayedRun((0.0, 2.0), rows, rows, rows, "pd", "smooth", reached=False)
     bounds = {"torque": ((None, 2.0), (-1.0, 1.0)), "acceleration": ((-1.0, 1.0), (-1.0, 1.0))}
     played = replace(
-        MOTION, functions=("inverse_dynamics",), run=run, bounds=bounds, exceeded=(Exceeded("torque", 0, 1.0, 3.0),)
+        MOTION, functions=("inverse_dynamics",), run=run, bounds=bounds, exceeded=(("torque", 0, 1.0, 3.0),)
     )
     assert played.quantities == ("position", "speed", "torque", "error")
     plain = json.loads(json.dumps(played.configuration))
@@ -210,8 +210,8 @@ def test_of_a_simulation_torques_and_errors_stand_where_accelerations_do() -> No
 
 
 def test_words_of_the_player_are_translated_and_inert() -> None:
-    made = player_texts(MOTION, ARM, ROWS, Text("xx", {"Play": '<b>"Via"</b>'}, comma=True))
-    assert made["words"]["play"] == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
+    made = player_texts(MOTION, ARM, ROWS, Text("xx", comma=True))
+    assert html_messages(Text("xx", {"Play": '<b>"Via"</b>'}))("Play") == "&lt;b&gt;&quot;Via&quot;&lt;/b&gt;"
     assert made["segments"] == ["a → &lt;b&gt;"]
     assert (0.25, "0,25", False) in made["speeds"]
 

@@ -143,7 +143,7 @@ def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None
     robot = numbered(Robot.from_text(drawn.text))
     chosen = {name: float(value.value) for name, value in robot.figure.values if isinstance(value, Number)}
     oracle = Oracle.of(robot, chosen)
-    q = configuration(robot).q
+    q = configuration(robot)[1]
     functions = {"T": "forward_kinematics", "J": "jacobian"}
     functions |= {"B": "inertia_matrix", "g": "gravity_vector"} if robot.has_dynamics else {}
     for name, function in functions.items():
@@ -155,7 +155,7 @@ def test_the_numbers_equal_those_of_the_independent_recursion(seed: int) -> None
 def test_what_is_copied_is_what_is_computed() -> None:
     robot = Robot.from_text(REACHED)
     formulas = [b for b in blocks_of(part(robot, "example")) if isinstance(b, SheetFormula)]
-    q = configuration(robot).q
+    q = configuration(robot)[1]
     for formula, name in zip(formulas, "TJB", strict=False):
         (entry,) = formula.entries()
         np.testing.assert_allclose(json.loads(entry.python), value_at(robot, name, q), atol=1e-11)
@@ -166,9 +166,9 @@ def test_the_example_is_at_the_configuration_of_the_figure() -> None:
     robot = Robot.from_text(REACHED)
     cells = (Product((Pi(), Number(TENTH))), Number(TENTH), Number(TENTH))
     stated = replace(robot, figure=replace(robot.figure, q=cells))
-    assert configuration(stated).q == pytest.approx((0.1 * np.pi, 0.1, 0.1))
+    assert configuration(stated)[1] == pytest.approx((0.1 * np.pi, 0.1, 0.1))
     assert "configuration of the figure" in words(part(stated, "example"))
-    assert configuration(robot).q[1] == pytest.approx(ANGLES[1] * np.pi / 6)
+    assert configuration(robot)[1][1] == pytest.approx(ANGLES[1] * np.pi / 6)
 
 
 def test_lengths_without_numbers_are_those_of_the_drawing() -> None:

@@ -252,8 +252,8 @@ def test_of_a_simulation_the_rows_are_played_down_to_the_first_alone_and_its_exc
     assert made.run.times == tuple(run.t.tolist())
     assert np.array(made.run.q) == pytest.approx(run.q, rel=1e-11)
     assert made.bounds == {"speed": ((None, 1.0),)}
-    (found,) = made.exceeded
-    assert (found.quantity, found.joint, found.value) == ("speed", 0, pytest.approx(np.abs(run.qd).max()))
+    ((quantity, joint, _, value),) = made.exceeded
+    assert (quantity, joint, value) == ("speed", 0, pytest.approx(np.abs(run.qd).max()))
     assert made.ranges[0][0] == pytest.approx(run.q.min())
     only = replace(run, **{name: getattr(run, name)[:1] for name in ("t", "q", "qd", "tau", "energy", "work", "lost")})
     made = playback(motion, only)
@@ -290,6 +290,6 @@ def test_a_base_that_moves_brings_a_program_for_each_load() -> None:
     found = playback(Motion.from_text(text))
     assert [segment.load for segment in found.segments] == [0, 0, 0, 0, 1]
     assert len(found.base_torques) == 2
-    assert all(len(each.results) == 4 for each in found.base_torques)
+    assert all(len(results) == 4 for _, results in found.base_torques)
     assert [len(rows) for rows in found.base_rates] == [3, 3]
     assert playback(Motion.from_text(PICK_AND_PLACE)).base_torques == ()
