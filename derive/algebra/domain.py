@@ -12,6 +12,7 @@ from derive.algebra.angles import composed, contracted_groups, decompose, printe
 from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, canonical, scaled, sine_and_cosine
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
+from derive.robot import tree
 from derive.robot.coupling import coupling, drives, position, second_derivative
 from derive.robot.description import Joint
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
@@ -53,6 +54,7 @@ class PolynomialDomain:
         # only joints up to the first whose sum is another's: between later ones sums are not those of neighbours
         before = (tuple(takewhile(lambda i: i not in self._same, group)) for group in self.groups)
         self.groups = tuple(group for group in before if group)
+        self._pair_siblings(robot)
         own = robot.joints if not robot.coupled else ()
         self._revolute = {joint.variable: i for i, joint in enumerate(own) if joint.is_revolute}
         values, angles = generators.robot_cells(robot)
@@ -91,6 +93,16 @@ class PolynomialDomain:
             if i not in found:
                 known[exact.pi_multiple, frozenset(exact.terms)] = i
         return found
+
+    def _pair_siblings(self, robot: Robot) -> None:
+        """Two coupled joints on one row, each alone in its group, form one: cranks whose links turn by q1 - q2."""
+        parents = tree.parents(robot)
+        alone = sorted((parents[group[0]], group[0]) for group in self.groups if len(group) == 1)
+        for parent in {parent for parent, _ in alone} if robot.coupled else ():
+            pair = tuple(i for before, i in alone if before == parent)
+            if len(pair) == 2:
+                self.groups = (*(group for group in self.groups if group[0] not in pair), pair)
+                self.directions = tuple(-1 if i == pair[1] else way for i, way in enumerate(self.directions))
 
     @cached_property
     def coupling(self) -> list[list[Polynomial]]:

@@ -119,7 +119,7 @@ def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool)
             if with_numbers or arguments.abbreviate is not None:
                 option = "--abbreviate" if arguments.abbreviate else "--at"
                 raise QuantityError(f"{option} with {name}", remedy=f"ask for {name} without {option}")
-            if name == "aspects" and arguments.format in ("latex", "python"):
+            if name in ("aspects", "decoupling") and arguments.format in ("latex", "python"):
                 raise QuantityError(f"--format {arguments.format} with {name}", allowed="allowed: text and json")
             shown.append((name, model.quantity(name)))
             continue
@@ -180,6 +180,7 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
         from derive.handouts.notation.text import TextPrinter
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
+        from derive.model.decoupling import Decoupling
         from derive.model.singularities.aspects import Aspects
         from derive.model.singularities.singularities import Singularities
 
@@ -198,6 +199,8 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
                 return singularities.aspects_parts(value)
             case Aspects():
                 return singularities.aspects_text(value, TextPrinter(robot, notation).doprint, digits)
+            case Decoupling():
+                return value.parts(printer) if as_json else value.lines(printer)
             case Singularities() if as_json:
                 return singularities.singularities_parts(value, printer)
             case Singularities():
@@ -251,7 +254,9 @@ def _list(robot: Robot, form: str) -> None:
 
     known = [row for row in REGISTRY.values() if row.is_of(robot)]
     rows = {row.call: (row.symbol, row.shape_of(robot), row.unit, row.summary) for row in known}
-    rows |= {} if robot.is_tree else {name: ("", "", "", text) for name, text in DESCRIBED.items()}
+    described = [name for name in DESCRIBED if not robot.is_tree or name == "decoupling"]
+    described = described if robot.has_dynamics and robot.dof > 1 else [n for n in described if n != "decoupling"]
+    rows |= {name: ("", "", "", DESCRIBED[name]) for name in described}
     if form == "json":
         keys = ("symbol", "shape", "unit", "summary")
         found = {name: dict(zip(keys, row, strict=True)) for name, row in rows.items()}

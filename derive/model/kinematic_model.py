@@ -18,7 +18,7 @@ from derive.lecture.form import MOST_SHORT_TERMS, LectureForm, SymbolRoles
 from derive.lecture.sympy_conversion import Expr, Matrix, columns_matrix, frame_matrix
 from derive.mechanics.exact_kinematics import Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import Vector, multiply, transpose
-from derive.model.ends import OfEnds, TreeModel, of_each_end, of_each_end_by_joints
+from derive.model.ends import OfEnds, TreeModel, of_each_end, of_each_end_by_joints, without_parallelograms
 from derive.model.long_chain import LongChain
 from derive.robot.description import Convention
 from derive.robot.names import acceleration_name, velocity_name
@@ -51,7 +51,7 @@ class KinematicModel(TreeModel):
     def __init__(
         self, robot: Robot, style: Style | str | Mapping[str, str] | None = None, contraction: str | None = None
     ) -> None:
-        self.robot = robot
+        self.robot = robot = without_parallelograms(robot)
         chosen = robot.style if style is None else Style.of(style)
         if contraction is not None:
             chosen = replace(chosen, contraction=choice_named(Contraction, contraction))

@@ -1,11 +1,13 @@
 """The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
+from derive.model.decoupling import Decoupling, find_decoupling
 from derive.model.dynamic_model import DynamicModel
 from derive.model.ends import OfEnds
 from derive.model.equality import verdict
@@ -35,6 +37,14 @@ class Model(DynamicModel):
         qd: Their velocities.
         qdd: Their accelerations.
     """
+
+    @cached_property
+    def decoupling(self) -> Decoupling:
+        """Which entries of B beside the diagonal are zero, and with which lengths, masses and inertias all are.
+
+        Spong, Hutchinson and Vidyasagar, Robot Modeling and Control, 2006, chapter on dynamics.
+        """
+        return find_decoupling(self)
 
     def abbreviated(self, quantity: str, by: str | None = None) -> tuple[Expr, Mapping[Expr, Expr]]:
         """A dynamic quantity with short names, and what the names mean.

@@ -247,4 +247,5 @@ REGISTRY = {quantity.name: quantity for quantity in (*_KINEMATIC, *_DYNAMIC)}
 DESCRIBED = {
     "workspace": "where the arm reaches, in formulas, if no joint has limits",
     "aspects": "sets of configurations without a singularity; whether the arm is cuspidal",
+    "decoupling": "with which parameters B is diagonal, entry by entry and as a whole",
 }

@@ -14,6 +14,7 @@ from typing import ParamSpec, TypeVar, cast
 from derive.errors import QuantityError, TargetError
 from derive.interrupts import uninterrupted
 from derive.inverse.closed.solve import solve
+from derive.model.ends import without_parallelograms
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
@@ -58,6 +59,7 @@ def rendering(
     compiling: Callable[[Mapping[str, bytes]], None] = lambda files: None,
 ) -> Iterator[tuple[Rendered, Callable[[], Rendered]]]:
     """What is made of the program, and what waits for everything: each with a manifest of its own."""
+    robot = without_parallelograms(robot)
     early = [target for target in targets if not target.needs_program]
     sources = {name for target in targets for names in target.compiled.values() for name in names}
     rendered: dict[str, dict[str, bytes]] = {}

@@ -194,6 +194,7 @@ def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
         ends=(replace(end, name=""),),
         tool=end.tool,
         links=(),
+        loops=(),
         root=robot.root and replace(robot.root, link=None),
         figure=replace(robot.figure, q=drawn),
     )

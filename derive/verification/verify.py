@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from derive.errors import VerificationError
+from derive.model.ends import without_parallelograms
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
@@ -90,7 +91,7 @@ def verify(
     where symbols are free, batches of parameters; at random configurations within the limits and random velocities and
     parameters.
     """
-    compiler = find_compiler()
+    robot, compiler = without_parallelograms(robot), find_compiler()
     octave, package = find_octave(), octave_package(folder)
     left_out = frozenset() if compiler else COMPILED & {path.name for path in folder.iterdir()}
     left_out |= {package} if package and not octave else set()

@@ -207,6 +207,7 @@ def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.C
         (["workspace", "--at", "0, 0"], "--at with workspace; ask for workspace without --at"),
         (["aspects", "--abbreviate", "christoffel"], "--abbreviate with aspects"),
         (["aspects", "--format", "latex"], "--format latex with aspects; allowed: text and json"),
+        (["decoupling", "--format", "python"], "--format python with decoupling; allowed: text and json"),
         (["T", "--task", "x,y"], "--task with T; allowed: with inverse, singularities, workspace and aspects"),
         (["B", "detJ", "--given", "q1"], "--given with B; allowed: with inverse, workspace and aspects"),
         (["workspase"], "quantity 'workspase'; did you mean 'workspace'?"),

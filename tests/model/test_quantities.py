@@ -86,7 +86,7 @@ def test_every_name_that_python_can_spell_is_an_attribute(model: Model) -> None:
                 assert found is public.inverse if ours == "inverse" else found == public.quantity(ours), name
     assert public.J_rows(1, 2) == public.quantity("J_rows[1,2]")
     assert {"detJ", "Cqd", "kinetic", "J_rows"} <= set(dir(public))
-    assert [public.quantity(name) for name in DESCRIBED] == [public.workspace, public.aspects]
+    assert [public.quantity(name) for name in DESCRIBED] == [public.workspace, public.aspects, public.decoupling]
     words = {"frame": "T", "transform": "T", "det_J": "detJ", "coriolis_vector": "Cqd"}
     assert {name: parse(model, name)[0].name for name in words} == words
     refused = {"_private": "no attribute", "jacobain": "did you mean J", "h": "has several meanings"}

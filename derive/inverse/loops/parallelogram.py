@@ -1,0 +1,113 @@
+"""Loops that equal lengths make linear: of a parallelogram opposite sides turn alike.
+
+Where the passive joints of a loop follow the variables with whole factors and a constant of whole right angles, they
+are coupled joints, S q and constants, and nothing is left of the loop: a five-bar linkage with two pairs of equal sides
+is written in the absolute angles of its cranks (Spong, Hutchinson and Vidyasagar, Robot Modeling and Control, 2006,
+chapter on dynamics). Numbers propose, exact arithmetic decides: with the coupled joints put in, the frames that the
+loop joins coincide identically.
+
+A parallelogram and its counterpart with crossed sides meet where all sides lie on one line, so that one sign of the
+closed form, the branch of the file, is either of them, depending on the side of that line. The linear one is smooth
+there. It is taken where the branch is linear in some configuration within the limits of the variables.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from derive.algebra.angles import composed, decompose
+from derive.algebra.domain import PolynomialDomain
+from derive.errors import QuantityError
+from derive.inverse.loops.linkage import Array, SolvedLoop, linkage, positions
+from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.vectors import column, cross, subtract
+from derive.robot.description import Closure, Joint, Loop
+from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.expression import ZERO, Pi, add, multiply, number
+from derive.robot.names import free_symbols
+from derive.robot.robot import Robot
+
+_STEP, _NEAR = 1e-4, 1e-3  # of the variables [rad or m], and how near to whole numbers slopes and constants are
+_RIGHT = np.pi / 2
+_SAMPLES, _DRAWS = 64, 16  # configurations of the variables, and numbers of symbols, at which the loops may close
+
+
+def reduced(robot: Robot) -> Robot:
+    """The robot with its linear loops turned into couplings; itself where there are none, or no closed form."""
+    for k, loop in enumerate(robot.loops):
+        try:  # loops behind this one do not matter to it
+            loops = linkage(replace(robot, loops=robot.loops[: k + 1]))
+        except QuantityError:
+            return robot
+        for joints in dict.fromkeys(_proposed(robot, loops)):
+            coupled = replace(robot, joints=joints, loops=tuple(each for each in robot.loops if each != loop))
+            if _is_closed(coupled, loop):
+                return reduced(coupled)
+    return robot
+
+
+def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joint, ...]]:
+    """The joints of a robot, the passive ones of the last loop as they follow the variables at some configurations."""
+    places = loops[-1].passive
+    turns = np.array([[robot.joints[k].is_revolute] for k in places])
+    q, full, values = _assembled(robot, loops)
+
+    def _whole(angles: Array) -> Array:
+        """Without whole turns."""
+        return np.where(turns, (angles + np.pi) % (2 * np.pi) - np.pi, angles)
+
+    start = np.array([full[k] for k in places])
+    steps = [[x + _STEP * (j == k) for j, x in enumerate(q)] for k in range(len(q))]
+    moved = [np.array([positions(robot, loops, step, values)[0][k] for k in places]) for step in steps]
+    slopes = np.array([_whole(end - start) / _STEP for end in moved])  # variable, passive joint, configuration
+    factors = np.round(slopes)
+    rest = _whole(start - np.einsum("kps,ks->ps", factors, np.array(q))) / _RIGHT
+    off = np.abs(slopes - factors).max(axis=(0, 1)) + np.abs(rest - np.where(turns, np.round(rest), 0)).max(axis=0)
+    for at in np.flatnonzero(off < _NEAR):
+        joints = list(robot.joints)
+        for p, k in enumerate(places):
+            joints[k] = _following(robot, k, factors[:, p, at].astype(int).tolist(), round(rest[p, at]))
+        yield tuple(joints)
+
+
+def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[list[Array], list[Array], dict[str, Any]]:
+    """Variables and positions of all joints where the loops close, if they do, and the numbers of the symbols."""
+    source, kept = np.random.default_rng(7), np.zeros(_SAMPLES, dtype=bool)
+    for _ in range(_DRAWS):
+        values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
+        q = []
+        for each in robot.variables:
+            most = np.pi if each.is_revolute else 2.0
+            low, high = (to_float(limit, values) for limit in each.limits) if each.limits else (-most, most)
+            q.append(source.uniform(low, high, _SAMPLES))
+        full, kept = positions(robot, loops, q, values)
+        if kept.any():
+            break
+    return [x[kept] for x in q], [x[kept] for x in full], values
+
+
+def _following(robot: Robot, place: int, factors: list[int], rights: int) -> Joint:
+    """A passive joint as a coupled one, with a constant of so many right angles."""
+    joint, names = robot.joints[place], [each.variable for each in robot.variables]
+    drive = tuple((name, number(joint.sign * f)) for name, f in zip(names, factors, strict=True) if f)
+    exact = decompose(add(joint.theta, multiply(number(Fraction(joint.sign * rights, 2)), Pi())))
+    # Without whole turns; the constant of a slide, which is zero, leaves its angle as it is.
+    theta = composed(replace(exact, pi_multiple=1 - (1 - exact.pi_multiple) % 2)) if rights else joint.theta
+    # One that stands still has the factor 0: without any it would be a variable.
+    return replace(joint, name=joint.label, sign=1, theta=theta, drive=drive or ((names[0], ZERO),), follows=())
+
+
+def _is_closed(robot: Robot, loop: Loop) -> bool:
+    """Whether a loop that the robot no longer has is closed in every configuration."""
+    kinematics = Kinematics(robot, PolynomialDomain(robot, rates=False))
+    one, other = map(kinematics.placed, loop.join)
+    apart, (z, end) = subtract(other.position, one.position), (column(frame.rotation, 2) for frame in (one, other))
+    if loop.by is Closure.SPHERICAL:
+        return not any(apart)
+    if loop.by is Closure.REVOLUTE:  # the axes may be opposed
+        return not any((*apart, *cross(z, end)))
+    turned = [x - y for pair in zip(other.rotation, one.rotation, strict=True) for x, y in zip(*pair, strict=True)]
+    return not any((*(cross(z, apart) if loop.by is Closure.PRISMATIC else apart), *turned))
