@@ -52,6 +52,16 @@ class Expectation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PassiveExpectation(Expectation):
+    """Positions of passive joints, of which angles a full turn apart are the same."""
+
+    def errors(self, got: Array) -> Array:
+        """How far off positions are."""
+        turns = np.round((got - self.value) / (2 * np.pi)) * self.oracle.arm.revolute[self.oracle.arm.passive]
+        return Expectation.errors(self, got - 2 * np.pi * turns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class AccelerationExpectation(Expectation):
     """Accelerations, measured by the torque that is left over, since B may be ill conditioned.
 
@@ -121,7 +131,7 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     else:
         natural = limits.natural_size(function, of_joints)
         if oracle.arm.coupling is not None:
-            natural = by_variables(natural, np.abs(oracle.arm.coupling), FUNCTIONS[known].joints)
+            natural = by_variables(natural, oracle.shares(arguments[0]), FUNCTIONS[known].joints)
     yardstick = np.maximum(FLOOR, limits.undetermined(function) / TOLERANCE) * natural
     if known in ANGLES:  # near singular ones rates grow with 1/distance, what rounding leaves with its square
         distance = distance_from_singularity(oracle.seen(function), ANGLES[known], of_joints[0])
@@ -140,7 +150,8 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
     if function == "link_transforms":  # the frames of all links have one size
         batch.append(len(batch))
     scale = np.maximum(np.abs(value).max(axis=tuple(batch)), yardstick)
-    return Expectation(oracle, arguments, value, scale, np.ones(arguments[0].shape[:-1], dtype=bool))
+    every = np.ones(arguments[0].shape[:-1], dtype=bool)
+    return (PassiveExpectation if known == "passive_positions" else Expectation)(oracle, arguments, value, scale, every)
 
 
 def _eigenvalues(matrix: Array) -> Array:
@@ -153,8 +164,8 @@ def _eigenvalues(matrix: Array) -> Array:
 def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
     """Accelerations by solving with B, where it is regular."""
     q, qd, tau = arguments
-    matrix, s = oracle.evaluate("inertia_matrix", q), oracle.arm.coupling
-    inertia = limits.inertia if s is None else (np.sqrt(limits.inertia) @ np.abs(s)) ** 2
+    matrix, s = oracle.evaluate("inertia_matrix", q), None if oracle.arm.coupling is None else oracle.shares(q)
+    inertia = limits.inertia if s is None else (np.sqrt(limits.inertia) @ s) ** 2
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
     regular = np.abs(_eigenvalues(matrix)).min(axis=-1) > SINGULAR
     regular &= (diagonal > MASSLESS * inertia).all(axis=-1)
@@ -162,9 +173,9 @@ def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds)
     bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
     value = np.linalg.solve(solvable, (tau - bias)[..., None])[..., 0]
     root = np.sqrt(np.maximum(diagonal, FLOOR * inertia))
-    rate = largest(qd if s is None else qd @ s.T)
+    rate = largest(oracle.of_joints("coriolis_vector", (q, qd))[1])
     torque = limits.torque(rate, np.zeros_like(rate))
-    scale = FLOOR * (torque if s is None else torque @ np.abs(s))
+    scale = FLOOR * (torque if s is None else torque @ s)
     return AccelerationExpectation(oracle, arguments, value, scale, regular, bias, root)
 
 

@@ -1,17 +1,18 @@
 """Random configurations, motions and parameters at which generated code is compared."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from derive.errors import ExpressionError, VerificationError
+from derive.inverse.loops.linkage import linkage, positions
 from derive.model.identification.base_parameters import base_set
 from derive.robot.description import Joint, Variable
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import names
-from derive.robot.inertial_parameters import has_regressor
+from derive.robot.inertial_parameters import Parameter, has_regressor
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import Array
@@ -21,6 +22,8 @@ from derive.verification.oracle.functions import Oracle
 REGIONS = ((0.3, 1.7), (0.05, 0.4), (1.5, 4.0), (5.0, 20.0), (0.001, 0.01))
 ATTEMPTS = 30  # draws from each range in search of physical inertia tensors
 SPECIAL = 2  # the zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero
+POOL = 1024  # configurations of a robot with loops that are tried
+CLEAR = 0.05  # share of the best clearance from the configurations in which passive joints are not determined
 GENERIC = 3  # fewest other states of a set: at the special ones most wrong terms vanish
 Parameters = Mapping[str, Any]  # a number, or an array that broadcasts against the batch, for every free symbol
 
@@ -41,17 +44,51 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
     base = base_set(robot).parameters if has_regressor(robot) else None
     sets = []
     for index in range(number):
-        parameters = _draw_parameters(robot, index, rng)
-        oracle = Oracle.of(robot, parameters, base)
-        low, high = np.array([_range(joint, robot, parameters) for joint in robot.variables]).T
-        q = rng.uniform(low, high, (count, robot.dof))
+        parameters, oracle, q = _draw_positions(robot, index, count, rng, base)
         qd, qdd = rng.uniform(-2.0, 2.0, (2, count, robot.dof))
-        q[0] = np.clip(0.0, low, high)
         qd[-1] = 0.0
         tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
         h = rng.spawn(1)[0].uniform(-10.0, 10.0, (count, 6))  # without a change of what is drawn next
         sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau, "h": h}))
     return tuple(sets)
+
+
+def oracle_of(
+    robot: Robot, parameters: Mapping[str, float] | None = None, base: tuple[Parameter, ...] | None = None
+) -> Oracle:
+    """The oracle of a robot, which closes loops from their closed form on."""
+    if not robot.loops:
+        return Oracle.of(robot, parameters, base)
+    loops, passive = linkage(robot), [k for k, joint in enumerate(robot.joints) if joint.follows]
+    numbers = parameter_values(robot, parameters)
+
+    def _guess(q: Array) -> Array:
+        with np.errstate(all="ignore"):
+            found, exists = positions(robot, loops, list(q.T), numbers)
+        return np.where(exists[:, None], np.stack([found[k] for k in passive], axis=-1), np.nan)
+
+    return replace(Oracle.of(robot, parameters, base), guess=_guess)
+
+
+def _draw_positions(
+    robot: Robot, index: int, count: int, rng: np.random.Generator, base: tuple[Parameter, ...] | None
+) -> tuple[dict[str, float], Oracle, Array]:
+    """Parameters, and configurations at which loops close and their passive joints are well determined."""
+    for _ in range(ATTEMPTS):
+        parameters = _draw_parameters(robot, index, rng)
+        oracle = oracle_of(robot, parameters, base)
+        low, high = np.array([_range(joint, robot, parameters) for joint in robot.variables]).T
+        q = rng.uniform(low, high, (POOL if robot.loops else count, robot.dof))
+        q[0] = np.clip(0.0, low, high)
+        if robot.loops:
+            clearance = oracle.following(q).clearance()
+            q = q[clearance > CLEAR * clearance.max()][:count]
+        if len(q):
+            return parameters, oracle, np.resize(q, (count, robot.dof))
+    raise VerificationError(
+        f"robot {robot.name!r}: its loops close in none of {ATTEMPTS * POOL} configurations that were tried",
+        remedy="give its variables limits within which they close",
+    )
 
 
 def _range(joint: Joint | Variable, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:

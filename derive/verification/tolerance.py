@@ -63,6 +63,7 @@ class Bounds:
         # Reach plus base and tool [m], and the largest entry of R'R - 1 of the base, as written in the file.
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
+        self.passive = np.where(arm.revolute, np.pi, self.extent)[arm.passive]  # bound of their positions
         self.rows = partial(task_rows, arm)  # of J, by part
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
@@ -80,6 +81,8 @@ class Bounds:
                 size = np.ones((4, 4))
                 size[:3, 3] = self.extent
                 return size
+            case "passive_positions":
+                return self.passive
             case "jacobian" | "jacobian_end" | "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
                 return self.jacobian
             case "jacobian_dot":

@@ -17,13 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.robot import tree
-from derive.robot.description import BASE, Convention, End, FixedRow, Link, Matrix, Motor, Stand
+from derive.robot.description import BASE, Closure, Convention, End, FixedRow, Link, Matrix, Motor, Stand
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.options.inverse import POSE
 from derive.robot.robot import Robot
 
 Array = npt.NDArray[Any]
+Place = tuple[int, Array]  # of a frame: the joint that carries it, and where it is in that joint's frame
 ROUNDING = 1e-12  # what is left of a sine, or of a length [m], that vanishes
 
 
@@ -44,7 +45,7 @@ class NumericArm:
     base: Array  # (4, 4) world to frame 0
     last: int  # the joint that carries the end effector
     tool: Array  # (4, 4) its frame to the end effector
-    ends: Mapping[str, tuple[int, Array]]  # both of each end
+    ends: Mapping[str, Place]  # both of each end
     gravity: Array  # (3,) acceleration of gravity in the world frame [m/s^2]
     # Bodies, the n links and then those of rows without motion, in the DH frames of the joints that carry them.
     carrier: Array  # (k,) these joints
@@ -59,6 +60,8 @@ class NumericArm:
     coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
     task: tuple[str, ...]  # what is asked of the end effector, in the words of robot files
     coupling: Array | None  # (n, v) positions of joints per unit of each variable; None where each joint has its own
+    loops: tuple[tuple[Closure, Place, Place], ...]  # what joins which two frames
+    passive: Array  # joints that the loops move, whose rows of the coupling are zeros
 
     @property
     def n(self) -> int:
@@ -69,6 +72,12 @@ class NumericArm:
     def on_way(self) -> Array:
         """(n,) whether joint j moves the end effector."""
         return np.asarray(self.moves[self.last])
+
+    @property
+    def length(self) -> float:
+        """Of all rows together [m], 1 where they have none."""
+        between = 0.0 if self.start is None else np.abs(self.start[:, :3, 3]).sum()
+        return float(np.abs(self.a).sum() + np.abs(self.d).sum() + between) or 1.0
 
     def at(self, end: str) -> NumericArm:
         """The same seen from another end."""
@@ -110,12 +119,12 @@ class _Numbers:
             found = found @ self.start(row.stand) @ _row(_screw(2, theta, d), _screw(0, alpha, a), self.standard)
         return found
 
-    def place(self, label: str) -> tuple[int, Array]:
+    def place(self, label: str) -> Place:
         """The joint that carries a row, and the row's frame in that of the joint."""
         way = tree.way_to(self.robot, label)
         return way.joint, self.along(way.rows)
 
-    def end(self, end: End) -> tuple[int, Array]:
+    def end(self, end: End) -> Place:
         """The joint that carries an end, and the end in that joint's frame."""
         joint, frame = self.place(end.after)
         return joint, frame @ self.matrix(end.tool)
@@ -126,7 +135,7 @@ class _Numbers:
         for row, joint in zip(matrix, self.robot.joints, strict=True):
             for name, factor in joint.drive:
                 row[places[name]] = to_float(factor, self.values)
-            if not joint.drive:
+            if not joint.drive and not joint.follows:
                 row[places[joint.variable]] = 1.0
         return matrix
 
@@ -180,6 +189,8 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         coulomb=np.array([numbers(link.dry[way] for link in links) for way in (0, 1)]),
         task=robot.inverse.task,
         coupling=numbers.coupling() if robot.coupled else None,
+        loops=tuple((loop.by, numbers.place(loop.join[0]), numbers.place(loop.join[1])) for loop in robot.loops),
+        passive=np.array([i for i, joint in enumerate(joints) if joint.follows], dtype=int),
     )
 
 
@@ -263,6 +274,11 @@ def rotor_places(arm: NumericArm, frames: Array) -> Array:
 def forward_kinematics(arm: NumericArm, q: Array) -> Array:
     """T = base A_1 ... A_n tool, over the rows on the way to the end."""
     return np.asarray(arm.base @ chain_frames(arm, q)[..., arm.last + 1, :, :] @ arm.tool)
+
+
+def passive_positions(arm: NumericArm, x: Array) -> Array:
+    """Positions of the passive joints, angles in (-pi, pi]."""
+    return np.where(arm.revolute, x - 2 * np.pi * np.ceil(x / (2 * np.pi) - 0.5), x)[..., arm.passive]
 
 
 def link_transforms(arm: NumericArm, q: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 
@@ -15,6 +15,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle import frames, identification, lagrange, newton, rates
 from derive.verification.oracle.frames import Array, NumericArm, numeric_arm, together
 from derive.verification.oracle.identification import Identification
+from derive.verification.oracle.loops import Following, Guess
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,18 +35,25 @@ class Definition:
     joints: tuple[int, ...] = ()  # axes of its value, from the last, that have an entry for each joint
 
 
-def forward_dynamics(arm: NumericArm, q: Array, qd: Array, tau: Array) -> Array:
-    """Accelerations B^-1 (tau - C qd - g - friction), of the variables where joints are coupled."""
-    s = np.eye(arm.n) if arm.coupling is None else arm.coupling
-    q, qd = q @ s.T, qd @ s.T
-    bias = newton.inverse_dynamics(arm, q, qd, np.zeros_like(qd)) @ s
-    return np.linalg.solve(s.T @ lagrange.inertia_matrix(arm, q) @ s, (tau - bias)[..., None])[..., 0]
+def forward_dynamics(oracle: Oracle, q: Array, qd: Array, tau: Array) -> Array:
+    """Accelerations B^-1 (tau - C qd - g - friction) of the variables."""
+    bias = oracle.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+    return np.linalg.solve(oracle.evaluate("inertia_matrix", q), (tau - bias)[..., None])[..., 0]
+
+
+def coriolis_vector(oracle: Oracle, q: Array, qd: Array) -> Array:
+    """C qd: the torques of a motion without acceleration, gravity and friction."""
+    weightless = replace(oracle, arm=rates.weightless(oracle.arm))
+    return weightless.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
 
 
 def by_variables(value: Array, matrix: Array, axes: Sequence[int]) -> Array:
-    """A value with an entry for each variable in place of each joint, along some axes: S^T v."""
+    """A value with an entry for each variable in place of each joint, along some axes: W^T v, W (..., n, v)."""
     for axis in axes:
-        value = np.moveaxis(np.tensordot(value, matrix, (axis, 0)), -1, axis)
+        rows = np.moveaxis(value, axis, -1)[..., None, :]
+        others = (1,) * max(0, rows.ndim - matrix.ndim)
+        spread = matrix.reshape(*matrix.shape[:-2], *others, *matrix.shape[-2:])
+        value = np.moveaxis((rows @ spread)[..., 0, :], -1, axis)
     return value
 
 
@@ -53,6 +61,7 @@ def by_variables(value: Array, matrix: Array, axes: Sequence[int]) -> Array:
 LAST, BOTH = (-1,), (-1, -2)
 FUNCTIONS: Mapping[str, Definition] = {
     "forward_kinematics": Definition(("q",), False, frames.forward_kinematics),
+    "passive_positions": Definition(("q",), False, frames.passive_positions, axes=1),
     "link_transforms": Definition(("q",), False, frames.link_transforms, axes=3),
     "jacobian": Definition(("q",), False, frames.jacobian, joints=LAST),
     "jacobian_end": Definition(("q",), False, frames.jacobian_end, joints=LAST),
@@ -67,7 +76,7 @@ FUNCTIONS: Mapping[str, Definition] = {
     "potential_energy": Definition(("q",), True, lagrange.potential_energy, axes=0),
     "inverse_dynamics": Definition(("q", "qd", "qdd"), True, newton.inverse_dynamics, axes=1, joints=LAST),
     "forward_dynamics": Definition(("q", "qd", "tau"), True, forward_dynamics, axes=1),
-    "coriolis_vector": Definition(("q", "qd"), True, rates.coriolis_vector, axes=1, joints=LAST),
+    "coriolis_vector": Definition(("q", "qd"), True, coriolis_vector, axes=1, joints=LAST),
     "inverse_dynamics_dq": Definition(("q", "qd", "qdd"), True, rates.inverse_dynamics_dq, joints=BOTH),
     "inverse_dynamics_dqd": Definition(("q", "qd"), True, rates.inverse_dynamics_dqd, joints=BOTH),
     "regressor": Definition(("q", "qd", "qdd"), True, identification.regressor, identifies=True),
@@ -90,6 +99,10 @@ FUNCTIONS: Mapping[str, Definition] = {
     "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
 }
 
+# What the derivatives of W add to a rate: Jdot W + J Wdot, and W^T (C W + B Wdot).
+BENT: Mapping[str, str] = {"jacobian_dot": "jacobian", "coriolis_matrix": "inertia_matrix"}
+# Functions that robots with loops lack, besides those that all lack whose joints are coupled.
+OPEN = ("jacobian_hessian", "inverse_dynamics_d", "wrench_torques_dq", "wrench_torques_end_dq", "task_inertia")
 # How names of functions of one end begin; a tree has them for each of its ends, ``jacobian_end_left``.
 OF_AN_END = ("forward_kinematics", "jacobian", "analytic_jacobian", "manipulability", "wrench_torques")
 # Functions that an arm lacks if its orientation angles are singular in every configuration.
@@ -111,6 +124,7 @@ class Oracle:
     is_tree: bool = False  # whether it is more than one chain of rows
     # Which parameters the regressors' columns belong to; None without regressors.
     identification: Identification | None = None
+    guess: Guess | None = None  # of the passive joints, where loops close; None without loops
 
     @classmethod
     def of(
@@ -146,7 +160,8 @@ class Oracle:
             definition = FUNCTIONS[function]
             if function in ANGLES:
                 # whether the end effector's angles are regular in some configuration
-                q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.dof))
+                most, count = (np.pi, 512) if self.arm.loops else (1.0, 4)  # loops close at some of them
+                q = np.random.default_rng(0).uniform(-most, most, (count, self.dof))
                 q = self.of_joints(name, [q])[0]
                 present = bool((rates.distance_from_singularity(arm, ANGLES[function], q) > SINGULAR).any())
             elif definition.identifies:
@@ -154,6 +169,8 @@ class Oracle:
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
                 present &= self.arm.coupling is None or not function.startswith("manipulability")
+                present &= not self.arm.loops or not function.startswith(OPEN)
+                present &= function != "passive_positions" or bool(self.arm.loops)
                 has_task = not self.is_tree and len(frames.task_rows(arm)) <= arm.n
                 present &= name != "task_inertia" or has_task
             names += [name] * present
@@ -164,14 +181,29 @@ class Oracle:
         arrays = together([np.asarray(argument, dtype=float) for argument in arguments])
         definition = FUNCTIONS[stem(name)]
         of = self.identification if definition.identifies else self.seen(name)
-        if definition.function is forward_dynamics:
+        if definition.function in (forward_dynamics, coriolis_vector):
+            return definition.function(self, *arrays)
+        if self.arm.coupling is None:
             return definition.function(of, *arrays)
-        value = definition.function(of, *self.of_joints(name, arrays))
-        return value if self.arm.coupling is None else by_variables(value, self.arm.coupling, definition.joints)
+        known, axes = self.following(arrays[0]), definition.joints
+        value = definition.function(of, *known.arguments(definition.arguments, arrays))
+        value = by_variables(value, known.slope, axes)
+        if self.arm.loops and (rigid := BENT.get(stem(name))):
+            bent = FUNCTIONS[rigid].function(of, known.x) @ known.slope_dot(arrays[1])
+            value = value + by_variables(bent, known.slope, axes[1:])
+        return value
 
     def of_joints(self, name: str, arguments: Sequence[Array]) -> tuple[Array, ...]:
-        """The arguments of a function, joint by joint: S q, S qd and S qdd of coupled joints."""
-        s, names = self.arm.coupling, FUNCTIONS[stem(name)].arguments
-        if s is None:
+        """The arguments of a function, joint by joint."""
+        if self.arm.coupling is None:
             return tuple(arguments)
-        return tuple(array if each == "h" else array @ s.T for each, array in zip(names, arguments, strict=True))
+        return self.following(arguments[0]).arguments(FUNCTIONS[stem(name)].arguments, arguments)
+
+    def following(self, q: Array) -> Following:
+        """The joints at configurations of the variables."""
+        return Following.of(self.arm, q, self.guess)
+
+    def shares(self, q: Array) -> Array:
+        """(n, v) the largest sizes of derivatives of joints by variables."""
+        slope = self.following(q).slope
+        return np.asarray(np.abs(slope).reshape(-1, *slope.shape[-2:]).max(axis=0))

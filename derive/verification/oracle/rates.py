@@ -105,10 +105,9 @@ def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
     return np.asarray(np.sqrt((forward_kinematics(arm, q)[..., :2, TILTED[kind]] ** 2).sum(axis=-1)))
 
 
-def coriolis_vector(arm: NumericArm, q: Array, qd: Array) -> Array:
-    """C qd: the torques of a motion without acceleration, gravity and friction."""
-    weightless = replace(arm, gravity=np.zeros(3), viscous=np.zeros(arm.n), coulomb=np.zeros((2, arm.n)))
-    return inverse_dynamics(weightless, q, qd, np.zeros_like(qd))
+def weightless(arm: NumericArm) -> NumericArm:
+    """The same without gravity and friction."""
+    return replace(arm, gravity=np.zeros(3), viscous=np.zeros(arm.n), coulomb=np.zeros((2, arm.n)))
 
 
 def inverse_dynamics_dq(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
