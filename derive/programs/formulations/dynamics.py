@@ -46,7 +46,7 @@ def inertia_matrices(trace: Trace) -> Iterator[Formulation]:
 
 def coriolis_matrices(trace: Trace) -> Iterator[Formulation]:
     """Formulations of C."""
-    if trace.robot.loops:
+    if trace.passive.numbers:
         n, dof = trace.n, trace.robot.dof
 
         def _of_variables() -> list[Value]:

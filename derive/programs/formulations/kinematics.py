@@ -71,7 +71,7 @@ def end_jacobians(trace: Trace) -> Iterator[Formulation]:
 
 def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
     """Formulations of dJ/dt."""
-    if trace.robot.loops:
+    if trace.passive.numbers:
 
         def _of_variables() -> list[Value]:
             return trace.in_time(trace.by_variables(flat(recursion.jacobian(trace.chain)), (6, trace.n), 1))
