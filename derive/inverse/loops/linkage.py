@@ -64,12 +64,18 @@ class SolvedLoop:
     rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
     in_frame: bool = False  # whether the twists are taken in the axes of the loop's first frame, not in the world's
 
-    def walk(self, domain: Domain[Any], field: Field[Any, Any], variable: Callable[[int], Any]) -> GraphWalk[Any, Any]:
+    def walk(
+        self,
+        domain: Domain[Any],
+        field: Field[Any, Any],
+        variable: Callable[[int], Any],
+        kind: type[GraphWalk[Any, Any]] = GraphWalk,
+    ) -> GraphWalk[Any, Any]:
         """The solution's graph at the pose of the circuit, in a domain of the tree that knows the loops before."""
         frame = self.circuit.pose(domain)
         pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
         given = [variable(self.circuit.places[k]) for k in self.graph.given]
-        return GraphWalk(self.graph, field, pose, given)
+        return kind(self.graph, field, pose, given)
 
     def determinant(self, columns: Mapping[int, Twist]) -> Any:
         """det J_p of the twists of the loop's joints."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.inverse.closed.unknowns import turned
+from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.loops.linkage import SolvedLoop, linkage, twists
 from derive.programs.tape.derivative import derivative
-from derive.programs.tape.field import ClosingField
+from derive.programs.tape.field import ClosingField, ClosingWalk
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.scalars import QD, Passive, Q, TapeDomain
 from derive.programs.tape.value import Value
@@ -40,7 +41,9 @@ def passive_joints(robot: Robot, graph: Graph) -> Passive:
 
 def _positions(one: SolvedLoop, domain: TapeDomain) -> dict[int, tuple[Value, ...]]:
     """Cosine and sine, or length, of the variables of the passive joints of a loop."""
-    run = one.walk(domain, ClosingField(domain), lambda place: domain.argument(Q, place))
+    # The three angles of a ball joint have singular poses where the ball itself has none.
+    kind = GraphWalk if one.circuit.places.count(-1) > 1 else ClosingWalk
+    run = one.walk(domain, ClosingField(domain), lambda place: domain.argument(Q, place), kind)
     numbers: dict[int, tuple[Value, ...]] = {}
     for place, shift, own in zip(one.circuit.places, one.graph.shifts, one.branch(run).joints, strict=True):
         if place in one.passive:

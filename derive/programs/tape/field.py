@@ -8,8 +8,12 @@ from fractions import Fraction
 from typing import Any
 
 from derive.inverse.closed.conic import line_points
+from derive.inverse.closed.elementary_solver import Solver
 from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
-from derive.inverse.closed.nodes import NodeFormula
+from derive.inverse.closed.graph import Node
+from derive.inverse.closed.nodes import NodeFormula, NodeKind
+from derive.inverse.closed.walk import GraphWalk
+from derive.inverse.closed.walk import Value as Found
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.scalars import TapeDomain
@@ -125,16 +129,11 @@ class TapeField:
 
 
 class ClosingField(TapeField):
-    """Values for solutions of closed loops, which have no number where a loop does not close: nothing is chosen."""
+    """Values for solutions of closed loops, which have no number where a loop does not close."""
 
     def sqrt(self, a: Value) -> Value:
         """The square root; no number of negative ones."""
         return a.sqrt()
-
-    def is_zero(self, a: Value, scale: Value) -> Mask:
-        """Whether a coefficient is zero whatever the variables are."""
-        is_constant = a.graph.layer[node_of(a.ref)] is not Layer.BODY
-        return super().is_zero(a, scale) if is_constant else self.truth(False)
 
     def has_root(self, a: Value, scale: Value) -> Mask:
         """Roots that are none have no number."""
@@ -143,3 +142,14 @@ class ClosingField(TapeField):
     def merges(self, a: Value, scale: Value) -> Mask:
         """Of the two assemblies the file asks for one."""
         return self.truth(False)
+
+
+class ClosingWalk(GraphWalk[Value, Mask]):
+    """A walk in which an unknown with one formula has no number where that fails; else the next formula serves."""
+
+    def _solve(self, node: Node, scope: Mapping[str, Value]) -> list[Found[Value, Mask]]:
+        if len(node.formulas) > 1 or node.kind is NodeKind.GIVEN:
+            return super()._solve(node, scope)
+        found = Solver(self.field, lambda p: self.evaluate(p, scope), self.reach).solve(node.formulas[0])
+        no = self.field.truth(False)
+        return [Found((branch.numbers,), branch.exists, no, no, no, no) for branch in found]
