@@ -149,7 +149,8 @@ class PolynomialDomain:
         first = self.directions[members[0]]
         if self.robot.coupled:
             turns = (Number(Fraction(first * self.directions[m])) for m in members)
-            angles = (position(self.robot.joints[m]) for m in members)
+            joints = (self.robot.joints[m] for m in members)
+            angles = (position(joint) if joint.drive else Name(joint.variable) for joint in joints)
             return composed(decompose(add(*(multiply(turn, angle) for turn, angle in zip(turns, angles, strict=True)))))
         terms = [scaled(Name(self.robot.joints[m].variable), Fraction(first * self.directions[m])) for m in members]
         return terms[0] if len(terms) == 1 else Sum(tuple(terms))

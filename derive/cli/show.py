@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     shown = _derived(model, arguments, with_numbers=with_numbers)
     digits = None if arguments.exact else arguments.digits or DIGITS
     if with_numbers:
-        remark, shown = _put_in(robot, shown, arguments)
+        remark, shown = _put_in(model, shown, arguments)
     values = [
         part for name, value in shown if name not in DESCRIBED for part in getattr(value, "expressions", (value,))
     ]
@@ -99,6 +99,11 @@ def run(arguments: argparse.Namespace) -> int:
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
     print("\n\n".join("\n".join(lines) for _, lines in written))
+    if robot.passive:
+        from derive.handouts.notation.closure import loop_remarks
+
+        for line in loop_remarks(model, shown, arguments.robot):
+            print(f"{COMMENTS[form]} {line}")
     return 0
 
 
@@ -176,10 +181,12 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
         from derive.handouts.notation import derivation, singularities
+        from derive.handouts.notation.closure import closure_lines, closure_parts
         from derive.handouts.notation.notation import Notation
         from derive.handouts.notation.text import TextPrinter
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
+        from derive.model.closure import Closure
         from derive.model.decoupling import Decoupling
         from derive.model.singularities.aspects import Aspects
         from derive.model.singularities.singularities import Singularities
@@ -191,6 +198,10 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
             case InverseKinematics():
                 heading = [f"{COMMENTS[form]} {name}"] if "[" in name else []  # of which end of a tree it is
                 return [*heading, *derivation.derivation_lines(value, form, notation)]
+            case Closure() if as_json:
+                return closure_parts(value)
+            case Closure():
+                return closure_lines(value, form, notation)
             case Reach() if as_json:
                 return derivation.workspace_parts(value)
             case Reach():
@@ -212,17 +223,18 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
 
 
 def _put_in(
-    robot: Robot, shown: list[tuple[str, Any]], arguments: argparse.Namespace
+    model: Model, shown: list[tuple[str, Any]], arguments: argparse.Namespace
 ) -> tuple[str, list[tuple[str, Any]]]:
     """The point in words, and the quantities there."""
     from derive.lecture.point import at_point
     from derive.robot.cells import typed_point
     from derive.robot.expression import to_text
 
-    point = typed_point(robot, arguments.at, arguments.rates, arguments.accelerations)
-    given = dict(robot.parameters)
+    point = typed_point(model.robot, arguments.at, arguments.rates, arguments.accelerations)
+    given = dict(model.robot.parameters)
     write = partial(number_text, decimals=True, digits=None)
     words = ", ".join(f"{name} = {to_text(value, write)}" for name, value in point.items() if given.get(name) != value)
+    point = model.closure.completed(point) if model.robot.passive else point
     digits = FLOAT_DIGITS if arguments.format in EXACT_FORMATS else None
     put_in = partial(at_point, values=point, exact=arguments.exact, digits=digits)
     values = [(name, value.at(point) if hasattr(value, "at") else put_in(value, name=name)) for name, value in shown]
@@ -241,6 +253,10 @@ def _printer(robot: Robot, form: str, digits: int | None, values: list[Any], *, 
     if form == "latex":
         return LatexPrinter(notation).latex, loses
     symbolic = TextPrinter(robot, None if digits is None else notation) if form == "text" else PlainPrinter()
+    if robot.passive and form == "text":  # quotients of which the divisor is a product
+        from derive.handouts.notation.solution_printer import SignPrinter
+
+        symbolic = SignPrinter(robot, notation, frozenset())
     if not numbers or digits is None:
         return symbolic.doprint, loses
     writers: dict[str, Callable[[float], Any]] = {"text": f"{{:.{digits}g}}".format, "python": repr, "json": float}

@@ -37,7 +37,7 @@ if TYPE_CHECKING:  # inverse kinematics is forty modules and NumPy, a sixth of t
 # Attributes of a model that hold FLINT's polynomials or functions, and are not pickled.
 MADE_AGAIN = (
     *("domain", "kinematics", "form", "long_chain", "jacobian_columns", "_alike", "_is_of_short_arm"),
-    *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects"),
+    *("dynamics", "dynamic_form", "standard_set", "base_set", "inverse", "workspace", "aspects", "closure"),
 )
 ITSELF = ("robot", "style", "q", "qd", "qdd", "_view")  # attributes of every model
 SHORT_ROOT = 4  # most terms under the roots of the orientation angles that are worth simplifying
@@ -310,7 +310,9 @@ class KinematicModel(TreeModel):
             QuantityError: No such joint.
         """
         self._require_variable(k)
-        if isinstance(every := self.J, OfEnds):
+        if isinstance(every := self.J, OfEnds) and self.robot.passive:  # these move with q_k, too
+            return OfEnds(tuple(every), lambda end: self.arm(end)[0].hessian(k))
+        if isinstance(every, OfEnds):
             return every.each(lambda matrix: sympy.ImmutableMatrix(matrix.diff(self.q[k - 1])))
         if self._is_long:
             return sympy.ImmutableMatrix(self.J.diff(self.q[k - 1]))

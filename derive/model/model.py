@@ -1,9 +1,12 @@
 """The model of a robot: every quantity in closed form, computed once when asked for, as plain SymPy."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from derive.errors import QuantityError
 from derive.lecture.point import at_point
 from derive.lecture.sympy_conversion import Expr
 from derive.model.abbreviations import abbreviate
@@ -15,6 +18,9 @@ from derive.model.quantities import DESCRIBED
 from derive.model.quantity_names import evaluate, parse
 from derive.robot.cells import typed_point
 from derive.robot.rounding import DIGITS
+
+if TYPE_CHECKING:  # the inverse kinematics takes long to import
+    from derive.model.closure import Closure
 
 
 class Model(DynamicModel):
@@ -62,6 +68,20 @@ class Model(DynamicModel):
         """
         row, indices, entry = parse(self, quantity)
         return abbreviate(self, row.name if not indices and entry is None else quantity, by)
+
+    @cached_property
+    def closure(self) -> Closure:
+        """How the passive joints of closed loops follow the variables: positions, and the derivatives G and H.
+
+        Raises:
+            QuantityError: The robot has no loops, or one that cannot be solved in closed form.
+        """
+        if not self.robot.passive:
+            remedy = "write loops: in the robot file"
+            raise QuantityError(f"closed loops of {self.robot.name}, which has none", remedy=remedy)
+        from derive.model.closure import find_closure
+
+        return find_closure(self)
 
     def quantity(self, name: str) -> Expr:
         """A quantity by its name.
@@ -111,6 +131,7 @@ class Model(DynamicModel):
         orders = [",".join(map(str, order)) for order in (q, qd, qdd)]
         named = [f"{name}={value}" for name, value in (values or {}).items()]
         point = typed_point(self.robot, [*filter(None, orders[:1]), *named], *orders[1:])
+        point = self.closure.completed(point) if self.robot.passive else point
         found = evaluate(self, quantity)
 
         def _there(value: Any) -> Expr:

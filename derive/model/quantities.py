@@ -13,6 +13,7 @@ from derive.robot.tree import require_chain
 
 _BLOCKS = ("J_rows", "J_11", "J_11_reduced", "J_12", "J_21", "J_22")
 _DETERMINANTS = ("detJ", "detJv", "detJxy", "detJ_11", "detJ_22", "detJ_rows")
+OF_LOOPS = frozenset(("closure", "G", "H"))  # what only robots with closed loops have
 # What a tree has not; nor has it what `DESCRIBED` describes.
 OF_CHAINS = frozenset(("singularities", "manipulability", *_BLOCKS, *_DETERMINANTS))
 # What a tree has for each of its ends; T only where no frame is named.
@@ -27,7 +28,9 @@ class Quantity:
 
     name: str  # as the user writes it
     symbol: str  # as notes write it, in LaTeX; i, j, k stand for its indices
-    shape: str  # ``6xn``: n joints, m = n - 3, k indices, p standard, b base parameters, s solutions; empty: scalar
+    # ``6xn``: n joints, m = n - 3, k indices, p standard, b base parameters, s solutions, of loops l passive joints and
+    # d pairs of variables; empty: scalar
+    shape: str
     unit: str  # SI unit of its entries; empty where these differ or have none
     summary: str  # what it is, for lists
     indices: tuple[int, ...] = (0,)  # how many indices it takes (alternatives allowed); further ones pick an entry
@@ -57,11 +60,14 @@ class Quantity:
 
     def shape_of(self, robot: Robot) -> str:
         """Its shape for a robot: ``6x2``; empty for a scalar."""
-        return self.shape.replace("n", str(robot.dof)).replace("m", str(robot.dof - 3))
+        sizes = {"n": robot.dof, "m": robot.dof - 3, "l": len(robot.passive), "d": robot.dof * (robot.dof + 1) // 2}
+        return "".join(str(sizes.get(letter, letter)) for letter in self.shape)
 
     def is_of(self, robot: Robot) -> bool:
         """Whether a robot has it."""
         is_known = not (robot.is_tree and self.name in OF_CHAINS) and not (robot.coupled and self.name == "inverse")
+        if self.name in OF_LOOPS or "base" in self.name:  # of passive joints there are derivatives, no base parameters
+            is_known = bool(robot.passive) == (self.name in OF_LOOPS)
         return is_known and robot.dof in self.joints and (robot.has_dynamics or not self.dynamic)
 
     def value(self, model: DynamicModel, *indices: int) -> Expr:
@@ -115,6 +121,9 @@ _REDUCED = "J_11, its second column subtracted from the first"
 _VELOCITY = "velocity part of tau, C qd: Coriolis and centrifugal"
 _FORCE = "N m or N"
 _INVERSE = "inverse kinematics: every solution, how it is derived; entry i,k: joint i of solution k"
+_CLOSURE = "how passive joints of closed loops follow from the variables, every branch"
+_SLOPES = "first derivatives of the passive joints of closed loops, qd_p = G qd"
+_BENDS = "their second derivatives, a column for each pair of variables"
 _SIX = tuple(range(1, 7))
 _BLOCK, _WRIST = range(3, ANY.stop), range(4, ANY.stop)
 
@@ -156,6 +165,9 @@ _KINEMATIC = (
     Quantity("manipulability", "w", "", "", _VOLUME, joints=range(1, 8)),
     Quantity("singularities", r"\det \mathbf{J}", "", "", _DECIDES, (0,), _rank, range(2, ANY.stop)),
     Quantity("inverse", r"\mathbf{q}(\mathbf{T})", "nxs", "", _INVERSE),
+    Quantity("closure", r"\mathbf{q}_p(\mathbf{q})", "lx1", "", _CLOSURE),
+    Quantity("G", r"\partial \mathbf{q}_p/\partial \mathbf{q}", "lxn", "", _SLOPES, (0,), lambda m: m.closure.G),
+    Quantity("H", r"\partial^2 \mathbf{q}_p/\partial \mathbf{q}^2", "lxd", "", _BENDS, (0,), lambda m: m.closure.H),
 )  # fmt: skip
 
 _DYNAMIC = (

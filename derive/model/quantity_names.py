@@ -11,7 +11,7 @@ from derive.errors import QuantityError, listed, quoted
 from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.model.ends import OfEnds
-from derive.model.quantities import OF_ENDS, REGISTRY, Quantity
+from derive.model.quantities import OF_ENDS, OF_LOOPS, REGISTRY, Quantity
 from derive.robot.tree import end_named
 
 _ASKED = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\]]*)\])?\s*(?:\[([^\]]*)\])?\s*")
@@ -70,7 +70,8 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
             f"unknown quantity {quoted(text)}",
             allowed="allowed: a name with indices, such as T, A[2], christoffel[1,1,2]",
         )
-    quantity, named = (REGISTRY[match[1]], ()) if match[1] in REGISTRY else _spoken(model, match[1])
+    row = _row(model, match[1])
+    quantity, named = (row, ()) if row else _spoken(model, match[1])
     brackets = [_integers(indices, text) for indices in match.groups()[1:] if indices is not None]
     if named:  # indices that stand in the name
         brackets.insert(0, named)
@@ -133,7 +134,7 @@ def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
             meanings = f"T[{j},{i}], frame {i} in frame {j}, or T[{i},{j}], its inverse"
             raise QuantityError(f"{quoted(word)} is ambiguous", allowed=f"it can mean {meanings}")
         return (REGISTRY["A"], (j,)) if letters == "A" and j == i + 1 else (REGISTRY["T"], (i, j))
-    row = REGISTRY.get(letters) or _known(model, _key(letters), letters)
+    row = _row(model, letters) or _known(model, _key(letters), letters)
     if row is not None and indices and re.fullmatch(r"[A-Za-z]+[\d\W_]+", bare):
         return row, indices
     if axis := re.fullmatch(r"p_?([xyz])", bare):
@@ -145,6 +146,11 @@ def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
         raise QuantityError(f"unknown quantity {quoted(word)}", remedy=f"did you mean {' or '.join(near)}?")
     names = (row.name for row in REGISTRY.values() if row.is_of(model.robot))
     raise QuantityError(f"unknown quantity {quoted(word)}", allowed=f"allowed: {listed(names)}")
+
+
+def _row(model: DynamicModel, name: str) -> Quantity | None:
+    """The row of a name; a letter that only robots with closed loops have means what books call by it elsewhere."""
+    return None if name in OF_LOOPS and len(name) == 1 and not model.robot.passive else REGISTRY.get(name)
 
 
 def _known(model: DynamicModel, key: str, word: str) -> Quantity | None:

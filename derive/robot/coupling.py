@@ -28,13 +28,19 @@ def second_derivative(joint: Joint, one: str, other: str) -> Name:
     return Name(f"H_{joint.variable}_{first}_{second}")
 
 
+def derivatives(robot: Description) -> dict[tuple[str, ...], Name]:
+    """The names of first and second derivatives by passive joint and variables: of (q3, q1) G_q3_q1."""
+    found: dict[tuple[str, ...], Name] = {}
+    found |= {(joint.variable, name): factor for joint in robot.passive for name, factor in joint.follows}
+    for joint in robot.passive:
+        for pair in combinations_with_replacement([name for name, _ in joint.follows], 2):
+            found[joint.variable, *pair] = second_derivative(joint, *pair)
+    return found
+
+
 def loop_names(robot: Description) -> tuple[Name, ...]:
     """The names of the first and second derivatives of the variables of passive joints."""
-    found = [factor for joint in robot.passive for _, factor in joint.follows]
-    for joint in robot.passive:
-        pairs = combinations_with_replacement([name for name, _ in joint.follows], 2)
-        found += [second_derivative(joint, one, other) for one, other in pairs]
-    return tuple(found)
+    return tuple(derivatives(robot).values())
 
 
 def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:

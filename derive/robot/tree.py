@@ -272,10 +272,13 @@ def require_own_variables(robot: Description, what: str, location: Location | No
     """Refuse coupled joints for what is made of joints each with its own variable."""
     if not robot.coupled:
         return
+    kind, how = "coupled joints", "whose joints are coupled"
+    if robot.passive:
+        kind, how = "closed loops", "which has closed loops"
     raise QuantityError(
-        f"{what} of {robot.name}, whose joints are coupled",
+        f"{what} of {robot.name}, {how}",
         allowed="allowed: robots of which each joint has its own variable",
-        remedy="derive show and derive build take coupled joints; for the rest write a table without them",
+        remedy=f"derive show and derive build take {kind}; for the rest write a table without them",
         location=location,
     )
 

@@ -35,7 +35,7 @@ class SignPrinter(TextPrinter):
             return super()._print_Mul(expression)
         if above.as_coeff_Mul()[0] < 0:
             return f"-{self._print_Mul(-expression)}"
-        return f"{self.parenthesize(above, 50)}/({self._print(below)})"
+        return f"{self.parenthesize(above, 50, strict=True)}/({self._print(below)})"
 
     def _print_Symbol(self, symbol: Any) -> str:
         return "+-1" if isinstance(symbol, Sign) else str(super()._print_Symbol(symbol))

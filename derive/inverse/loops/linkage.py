@@ -188,7 +188,7 @@ class _Mobility:
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
-    one, (values, q, missing) = loops[-1], _assembled(robot, loops)
+    one, (values, q, missing) = loops[-1], assembled(robot, loops)
     mobility, names = _Mobility(robot, one, values, q), [joint.variable for joint in robot.joints]
     rank = mobility.rank(one.passive)
     if locked := mobility.rank(mobility.joints) - rank:
@@ -211,7 +211,7 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
-def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], float]:
+def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], float]:
     """Numbers of all symbols, positions of all joints in configurations in which the loops close, and zero.
 
     Where there are none, some others and what is missing at best [m].

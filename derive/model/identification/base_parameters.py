@@ -29,7 +29,7 @@ from derive.algebra.generators import Kind
 from derive.algebra.quotients import Quotient
 from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
-from derive.errors import DeriveError, ExpressionError
+from derive.errors import DeriveError, ExpressionError, QuantityError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
 from derive.model.identification.unit_dynamics import UnitDynamics
@@ -141,6 +141,9 @@ class BaseSet:
 @lru_cache(maxsize=64)
 def base_set(robot: Robot) -> BaseSet:
     """The base parameters of a robot with links."""
+    if robot.loops:
+        allowed = "allowed: robots without closed loops; here the regressor and the standard parameters"
+        raise QuantityError(f"base parameters of {robot.name}, which has closed loops", allowed=allowed)
     numbers = {name: value for name, value in dict(robot.parameters).items() if name not in robot.runtime}
     found = _base_set(robot, numbers)
     if not numbers or not any(relation.terms for relation in found.relations):

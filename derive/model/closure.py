@@ -1,0 +1,164 @@
+"""How the passive joints of closed loops follow the variables: formulas of their positions and of their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import chain, combinations_with_replacement
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy
+from sympy.simplify.fu import TR10i
+
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.ring import Polynomial
+from derive.errors import QuantityError, listed
+from derive.inverse.loops.linkage import SolvedLoop, assembled, linkage, slopes
+from derive.inverse.numeric.in_numbers import array_value
+from derive.inverse.words.elementary import PrintedLine, reduced
+from derive.inverse.words.solutions import InverseKinematics, Solution
+from derive.lecture.point import DIGITS, value_of, written
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
+from derive.model.kinematic_model import KinematicModel
+from derive.robot.coupling import derivatives
+from derive.robot.description import Loop
+from derive.robot.expression import Expression, Name
+from derive.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class LoopClosure:
+    """One loop: its unknown joints are a serial arm whose pose the variables determine."""
+
+    loop: Loop
+    known: tuple[PrintedLine, ...]  # entries of its pose that the solution uses, in variables and parameters
+    inverse: InverseKinematics  # of the arm, every branch
+    solution: Solution  # the branch of the file, with what is known before it
+    zeros: tuple[Expr, ...]  # factors of det J_p that move: no derivative has a value where one of them is zero
+    slopes: Mapping[str, Expr]  # the derivatives by name, G_q3_q1, and in these the second ones, H_q3_q1_q1
+
+
+@dataclass(frozen=True)
+class Closure:
+    """The closed loops of a robot, in the order in which they are solved."""
+
+    robot: Robot
+    loops: tuple[LoopClosure, ...]
+
+    @property
+    def G(self) -> Matrix:
+        """First derivatives of the passive joints: qd_p = G qd with G = -J_p^-1 J_a (`derive.inverse.loops.linkage`).
+
+        Returns:
+            A row for each passive joint, a column for each variable.
+        """
+        return self._matrix([(q.variable,) for q in self.robot.variables])
+
+    @property
+    def H(self) -> Matrix:
+        """Second derivatives of the passive joints, in the first ones by name: ``G_q3_q1``.
+
+        Returns:
+            A row for each passive joint, a column for each pair of variables: q1 q1, q1 q2, q2 q2.
+        """
+        return self._matrix(list(combinations_with_replacement([q.variable for q in self.robot.variables], 2)))
+
+    def _matrix(self, columns: Sequence[tuple[str, ...]]) -> Matrix:
+        known = {name: value for one in self.loops for name, value in one.slopes.items()}
+        entries = {by: known[name.name] for by, name in derivatives(self.robot).items()}
+        rows = [joint.variable for joint in self.robot.passive]
+        return sympy.ImmutableMatrix([[entries.get((row, *column), 0) for column in columns] for row in rows])
+
+    @property
+    def expressions(self) -> tuple[Expr, ...]:
+        """Everything that is printed of it."""
+        own = (e for one in self.loops for e in (*one.zeros, *(line.value for line in one.known)))
+        return (*own, *(e for one in self.loops for e in one.inverse.expressions))
+
+    def at(self, point: Mapping[str, Expression]) -> Matrix:
+        """The positions of the passive joints at a point, a column [rad or m]; names where it lacks numbers."""
+        full, names = self.completed(point), [joint.variable for joint in self.robot.passive]
+        return sympy.ImmutableMatrix([expression_to_sympy(full.get(name, Name(name))) for name in names])
+
+    def completed(self, point: Mapping[str, Expression]) -> dict[str, Expression]:
+        """A point with the positions of passive joints and their derivatives, where it has all numbers for them."""
+        full, wanted = dict(point), {joint.variable: joint for joint in self.robot.passive}
+        with mpmath.workdps(DIGITS):
+            known = {sympy.Symbol(k): value_of(expression_to_sympy(e), {}) for k, e in point.items()}
+            for one in self.loops:
+                lines = {line.symbol: line.value for line in one.solution.lines}
+                for symbol, formula in {**lines, **{sympy.Symbol(k): e for k, e in one.slopes.items()}}.items():
+                    try:
+                        known[symbol] = value = value_of(formula, dict(known))
+                    except (ArithmeticError, ValueError):
+                        found = f"the loop of {self.robot.name} that joins {listed(one.loop.join)}, at this point"
+                        raise QuantityError(f"{found}: it is open, or singular") from None
+                    name = str(symbol)
+                    if not isinstance(value, sympy.Basic) and name in {*wanted, *one.slopes}:
+                        if name in wanted and wanted[name].is_revolute:
+                            value = mpmath.atan2(mpmath.sin(value), mpmath.cos(value))
+                        full[name] = expression_from_sympy(written(value))
+        return full
+
+
+def find_closure(model: KinematicModel) -> Closure:
+    """The loops of a robot in the notation of a model."""
+    loops = linkage(model.robot)
+    return Closure(model.robot, tuple(_described(model, loops[: k + 1]) for k in range(len(loops))))
+
+
+def _described(model: KinematicModel, loops: tuple[SolvedLoop, ...]) -> LoopClosure:
+    robot, one, domain = model.robot, loops[-1], model.domain
+    inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
+    used = sympy.Tuple(*inverse.expressions).free_symbols
+    pose = zip(
+        inverse.pose[:3, :], chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one)), strict=False
+    )
+    known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose if symbol in used)
+    solution = _branch(robot, loops, inverse, known)
+    inverse.conditions = ()  # a loop that closes meets them
+    moving = slopes(robot, one, domain)
+    both = {**moving.first, **moving.second}.items()
+    quotients = {name: _quotient(domain, *reduced(p, moving.determinant)) for name, p in both}
+    # A factor that all have in common is one of the rows that were chosen, not of the loop.
+    common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
+    variables = {sympy.Symbol(joint.variable) for joint in (*robot.variables, *robot.passive)}
+    factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
+    zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
+    return LoopClosure(one.loop, known, inverse, solution, zeros, quotients)
+
+
+def _branch(
+    robot: Robot, loops: tuple[SolvedLoop, ...], inverse: InverseKinematics, known: tuple[PrintedLine, ...]
+) -> Solution:
+    """Which of the printed solutions is the branch of the file: the one whose numbers are those of its graph."""
+    values, full, _ = assembled(robot, loops)
+    names = [sympy.Symbol(joint.variable) for joint in robot.joints]
+    unknown = {names[k]: full[k] for one in loops[-1:] for k in one.passive}
+    others = {name: x for name, x in zip(names, full, strict=True) if name not in unknown}
+
+    def _gap(solution: Solution) -> Any:
+        own = {sympy.Symbol(name): np.float64(x) for name, x in values.items()} | others
+        for line in solution.lines:
+            own[line.symbol] = array_value(line.value, own)
+        gaps = [np.exp(1j * own[name]) - np.exp(1j * x) for name, x in unknown.items()]
+        return np.nan_to_num(np.abs(gaps), nan=2.0).sum()
+
+    return min((replace(each, lines=(*known, *each.lines)) for each in inverse.solutions), key=_gap)
+
+
+def _contracted(domain: PolynomialDomain, p: Polynomial) -> Expr:
+    """A polynomial with the angles of several branches added and subtracted: ``sin(q1 + q2 - q3)``."""
+    return TR10i(sympy.expand(expression_to_sympy(polynomial_expression(p, domain))))
+
+
+def _quotient(domain: PolynomialDomain, above: Polynomial, below: Polynomial) -> Expr:
+    """A quotient without common factors, as a sum or as one fraction, whichever is shorter."""
+    top, bottom = (_contracted(domain, p) for p in (above, below))
+    size = bottom.as_coeff_Mul()[0]
+    top, bottom = sympy.expand(top / size), bottom / size
+    turns = sorted(top.atoms(sympy.sin, sympy.cos), key=str)
+    return min(sympy.expand(top / bottom), sympy.collect(top, turns, sympy.factor) / bottom, key=sympy.count_ops)
