@@ -62,7 +62,9 @@ class SolvedLoop:
     leaf: int  # which of its leaves is the branch that the file asks for
     passive: tuple[int, ...]  # indices of the joints that it determines
     rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
-    in_frame: bool = False  # whether the twists are taken in the axes of the loop's first frame, not in the world's
+    in_frame: bool = (
+        False  # whether the twists are taken in the axes of its first frame, not of where its branches begin
+    )
 
     def walk(
         self,
@@ -134,16 +136,17 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
 
 
 def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list[Frame[S]], list[Frame[S]]]:
-    """The chain, its joint frames, and the frames that a loop joins, in the world."""
-    chain = build_chain(robot, domain)
+    """The chain, and the joint frames and joined frames of a loop, in the frame on which its branches begin."""
+    chain, own = build_chain(robot, domain), {k for branch in tree.around(robot, loop) for k in branch}
     frames: list[Frame[S]] = []
-    for joint in chain.joints:
-        before = frames[joint.parent] if joint.parent >= 0 else chain.base
-        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)))
+    for i, joint in enumerate(chain.joints):
+        # Rows of velocities in axes that turn with the rest of the tree would fail at some of its positions.
+        before = frames[joint.parent] if joint.parent in own else chain.unit
+        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)) if i in own else chain.unit)
     joined: list[Frame[S]] = []
-    for carrier, own in (way_frame(robot, label, domain) for label in loop.join):
-        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.base
-        joined.append(frame if own is None else frame @ own)
+    for carrier, behind in (way_frame(robot, label, domain) for label in loop.join):
+        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.unit
+        joined.append(frame if behind is None else frame @ behind)
     return chain, frames, joined
 
 
