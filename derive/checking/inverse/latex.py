@@ -9,7 +9,7 @@ from derive.checking.inverse.reading import Alternative, Side
 from derive.checking.latex.equations import equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import taken_apart
-from derive.checking.latex.names import FLAT, PlusMinus
+from derive.checking.latex.names import FLAT, LatexNames, PlusMinus
 from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.errors import Location
 from derive.robot.expression import Expression
@@ -72,7 +72,7 @@ def _side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: Pl
     def formula(part: LatexPiece, meanings: Mapping[str, Expression]) -> Expression:
         own = own_names(robot)
         known = {name: meaning for name, meaning in meanings.items() if name not in own}
-        return LatexReader(robot, text, start, known, signs=signs).formula(part)
+        return LatexReader(LatexNames(robot, known, signs=signs), text, start).formula(part)
 
     parts = []
     for part in of_cases or piece.split(_OR_MARK):

@@ -13,7 +13,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table, joined_blocks
-from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, PlusMinus
+from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.quantities import slope
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
@@ -73,21 +73,8 @@ _TOTAL = rf"\\dot\s*(?:(?P<sign>[%s])|(?P<bracket>{_BRACKETED})|\{{\s*(?P<inner>
 class LatexReader:
     """Reads the pieces of one text."""
 
-    def __init__(
-        self,
-        robot: Robot,
-        text: str,
-        start: Location,
-        abbreviations: Mapping[str, Expression] | None = None,
-        entry: Callable[[str], Expression | None] = lambda name: None,
-        signs: PlusMinus | None = None,
-        *,
-        cosine_first: bool | None = None,
-        foreign: frozenset[str] = frozenset(),
-    ) -> None:
-        self.names = LatexNames(robot, abbreviations, entry, signs, cosine_first=cosine_first, foreign=foreign)
-        self._text = text
-        self._start = start
+    def __init__(self, names: LatexNames, text: str, start: Location) -> None:
+        self.names, self._text, self._start = names, text, start
 
     def location(self, offset: int) -> Location:
         """The place of a character."""

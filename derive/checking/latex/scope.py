@@ -16,7 +16,7 @@ from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
-from derive.checking.latex.names import Symbol, plus_minus
+from derive.checking.latex.names import LatexNames, Symbol, plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
@@ -72,7 +72,7 @@ class Scope:
         plain = cleaned(text, has_time)
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
         self._foreign = whole.other_capitals(self.robot, self.equations, words)
-        self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
+        self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
         self.poses = Poses(model, plain, columns) if document else None
@@ -337,10 +337,9 @@ class Scope:
             meanings[name] = ordered[0][1]
         meanings |= more or {}
         entry = partial(entry_named, self.meanings, self.poses)
-        order = self._cosine_first
-        return LatexReader(
-            self.robot, self.text, self.start, meanings, entry, self._signs, cosine_first=order, foreign=self._foreign
-        )
+        order, foreign = self._cosine_first, self._foreign
+        names = LatexNames(self.robot, meanings, entry, self._signs, cosine_first=order, foreign=foreign)
+        return LatexReader(names, self.text, self.start)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""

@@ -26,7 +26,9 @@ WRIST = Robot.load("spherical-wrist")
 
 
 def read_latex(text: str, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> Expression:
-    return LatexReader(robot, text, Location("<latex>"), abbreviations).formula(LatexPiece(cleaned(text), 0))
+    return LatexReader(LatexNames(robot, abbreviations), text, Location("<latex>")).formula(
+        LatexPiece(cleaned(text), 0)
+    )
 
 
 READ = [
