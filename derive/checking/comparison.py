@@ -24,14 +24,20 @@ from derive.robot.expression import number
 def check_file(file: CorpusFile) -> FileReport:
     """Compare everything that a corpus file prints."""
     model = Model(file.robot)
-    findings = [finding for item in file.expected for finding in _placed(_quantity(model, item), item.location)]
+    findings: list[Finding] = []
+    for item in file.expected:
+        for found in _placed(_quantity(model, item), item.location):
+            # the status of an item is that of what is printed, not of its corrections
+            erratum = item.status == "erratum" and found.role not in (Role.CORRECTION, Role.REST)
+            findings.append(replace(found, erratum=erratum, remark=item.remark))
     for identity in file.identities:
-        left, right, erratum = identity.left, identity.right, identity.status == "erratum"
+        left, right = identity.left, identity.right
+        question = Question(model.robot, right.formula, left.formula)
         if unknown := left.unknown or right.unknown:
-            findings.append(undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum))
-            continue
-        question, where = Question(model.robot, right.formula, left.formula), right.location
-        findings.append(compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, where, erratum))
+            found = undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown)
+        else:
+            found = compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location)
+        findings.append(replace(found, erratum=identity.status == "erratum"))
     if file.factorisation is not None:
         findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
     findings += solution_findings(model, file.solutions)
@@ -39,8 +45,9 @@ def check_file(file: CorpusFile) -> FileReport:
         try:
             findings += check_inverse(model, text)[0]
         except UnknownNameError as error:
-            whole, erratum = " ".join(" ".join(part.text.split()) for part in text.parts), text.status == "erratum"
-            findings.append(undecidable("inverse", (0, 0), Role.SOLUTION, whole, error, erratum, text.remark))
+            whole = " ".join(" ".join(part.text.split()) for part in text.parts)
+            found = undecidable("inverse", (0, 0), Role.SOLUTION, whole, error)
+            findings.append(replace(found, erratum=text.status == "erratum", remark=text.remark))
     return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
@@ -75,14 +82,11 @@ def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[F
     try:
         found = check_latex(model, text.text, item.quantity, text.location).findings
     except UnknownNameError as error:
-        shown = " ".join(text.text.split())
-        yield undecidable(item.quantity, (0, 0), Role.PRINTED, shown, error, item.status == "erratum", item.remark)
+        yield undecidable(item.quantity, (0, 0), Role.PRINTED, " ".join(text.text.split()), error)
         return
     except DeriveError as error:
         raise error if text.verbatim else error.moved(None) from None
-    for finding in found:
-        where = finding.location if text.verbatim else text.location
-        yield replace(finding, erratum=item.status == "erratum", remark=item.remark, location=where)
+    yield from found if text.verbatim else (replace(finding, location=text.location) for finding in found)
 
 
 def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
@@ -94,19 +98,15 @@ def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
     if item.shape is not None and item.shape != right.shape:
         printed, allowed = ("{} rows and {} columns".format(*shape) for shape in (item.shape, right.shape))
         raise CheckError(f"{item.quantity}: printed with {printed}", allowed=f"allowed: {allowed}")
-    erratum = item.status == "erratum"
     places = set(product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)) if item.rest_zero else ())
     rest = sorted(places - {(entry.row, entry.column) for entry in item.entries})
-    zeros = (Printed(i, j, "0", number(0), item.location) for i, j in rest)
-    yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
-    yield from (_entry(model, item, right, entry, Role.ABBREVIATED, erratum) for entry in item.abbreviated)
-    yield from (_entry(model, item, right, entry, Role.CORRECTION) for entry in item.corrections)
-    yield from (_entry(model, item, right, zero, Role.REST) for zero in zeros)
+    zeros = [Printed(i, j, "0", number(0), item.location) for i, j in rest]
+    entries = {Role.PRINTED: item.entries, Role.ABBREVIATED: item.abbreviated, Role.CORRECTION: item.corrections}
+    for role, of_role in (*entries.items(), (Role.REST, zeros)):
+        yield from (_entry(model, item, right, entry, role) for entry in of_role)
 
 
-def _entry(
-    model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role, erratum: bool = False
-) -> Finding:
+def _entry(model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role) -> Finding:
     rows, columns = right.shape
     if entry.row > rows or entry.column > columns:
         found, allowed = f"entry {entry.row},{entry.column}", f"allowed: rows 1 to {rows}, columns 1 to {columns}"
@@ -114,12 +114,11 @@ def _entry(
     row = 0 if (rows, columns) == (1, 1) else entry.row
     column = 0 if columns == 1 else entry.column
     if entry.unknown is not None:
-        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
+        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown)
     derived = right[entry.row - 1, entry.column - 1]
     others = other_orders(model, item.quantity)
     question = Question(model.robot, entry.formula, expression_from_sympy(derived), others=others)
-    where, place = entry.location, (row, column)
-    return compared(question, item.quantity, place, role, entry.text, derived, where, erratum, item.remark)
+    return compared(question, item.quantity, (row, column), role, entry.text, derived, entry.location)
 
 
 def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:

@@ -105,20 +105,12 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
 
 
 def compared(
-    question: Question,
-    quantity: str,
-    place: tuple[int, int],
-    role: Role,
-    text: str,
-    right: Expr,
-    where: Location,
-    erratum: bool = False,
-    remark: Remark = NO_REMARK,
+    question: Question, quantity: str, place: tuple[int, int], role: Role, text: str, right: Expr, where: Location
 ) -> Finding:
     """The comparison that a question asks; right is what is shown for the right formula."""
     robot, sides = question.robot, (question.right, question.printed)
     # as it stands where the two are compared at points, branch by branch: no search for the slip starts from there
-    plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where, erratum, remark=remark)
+    plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where)
     only_points = any(has_branches(side, ONLY_AT_POINTS) for side in sides)
     verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
@@ -213,18 +205,10 @@ def significant(value: Fraction) -> int:
 DECIMAL_PLACES = 24  # places that a decimal may have
 
 
-def undecidable(
-    quantity: str,
-    place: tuple[int, int],
-    role: Role,
-    text: str,
-    unknown: CheckError,
-    erratum: bool,
-    remark: Remark = NO_REMARK,
-) -> Finding:
+def undecidable(quantity: str, place: tuple[int, int], role: Role, text: str, unknown: CheckError) -> Finding:
     """A formula with an unknown name; it is placed at that name."""
     where = unknown.location or Location("")
-    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
+    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, unknown=unknown)
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,7 +112,8 @@ def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[F
 def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> Finding:
     erratum = role is Role.SOLUTION and solution.status == "erratum"
     if printed.unknown is not None:
-        return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown, erratum, solution.remark)
+        undecided = undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
+        return replace(undecided, erratum=erratum, remark=solution.remark)
     definitions = _pose(model, solution, set(names(printed.formula)))
     question = Question(model.robot, printed.formula, solution.value, definitions)
     if solution.is_angle:

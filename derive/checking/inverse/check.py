@@ -17,7 +17,7 @@ from itertools import product
 
 import numpy as np
 
-from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.branches import SIGN, count_calls, with_atan2
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped
@@ -25,15 +25,7 @@ from derive.checking.formulas.printed import Asked, InverseText, PrintedText
 from derive.checking.inverse.latex import latex_equations
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import geometry_symbols, places, pose_of
-from derive.checking.inverse.printed import (
-    Place,
-    PrintedFormula,
-    PrintedInverse,
-    PrintedLine,
-    count_calls,
-    determined_joints,
-    with_calls,
-)
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, determined_joints
 from derive.checking.inverse.reading import Side, Vocabulary, assembled, text_equations
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.latex.names import plus_minus
@@ -124,11 +116,9 @@ class _InverseCheck:
         every = [f for line in printed.lines for f in line.formulas]
         calls = sum(count_calls(f.expression, "Atan2") for f in every)
         if self._asked.cosine_first:  # every atan2 is the book's
-            ours = printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=False))
-            return ours.mapped(partial(with_calls, old="atan2", new="atan2", swapped=True)), ""
-        plain, turned = (
-            printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=s)) for s in (False, True)
-        )
+            ours = printed.mapped(partial(with_atan2, function="Atan2", swapped=False))
+            return ours.mapped(partial(with_atan2, function="atan2", swapped=True)), ""
+        plain, turned = (printed.mapped(partial(with_atan2, function="Atan2", swapped=s)) for s in (False, True))
         is_lone = calls == 1 and not any("tan2" not in f.text for f in every if count_calls(f.expression, "Atan2"))
         if not calls or self._asked.cosine_first is not None or is_lone:
             return plain, ""

@@ -16,7 +16,7 @@ from itertools import product
 
 import numpy as np
 
-from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.branches import SIGN, count_calls
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.errors import CheckError, Location, listed
@@ -284,19 +284,6 @@ def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -
     if is_angle:
         return abs(math.remainder(value - wanted, math.tau)) < close
     return abs(value - wanted) < close * (1 + abs(wanted))
-
-
-def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
-    """An expression with calls of one function in the place of those of another."""
-    whole = tree.rebuilt(e, lambda part: with_calls(part, old, new, swapped))
-    if isinstance(whole, Call) and whole.function == old:
-        return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
-    return whole
-
-
-def count_calls(e: Expression, function: str) -> int:
-    """How often a function is called."""
-    return sum(isinstance(node, Call) and node.function == function for node in nodes(e))
 
 
 class Known:

@@ -426,6 +426,6 @@ class _Check(SideReading):
         elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):
             target = named[0].targets[0] if named else Target(self.asked)
             place = ((*target.rows, 0)[0], (*target.columns, 0)[0])
-            yield undecidable(target.quantity, place, Role.PRINTED, self._typed(side.piece), error, False)
+            yield undecidable(target.quantity, place, Role.PRINTED, self._typed(side.piece), error)
         else:
             raise error

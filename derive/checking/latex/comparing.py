@@ -397,7 +397,7 @@ class Comparing:
                 place = right.rows[i], right.columns[j]
                 text = entry.text or notation_text(entry.formula, self.robot)
                 if entry.unknown is not None:
-                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown, False)
+                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown)
                     continue
                 where = self.plain.location(entry.offset or offset)
                 derived = right.value[i, j]
