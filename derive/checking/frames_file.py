@@ -12,6 +12,7 @@ that it prints.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from operator import mul
 
 import sympy
 
@@ -69,10 +70,7 @@ def compose(*frames: Matrix) -> Matrix:
     product = [[domain.constant(e) for e in row] for row in factors[0]]
     for factor in factors[1:]:
         columns = list(zip(*([domain.constant(e) for e in row] for row in factor), strict=True))
-        product = [
-            [sum((x * y for x, y in zip(row, column, strict=True)), domain.ring.zero) for column in columns]
-            for row in product
-        ]
+        product = [[sum(map(mul, row, column), domain.ring.zero) for column in columns] for row in product]
     write = LectureForm(domain).kinematic
     return sympy.ImmutableMatrix([[write(entry) for entry in row] for row in product])
 

@@ -81,7 +81,7 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         modified = is_khalil or any("-1" in names[head[kind]] for kind in ("a", "alpha"))
         body = [(offset, cells) for offset, cells in lines[start + 1 :] if len(cells) > max(head.values())]
         large = {k for k in ("theta", "alpha") if any(_largest(cells[head[k]]) >= DEGREES_FROM for _, cells in body)}
-        rows = [_row(document, offset, cells, lines[start][1], head, large) for offset, cells in body]
+        rows = [_row(_location(document, offset), cells, lines[start][1], head, large) for offset, cells in body]
         yield where, modified, rows
 
 
@@ -122,15 +122,9 @@ def _column_name(cell: str) -> str:
 
 
 def _row(
-    document: Manuscript,
-    offset: int,
-    cells: Sequence[str],
-    heads: Sequence[str],
-    head: Mapping[str, int],
-    degrees: set[str],
+    where: Location, cells: Sequence[str], heads: Sequence[str], head: Mapping[str, int], degrees: set[str]
 ) -> _Row:
     """A row, in radians and metres."""
-    where = _location(document, offset)
     found, marked = {}, set()
     for kind, i in head.items():
         text = _plain(cells[i]).partition("=")[0]

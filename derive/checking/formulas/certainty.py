@@ -7,11 +7,11 @@ away, or it stands among formulas of its kind that are right.
 import re
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 
 from derive.checking.formulas.diagnosis import PAIRED
-from derive.checking.formulas.edits import is_token
+from derive.checking.formulas.edits import is_token, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped, judge
 from derive.errors import Location
 from derive.robot.expression import Expression, children, is_constant
@@ -62,17 +62,13 @@ def _is_near(finding: Finding) -> bool:
         return repair is not None
     # the sides of an identity are those of the text
     near = [question.right] if finding.role is not Role.IDENTITY else []
-    printed = Counter(_tokens(question.printed))
-    for other in (Counter(_tokens(e)) for e in (*near, *([repair.formula] if repair else ()))):
+    printed = _tokens(question.printed)
+    for other in map(_tokens, (*near, *([repair.formula] if repair else ()))):
         if (printed & other).total() > NEAR * max(printed.total(), other.total()):
             return True
     return False
 
 
-def _tokens(e: Expression) -> Iterator[Expression]:
+def _tokens(e: Expression) -> Counter[Expression]:
     """The names, numbers and cosines and sines of a formula."""
-    if is_token(e) or not children(e):
-        yield e
-    else:
-        for child in children(e):
-            yield from _tokens(child)
+    return Counter(spot.node for spot in spots(e) if is_token(spot.node) or not children(spot.node))

@@ -30,8 +30,6 @@ from derive.robot.expression import Call, Expression, Name
 from derive.robot.names import own_names, robot_symbols
 from derive.robot.robot import Robot
 
-Arrays = Mapping[str, npt.NDArray[np.float64]]
-
 BATCHES = 5  # geometries that are tried
 CONFIGURATIONS = 12  # configurations of each
 # Angles of joints that are tried, none close to a right angle, where arms are singular.

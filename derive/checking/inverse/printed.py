@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
+from sympy.utilities.iterables import connected_components
 
 from derive.checking.formulas.branches import SIGN, count_calls
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
@@ -228,15 +229,10 @@ class PrintedInverse:
 
     def coupled(self) -> Iterator[tuple[PrintedLine, ...]]:
         """The lines with targets in groups whose choices do not depend on each other."""
-        waiting = list(self.given)
-        while waiting:
-            group = [waiting.pop(0)]
-            # a line joins when it shares a sign or an alternative with one that is in the group already
-            keys = set(self.choices(group[0]))
-            while more := [line for line in waiting if keys.intersection(self.choices(line))]:
-                group += more
-                waiting = [line for line in waiting if line not in more]
-                keys.update(name for line in more for name in self.choices(line))
+        # lines are tied by a sign or an alternative that both depend on
+        pairs = combinations(self.given, 2)
+        tied = [(a, b) for a, b in pairs if not self.choices(a).keys().isdisjoint(self.choices(b))]
+        for group in connected_components((self.given, tied)):
             yield tuple(line for line in self.given if line in group)
 
     def met(self, place: Place) -> bool:

@@ -43,26 +43,22 @@ class LatexReport:
     equations: tuple[Location, ...] = ()  # where each equation begins
 
 
+LATEX = Location("<latex>")  # where a text is that stands in no file
+
+
 def check_latex(
-    model: Model,
-    text: str,
-    quantity: str = "",
-    start: Location | None = None,
-    *,
-    document: bool = False,
-    alone: bool = False,
+    model: Model, text: str, quantity: str = "", start: Location = LATEX, *, document: bool = False, alone: bool = False
 ) -> LatexReport:
     """Compare the equations of a text with what follows from a robot's table; alone if it is about no other robot."""
-    where = start or Location("<latex>")
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
 
     def read(model: Model, order: bool | None) -> tuple[_Check, tuple[Finding, ...]]:
-        check = _Check(Scope(model, text, where, document, cosine_first=order), quantity)
+        check = _Check(Scope(model, text, start, document, cosine_first=order), quantity)
         if alone:
             texts = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
-            whole.refuse_other_arm(model.robot, texts, where)
+            whole.refuse_other_arm(model.robot, texts, start)
         return check, whole.divided_rows(model.robot, whole.other_factorisation(model, tuple(check.findings())))
 
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
@@ -87,7 +83,7 @@ def check_latex(
     findings, doubts = certain(findings, begins) if document and not quantity else (findings, ())
     check.skipped += doubts
     if not findings and not (document and check.skipped):
-        skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
+        skipped = check.skipped[0] if check.skipped else Skipped(start, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
@@ -232,10 +228,8 @@ class _Check(SideReading):
                 continue
             if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
-            named = [(head, left) for begin, head, left in self.scope.namings if begin <= index]
-            self.meanings.entries = {
-                h: left for h, left in dict(named).items() if left != Left(h, arguments=left.arguments)
-            }
+            named = {head: left for begin, head, left in self.scope.namings if begin <= index}
+            self.meanings.entries = {h: left for h, left in named.items() if left != Left(h, arguments=left.arguments)}
             told = len(self.skipped)
             found: list[Finding | Claim] = []
             try:
@@ -352,12 +346,9 @@ class _Check(SideReading):
         named = self._naming(sides, is_scalar_equation)
         said = [side for side in sides if side.value is not None and side not in named]
         # products and sums of named matrices beside what they are said to be
-        judged = [
-            (side, finding)
-            for side in sides
-            if side not in named
-            and (finding := self._multiplied(named, side) or self._by_names(side, named, said)) is not None
-        ]
+        unnamed = [side for side in sides if side not in named]
+        verdicts = [self._multiplied(named, side) or self._by_names(side, named, said) for side in unnamed]
+        judged = [(side, finding) for side, finding in zip(unnamed, verdicts, strict=True) if finding is not None]
         yield from (finding for _, finding in judged)
         if judged and not named and len(said) < 2:
             return

@@ -124,11 +124,8 @@ class Meanings:
                 return tuple(replace(t, entry=entry) for t in matrices)
         if left.arguments.startswith("(\u2202"):  # the column of a derivative is that of its variable
             (row, label), is_slide = left.sub.split(","), left.arguments == "(\u2202d)"
-            own = (
-                k
-                for k, j in enumerate(self.robot.joints, 1)
-                if (joint_label(j.variable), j.is_revolute) == (label, not is_slide)
-            )
+            kinds = [(joint_label(joint.variable), joint.is_revolute) for joint in self.robot.joints]
+            own = (k for k, kind in enumerate(kinds, 1) if kind == (label, not is_slide))
             left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
         if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
             return ()
@@ -183,20 +180,15 @@ class Meanings:
         known = [i for i in rows if i is not None]
         left = iter(rest)
         chosen = [next(left, None) if i is None else i for i in rows]
-        alike = (
-            i is not None and Right("J", ours[i, :width], (), ()).fits(Table((row,))) >= 0.5
-            for i, row in zip(chosen, table.rows, strict=True)
-        )
-        is_ours = 2 * len(known) > len(rows) or (bool(known) and all(alike))  # the others have a slip each
-        if not is_ours or (width < ours.cols and None in rows):
-            return None
         found = [i for i in chosen if i is not None]
+        if len(found) < len(rows) or (width < ours.cols and None in rows):
+            return None
+        ours_printed = zip(found, table.rows, strict=True)
+        alike = (Right("J", ours[i, :width], (), ()).fits(Table((row,))) >= 0.5 for i, row in ours_printed)
+        if not (2 * len(known) > len(rows) or (known and all(alike))):  # the others have a slip each
+            return None
         part = ours.extract(found, list(range(width)))
-        return (
-            Right("J", part, tuple(i + 1 for i in found), tuple(range(1, width + 1)))
-            if len(found) == len(rows)
-            else None
-        )
+        return Right("J", part, tuple(i + 1 for i in found), tuple(range(1, width + 1)))
 
     def _derived(self, target: Target) -> Right:
         if target.entry or target.by:
@@ -232,9 +224,7 @@ class Meanings:
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
         text, by = "".join(FONT.sub("", text).split()), list[str]()
-        text = re.sub(r"\\nabla(?:_\{?q\}?)?(\w)(?:\(q\))?", r"\\frac{\\partial \1}{\\partial q}", text).replace(
-            " ", ""
-        )
+        text = re.sub(r"\\nabla(?:_\{?q\}?)?(\w)(?:\(q\))?", r"\\frac{\\partial\1}{\\partialq}", text)
         while match := _OF_TIME.fullmatch(text):
             text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
         match = _PARTIAL.fullmatch(text)

@@ -249,18 +249,15 @@ class Poses:
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
         # rotations of a wrist of three joints, or of what follows the three joints of the arm
-        places += [
-            (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
-        ]
+        places += [(k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) if 0 < frame < n for k, _ in places]
         readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END) | self._angles
         for position, reference in places:
             place = whole if position == n else self._model.quantity(f"T[{position}]")
             turn = self._model.quantity(f"T[{reference},{n}]") if reference else whole
             at = self._names.entries.items()
             entries = {name: (place if j == 4 else turn)[i - 1, j - 1] for name, (i, j) in at}
-            readings.append(
-                PoseReading(position, reference, _placed(entries) | others, (position, reference) == (n, 0))
-            )
+            is_usual = (position, reference) == (n, 0)
+            readings.append(PoseReading(position, reference, _placed(entries) | others, is_usual))
         return tuple(readings)
 
     def labels(self, is_of_frame: bool = False) -> dict[str, Expression]:

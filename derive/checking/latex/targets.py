@@ -156,12 +156,8 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
     yield from _of_link(left, n)
     if left.head == "omega" and not left.dots and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((4, 5, 6), (6,)))
-    if (
-        left.head == "v"
-        and not left.dots
-        and left.sup in ("", "0")
-        and (point := re.fullmatch(r"([cCG]?)([1-9])", left.sub))
-    ):
+    point = re.fullmatch(r"([cCG]?)([1-9])", left.sub) if left.head == "v" and not left.dots else None
+    if point is not None and left.sup in ("", "0"):
         at = (Target(f"T[0,{point[2]}]", (1, 2, 3), (4,)), Target(f"centre[{point[2]}]"))[bool(point[1]) :]
         yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
     if left.head == "omega" and left.sub in AXES and not left.dots and left.sup + left.before in ("", *_BASE):
@@ -192,13 +188,10 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     r"""Motion of a link and forces on it, in the axes of a frame: ``{}^2\dot v_{C_2}``, ``{}^1n_1``, ``{}^2F_{2y}``."""
     match, frame = re.fullmatch(r"([cCgG]?)([0-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
     kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
-    if (
-        match is None
-        or not kinds
-        or not frame.isdigit()
-        or (left.sup and left.before + left.sup != "00" and (left.before or left.head in "vaFN"))
-    ):
-        return  # v_2^2 is a square, or relative to another frame
+    # v_2^2 is a square, or relative to another frame
+    is_other = left.sup and left.before + left.sup != "00" and (left.before or left.head in "vaFN")
+    if match is None or not kinds or not frame.isdigit() or is_other:
+        return
     link = int(match[2]) if match[2].isdigit() else n + 1
     has_end = kinds[0] in ("velocity", "omega", "joint_force", "joint_moment")
     if int(frame) > n + (left.head in "fn") or link > n + has_end or (frame == "0" and left.head != "omega"):
