@@ -367,7 +367,6 @@ def _rows(name: str, a: Array) -> tuple[Named, ...]:
 
 
 def _jacobian(name: str, a: Array) -> Iterator[Named]:
-    """A Jacobian and its columns."""
     yield from _rows(name, a)
     yield from ((name, a[:, list(plane)]) for plane in _PLANES)
     for j in range(a.shape[2]):

@@ -178,7 +178,6 @@ def _said(
 
 
 def _by_equation(report: LatexReport) -> list[LatexReport]:
-    """What a report says of each equation."""
     begins = [(place.line, place.column) for place in report.equations]
     ends = [*begins[1:], (10**9, 0)]
     parts = []

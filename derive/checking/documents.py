@@ -165,18 +165,14 @@ def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
 
 def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
     """The Markdown cells of a notebook behind each other, and where each begins."""
+    whole, starts = "", []
     try:
-        cells = json.loads(text)["cells"]
-        found = [
-            (number, "".join(cell["source"]) if cell["cell_type"] in ("markdown", "raw") else _displayed(cell))
-            for number, cell in enumerate(cells, 1)
-        ]
+        for number, cell in enumerate(json.loads(text)["cells"], 1):
+            starts.append((len(whole), f"cell {number}"))
+            is_prose = cell["cell_type"] in ("markdown", "raw")
+            whole += ("".join(cell["source"]) if is_prose else _displayed(cell)) + "\n\n"
     except (ValueError, TypeError, KeyError, RecursionError):
         raise CheckError(f"{name} is not a notebook", allowed="allowed: JSON with a list of cells") from None
-    whole, starts = "", []
-    for number, source in found:
-        starts.append((len(whole), f"cell {number}"))
-        whole += source + "\n\n"
     return whole, tuple(starts) or ((0, ""),)
 
 
@@ -196,8 +192,6 @@ _CODE = re.compile(
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
-
-
 _UNREAD = re.compile(
     r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
     re.DOTALL,
@@ -240,7 +234,6 @@ def _markdown(text: str) -> str:
 
 
 def _marked(text: str) -> str:
-    """``$$`` in place of a line."""
     blanks = blank(text)
     at = len(text) - len(text.lstrip("\n"))
     return blanks[:at] + "$$" + blanks[at + 2 :]

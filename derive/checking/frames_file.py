@@ -128,7 +128,6 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
 
 
 def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
-    """The matrix of a factor such as ``Rot(z, pi/2)``."""
     match = _FACTOR.fullmatch(text.text)
     if match is None or match[1] not in FUNCTIONS:
         allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"

@@ -42,7 +42,6 @@ _SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": 
 # Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
 _TOLERANCE = 1e-10
 
-
 # One link in motion: its joint, revolute or prismatic, and what each name stands for, numbers, (3,) or (3, 3).
 LinkCase = tuple[str, Mapping[str, Array]]
 
@@ -74,7 +73,6 @@ def check_methods(root: YamlMapping, source: str) -> FileReport:
 
 
 def _equation(name: str, node: Node) -> Iterator[Finding]:
-    """A printed equation and its correction."""
     item = reading.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
     joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
     result = reading.word(item, "result", RESULTS, "")

@@ -54,7 +54,6 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> tuple[Table, ...]:
-    """A table, where it has rows."""
     found = tuple(rows)
     return (Table(head, found),) if found else ()
 

@@ -172,7 +172,6 @@ class _StyledRobot:
         return frozenset(name for cell in cells for name in names(cell)) - angles
 
     def model(self, style: Style) -> Model:
-        """The model in a style."""
         if style not in self._models:
             if style.contraction not in self._exact:
                 self._exact[style.contraction] = Model(self.robot, style)
@@ -180,7 +179,6 @@ class _StyledRobot:
         return self._models[style]
 
     def form(self, quantity: str, style: Style) -> object:
-        """The form of a scalar quantity in a style."""
         key = (quantity, style)
         if key not in self._forms:
             self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))

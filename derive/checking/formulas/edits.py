@@ -23,10 +23,7 @@ from derive.robot.rounding import is_given_in_decimals, number_text
 
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **REAL_FUNCTIONS,
-    "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
-    "acos": math.acos,
-    "asin": math.asin,
-    "atan": math.atan,
+    **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 

@@ -73,7 +73,6 @@ def _lacking(printed: Printed, value: Printed) -> Printed:
 
 
 def _solution(node: Node, lines: Sequence[str]) -> InverseText:
-    """A whole solution, as lines of text or as LaTeX."""
     item = reading.mapping(node, "inverse_kinematics", (), ("lines", "latex", *_SOLUTION))
     if ("lines" in item.entries) is ("latex" in item.entries):
         found = "inverse_kinematics needs either 'lines', 'latex' or 'formulas'"
@@ -104,22 +103,22 @@ def _task(item: YamlMapping) -> Task | None:
 def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[Finding]:
     """Every formula of inverse kinematics against the variable it should give, and its correction."""
     for solution in solutions:
-        yield _finding(model, solution, solution.printed, Role.SOLUTION)
+        found = _finding(model, solution, solution.printed, Role.SOLUTION)
+        yield replace(found, erratum=solution.status == "erratum", remark=solution.remark)
         if solution.correction is not None:
-            yield _finding(model, solution, solution.correction, Role.CORRECTION)
+            yield replace(_finding(model, solution, solution.correction, Role.CORRECTION), remark=solution.remark)
 
 
 def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> Finding:
-    erratum = role is Role.SOLUTION and solution.status == "erratum"
     if printed.unknown is not None:
-        undecided = undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
-        return replace(undecided, erratum=erratum, remark=solution.remark)
+        return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
     definitions = _pose(model, solution, set(names(printed.formula)))
     question = Question(model.robot, printed.formula, solution.value, definitions)
     if solution.is_angle:
         # the sine of half the difference of two angles is zero where they are equal up to full turns
+        value = solution.value
         question = replace(
-            question, right=ZERO, compared=lambda e: Call("sin", (multiply(HALF, add(solution.value, negate(e))),))
+            question, right=ZERO, compared=lambda e: Call("sin", (multiply(HALF, add(value, negate(e))),))
         )
     whole = substitute(question.compared(question.printed), definitions)
     verdict = verdict_at(printed.location, model.robot, question.right, whole)
@@ -132,9 +131,7 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
             verdict = replace(verdict, counter_example=example)
     right = solution.correction.text if solution.correction else expression_to_sympy(solution.value)
     where = printed.location
-    return Finding(
-        solution.unknown, 0, 0, role, printed.text, verdict, right, where, erratum, question, remark=solution.remark
-    )
+    return Finding(solution.unknown, 0, 0, role, printed.text, verdict, right, where, question=question)
 
 
 def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expression]:

@@ -53,16 +53,14 @@ def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, .
     if not any(part.text.strip() for part in solution.parts):
         where = solution.asked.location
         raise CheckError("empty solution", remedy="write theta1 = ..., one quantity a line", location=where)
+    read = partial(latex_equations, document=solution.document) if solution.latex else text_equations
     for part in solution.parts:
         try:
-            if solution.latex:
-                found = latex_equations(part.text, robot, part.location, signs, document=solution.document)
-            else:
-                found = text_equations(part.text, robot, part.location, signs)
+            found, named = read(part.text, robot, part.location, signs)
         except CheckError as error:
             raise error if part.verbatim else error.moved(part.location) from None
-        equations += found[0]
-        words += found[1]
+        equations += found
+        words += named
     refused: list[Skipped] | None = [] if solution.document else None
     try:
         printed, vocabulary = assembled(robot, equations, words, refused)

@@ -77,12 +77,10 @@ class PoseNames:
         lengths = {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))}
         example = _Arm(robot, lengths, [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)])
         is_planar = all(parallel(axis, example.arms[0].axes[0]) for axis in example.arms[0].axes) and robot.n > 1
-        angles: dict[str, Expression] = {}
-        for word, short in flat.items() if is_planar else ():
-            for stem, function in (("", ""), ("c", "cos"), ("s", "sin")):
-                if short in (f"{stem}phi", f"{stem}varphi"):
-                    angle = Name("(phi)")
-                    angles[word] = Call(function, (angle,)) if function else angle
+        angle = (Name("(phi)"),)
+        known: dict[str, Expression] = {"phi": angle[0], "cphi": Call("cos", angle), "sphi": Call("sin", angle)}
+        plain = {word: short.replace("varphi", "phi") for word, short in flat.items()} if is_planar else {}
+        angles = {word: known[name] for word, name in plain.items() if name in known}
         wrist = wrist if any_wrist or example.wrist is not None else {}
         relatives: dict[str, tuple[int, int]] = {}  # names with other indices, r21 beside r12, p_y beside p_x
         for word, (_, column) in entries.items():

@@ -104,7 +104,6 @@ class Vocabulary:
             self.meanings[word] = resolve_tokens(Name(flat.lower()), self.robot)
 
     def _is_token(self, word: str) -> bool:
-        """Whether a word such as c2 is the cosine or sine of joint angles."""
         with suppress(CheckError):
             return isinstance(resolve_tokens(Name(word), self.robot), Call)
         return False

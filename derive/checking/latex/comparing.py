@@ -73,7 +73,6 @@ class Comparing:
         return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
 
     def _refused(self, side: LatexPiece, found: str, remedy: str = "") -> CheckError:
-        """An error about a side."""
         return CheckError(found, remedy=remedy, location=self.plain.location(side.start))
 
     def _by_value(self, value: Expression | Table, name: str, text: str, where: Location) -> Finding | None:
@@ -83,7 +82,6 @@ class Comparing:
         return Finding(quantity, 0, 0, Role.PRINTED, text, right, "", where) if quantity else None
 
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
-        """Keep a condition of the text."""
         line, end, letters = self.plain.location(side.start).line or 0, side.end, "".join(text.split())
         if not is_of_side:  # where what was typed ends, blanks aside
             end = side.start
@@ -156,7 +154,6 @@ class Comparing:
     def _entry_by_entry(
         self, first: LatexPiece, one: Table, second: LatexPiece, other: Table
     ) -> Iterator[Finding | Claim]:
-        """Two matrices that are said to be equal."""
         if one.shape != other.shape or not self.document:
             raise self._refused(second, "matrices on both sides")
         entries = list(zip(one.entries, other.entries, strict=True))

@@ -59,7 +59,6 @@ _MACRO_REMEDIES = {
     **dict.fromkeys(("approx", "simeq", "leq", "geq", "le", "ge", "neq", "sim"), "only equations can be compared"),
 }
 
-
 MAX_TERMS = 20_000  # of a formula that is differentiated, multiplied out
 _INNER = r"(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*"
 _BRACKETED = r"(?:\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)|\[(?:[^][]|\[[^][]*\])*\])"
@@ -190,7 +189,6 @@ class LatexReader:
             return Entry(ZERO, text, cell.start, unknown=error)
 
     def _check_size(self, piece: LatexPiece) -> None:
-        """Refuse what is empty or beyond a limit."""
         text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
         if len(text) > longest:
             raise self._refused(piece.start, f"formula of {len(text)} characters", f"allowed: at most {longest}")
@@ -266,8 +264,6 @@ _PRIMED_NAME = re.compile(
 _BRACKET = re.compile(r"[][(){}]")
 _OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
-
-
 _BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a formula
 
 

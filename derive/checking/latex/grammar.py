@@ -337,7 +337,6 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
 
 
 def _symbol(base: Value, scripts: list[tuple[str, int]]) -> Symbol:
-    """A name with its scripts."""
     if not isinstance(base, Symbol):
         raise _refused(scripts[0][1] if scripts else 0, "subscript of a formula", allowed="allowed: of a name")
     return Symbol(base.text + "".join(text for text, _ in scripts), base.offset, base.dots)

@@ -255,7 +255,6 @@ class Meanings:
         return expression_from_sympy(right.value[0, 0]) if right is not None else None
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
-        """The transpose or inverse of a matrix."""
         if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
             part = part.T
         if target.turned not in (Turned.INVERTED, Turned.BOTH):
@@ -328,10 +327,8 @@ def _from_world(left: Left) -> Left:
         sub = str(int(left.sub) - 1) if left.sub != "0" else "B"
         return replace(left, sub=sub, sup="B" if left.head == "T" or sub == "0" else "")
     less = str.maketrans({str(k): str(k - 1) if k else "B" for k in range(10)})
-    before, before_sub = left.before.translate(less), left.before_sub.translate(less)
-    return replace(
-        left, sub=left.sub.translate(less), sup=left.sup.translate(less), before=before, before_sub=before_sub
-    )
+    scripts = ("sub", "sup", "before", "before_sub")
+    return replace(left, **{name: getattr(left, name).translate(less) for name in scripts})
 
 
 def _whole(quantity: str, value: Matrix) -> Right:

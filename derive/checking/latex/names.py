@@ -33,7 +33,6 @@ _CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
 _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
 
-
 PlusMinus = Iterator[Name]  # gives every plus-minus of a text a name
 
 

@@ -271,7 +271,6 @@ class Poses:
         return [k for k in ((n - 2, n - 1, n) if n > WRIST + 1 else (n - 1, n, n - 2)) if k > 0]
 
     def _wrist(self, frame: int) -> dict[str, Expression]:
-        """What the names of the wrist stand for."""
         place = self._model.quantity(f"T[{frame}]")
         return _placed({name: place[k, 3] for name, k in self._names.wrist.items()})
 
@@ -312,7 +311,6 @@ class Poses:
         return _placed(values)
 
     def _point(self, link: int, kind: Points) -> Matrix:
-        """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
             return own_quantity(self._model, f"centre[{min(link, n)}]")

@@ -412,7 +412,6 @@ class Scope:
         return False
 
     def _is_pose(self, left: Left) -> bool:
-        """Whether a left side is a name of a pose."""
         return self.poses is not None and self.poses.placeholder(left.flat) is not None
 
     def is_own(self, left: Left) -> bool:

@@ -384,7 +384,6 @@ class SideReading(Comparing):
 
     @property
     def _moving(self) -> set[str]:
-        """Joint variables, velocities and accelerations."""
         return self.joints.keys() | self.rates | self._accelerations
 
     def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
