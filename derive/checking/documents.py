@@ -135,16 +135,12 @@ def read_document(path: str) -> Manuscript:
 def is_document(text: str) -> bool:
     """Whether a text has mathematics between words, or says itself that it is a document."""
     if re.search(
-        r"\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*\"(?:cells|metadata|nbformat)\"", text, re.MULTILINE
+        r"(?m)\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*\"(?:cells|metadata|nbformat)\"", text
     ):
         return True
-    marked = re.sub(
-        r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}",
-        "",
-        text,
-        flags=re.DOTALL,
-    )
-    return marked != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", marked)) >= 2
+    mathematics = r"(?s)\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}"
+    prose = re.sub(mathematics, "", text)
+    return prose != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", prose)) >= 2
 
 
 def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
@@ -239,13 +235,12 @@ def _marked(text: str) -> str:
     return blanks[:at] + "$$" + blanks[at + 2 :]
 
 
-_DOLLAR = re.compile(r"(?<!\\)\$\$?")
 _PROSE = re.compile(r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}")
 
 
 def _balanced(text: str) -> str:
     """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
-    marks, dropped = list(_DOLLAR.finditer(text)), list[re.Match[str]]()
+    marks, dropped = list(re.finditer(r"(?<!\\)\$\$?", text)), list[re.Match[str]]()
     index = 0
     while index < len(marks):
         mark = marks[index]
@@ -284,7 +279,6 @@ _DEFINITION = re.compile(
     r"|\\DeclareMathOperator\*?\s*\{?\s*\\(?P<operator>[A-Za-z]+)\s*\}?\s*(?=\{)"
     r"|\\providecommand\*?\s*\{?\s*\\(?P<provided>[A-Za-z]+)\s*\}?\s*(?:\[(?P<number>[0-9])\])?\s*(?=\{)"
 )
-_CALL = re.compile(r"\\([A-Za-z]+)")
 
 
 def expanded(text: str) -> tuple[str, Sequence[int]]:
@@ -314,7 +308,7 @@ class _Expansion:
     def written(self, text: str, origins: list[int], depth: int = 0) -> tuple[str, list[int]]:
         """The text written out, and the place in the file of each of its characters, as they are given for the text."""
         pieces, places, last = [], [], 0
-        for match in _CALL.finditer(text):
+        for match in re.finditer(r"\\([A-Za-z]+)", text):
             begin, name = match.start(), match[1]
             if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro

@@ -30,7 +30,6 @@ _CONTENT = (
     "quantity", "latex", "matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated",
 )  # fmt: skip
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
-_PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
 
 
 def check_path(path: str) -> tuple[FileReport, Robot]:
@@ -141,7 +140,7 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
     """Formulas under keys such as ``1,4``, or ``3`` for a vector."""
     seen: set[tuple[int, int]] = set()
     for key, text in pairs:
-        match = _PLACE.fullmatch(key.text)
+        match = re.fullmatch(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?", key.text)
         place = (int(match[1]), int(match[2] or 1)) if match else (0, 0)
         if 0 in place or place in seen:
             found = f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else "")

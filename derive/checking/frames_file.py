@@ -34,7 +34,6 @@ from derive.robot.robot import Robot
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
 FUNCTIONS = ("Rot", "Rot3", "Trans", "Vec", "Ref")
 _FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
-_PLACE = re.compile(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*")
 _KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
 _TURNS = {"x": sympy.rot_ccw_axis1, "y": sympy.rot_ccw_axis2, "z": sympy.rot_ccw_axis3}  # of an angle, 3x3
 
@@ -113,7 +112,7 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     right = product.subs(at) if at else product
     corrections: dict[tuple[int, int], YamlScalar] = {}
     for key, text in reading.pairs(item, "correct", "a correction"):
-        match = _PLACE.fullmatch(key.text)
+        match = re.fullmatch(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*", key.text)
         if match is None:
             raise CheckError(f"place {quoted(key.text)}", allowed="allowed: row,column", location=key.location)
         corrections[int(match[1]), int(match[2])] = text

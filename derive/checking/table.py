@@ -29,8 +29,6 @@ _SIGNS = {
     **{"\u2212": "-", "\u2013": "-", "\u00b0": "^circ", "\u00b7": "*", "\u1d62": "i", "(i-1)": "i-1"},
     **{chr(0x2080 + digit): str(digit) for digit in range(10)},
 }
-_VARIABLE = re.compile(r"(?:theta|th|q)[0-9]*")
-_FIXED = re.compile(r"[-+0-9./*() pi]*")
 
 
 @dataclass(frozen=True)
@@ -207,7 +205,7 @@ def _joint(row: _Row, index: int) -> tuple[str, str]:
     for kind, found in (("revolute", names[0]), ("prismatic", names[1])):
         if variable := next((n for n in found if n in row.marked), ""):
             return kind, variable
-    if variable := next((n for n in names[0] if _VARIABLE.fullmatch(n)), ""):
+    if variable := next((n for n in names[0] if re.fullmatch(r"(?:theta|th|q)[0-9]*", n)), ""):
         return "revolute", variable
-    slide = names[1][0] if _FIXED.fullmatch(theta) and len(names[1]) == 1 else ""
+    slide = names[1][0] if re.fullmatch(r"[-+0-9./*() pi]*", theta) and len(names[1]) == 1 else ""
     return ("prismatic", slide) if re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", slide) else ("", "")

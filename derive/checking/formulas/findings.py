@@ -291,7 +291,7 @@ def judge(finding: Finding) -> Judgement:
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
     if question is None:
         return Judgement(Outcome.WRONG, repair=finding.repair)
-    terms = _difference_terms(question) if question.is_plain else ()
+    terms = _difference_terms(question) if question.compared is None else ()
     lacking: tuple[Expression, ...] = ()
     if len(terms) == 1:  # a difference of one term is a term too many or too few
         with suppress(DeriveError):

@@ -114,13 +114,14 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
         return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
     definitions = _pose(model, solution, set(names(printed.formula)))
     question = Question(model.robot, printed.formula, solution.value, definitions)
-    if solution.is_angle:
+
+    def half_sine(e: Expression) -> Expression:
         # the sine of half the difference of two angles is zero where they are equal up to full turns
-        value = solution.value
-        question = replace(
-            question, right=ZERO, compared=lambda e: Call("sin", (multiply(HALF, add(value, negate(e))),))
-        )
-    whole = substitute(question.compared(question.printed), definitions)
+        return Call("sin", (multiply(HALF, add(solution.value, negate(e))),))
+
+    if solution.is_angle:
+        question = replace(question, right=ZERO, compared=half_sine)
+    whole = substitute(half_sine(printed.formula) if solution.is_angle else printed.formula, definitions)
     verdict = verdict_at(printed.location, model.robot, question.right, whole)
     example = verdict.counter_example
     if example is not None and solution.is_angle:  # it shows the angles, not the sine of half their difference

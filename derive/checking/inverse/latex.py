@@ -25,7 +25,6 @@ _NAME = re.compile(
     r"|[A-Za-z\u0391-\u03c9])"
     r"\s*((?:_\s*(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?)"
 )
-_BRACED = re.compile(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}")
 
 
 def latex_equations(
@@ -49,7 +48,7 @@ def printed_words(text: str) -> Iterator[str]:
     """Names on the line: ``p_{Wx}`` as pWx."""
     for match in _NAME.finditer(text):
         head = match[1]
-        if braced := _BRACED.fullmatch(head):
+        if braced := re.fullmatch(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}", head):
             head = braced[1]
         head = head.removeprefix("\\")
         sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])

@@ -34,7 +34,6 @@ BATCHES = 5  # geometries that are tried
 CONFIGURATIONS = 12  # configurations of each
 # Angles of joints that are tried, none close to a right angle, where arms are singular.
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
-_ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
 _WRIST = re.compile(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])")
 _COORDINATE = re.compile(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?")
@@ -63,7 +62,7 @@ class PoseNames:
         entries: dict[str, tuple[int, int]] = {}
         wrist: dict[str, int] = {}
         for word, short in flat.items():
-            if found := _ENTRY.fullmatch(short):
+            if found := re.fullmatch(r"[rR]([123])([123])|[tT]([123])([1234])", short):
                 row, column = [int(group) for group in found.groups() if group]
                 entries[word] = row, column
             elif found := _COLUMN.fullmatch(short):

@@ -26,11 +26,6 @@ from derive.robot.names import joint_label, own_names
 from derive.robot.parser import FORMULA_FUNCTIONS, place
 from derive.robot.robot import Robot
 
-_JOINT = re.compile(r"(vartheta|theta|th|q|d)([0-9]+)")
-_SUM = re.compile(r"(?:vartheta|theta|th|q)([0-9]{2,})")
-_CIRCULAR = re.compile(r"([cCsS])([0-9]+)")
-_SIGN_NAME = re.compile(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*")
-
 
 @dataclass(frozen=True)
 class Alternative:
@@ -88,17 +83,17 @@ class Vocabulary:
     def _learn(self, word: str) -> None:
         """A word that is a joint variable, a sum of them, a cosine or sine, or a sign."""
         flat = word.replace("_", "")
-        match = _JOINT.fullmatch(flat)
+        match = re.fullmatch(r"(vartheta|theta|th|q|d)([0-9]+)", flat)
         joints = [j for j in self.robot.joints if match is not None and joint_label(j.variable) == match[2]]
         fitting = [j for j in joints if match and (match[1] == "q" or (match[1] == "d") is not j.is_revolute)]
-        if _SIGN_NAME.fullmatch(flat):
+        if re.fullmatch(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*", flat):
             self.meanings[word] = Name(SIGN + flat)
         elif fitting:
             self.meanings[word] = Name(fitting[0].variable)
-        elif match := _SUM.fullmatch(flat):
+        elif match := re.fullmatch(r"(?:vartheta|theta|th|q)([0-9]{2,})", flat):
             if terms := sum_of_angles(self.robot, match[1]):
                 self.sums[word], self.meanings[word] = add(*terms), Name(word)
-        elif (match := _CIRCULAR.fullmatch(flat)) and flat != word:
+        elif (match := re.fullmatch(r"([cCsS])([0-9]+)", flat)) and flat != word:
             self.meanings[word] = resolve_tokens(Name(match[1].lower() + match[2]), self.robot)
         elif match and match[1].isupper():
             self.meanings[word] = resolve_tokens(Name(flat.lower()), self.robot)
@@ -161,7 +156,6 @@ def assembled(
 
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
-    """The lines that one equation makes."""
     first, *others = sides
     joints = vocabulary.has_joints
     if others and first.primed:
@@ -229,7 +223,6 @@ _TOKEN = re.compile(
     r"|(?P<tan>A[ ]tan(?=\s*\())|(?P<word>[A-Za-z][A-Za-z0-9_]*)|(?P<other>.)",
     re.DOTALL,
 )
-_COMMENT = re.compile(r"#[^\n]*")
 _OR = re.compile(r"(?<![A-Za-z0-9_])(?:or|oppure|ou)(?![A-Za-z0-9_])")
 _LEAD = re.compile(r"\s*(?:where|with|and|dove|con|e|onde|com)\s+(?=[A-Za-z])")
 _NEXT = re.compile(
@@ -240,7 +233,7 @@ _NEXT = re.compile(
 def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -> tuple[list[list[Side]], list[str]]:
     """The equations of a text, one on a line or between semicolons."""
     found: list[list[Side]] = []
-    text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
+    text = re.sub(r"#[^\n]*", lambda match: " " * len(match[0]), text)
     lines = _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True)
     spans = [span for line in lines for span in _cut(text, *line, _NEXT) if text[slice(*span)].strip()]
     for begin, end in spans:

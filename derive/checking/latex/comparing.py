@@ -36,7 +36,6 @@ _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any fr
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 _ENERGIES = ("kinetic", "potential", "lagrangian")
-_ROWS = re.compile(r"\\\\|&")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +69,7 @@ class Comparing:
         self.parameters = own_names(self.robot) - self.joints.keys()
 
     def _typed(self, side: LatexPiece) -> str:
-        return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
+        return " ".join(re.sub(r"\\\\|&", " ", self.text[side.start : side.end]).split())
 
     def _refused(self, side: LatexPiece, found: str, remedy: str = "") -> CheckError:
         return CheckError(found, remedy=remedy, location=self.plain.location(side.start))

@@ -35,7 +35,6 @@ MACROS = (
     *("sigma", "tau", "phi", "varphi", "chi", "psi", "omega", "ell", "mathrm", "text", "operatorname", "mathbf"),
 )
 
-_MACRO = re.compile(r"\\[A-Za-z]+|\\.")
 _LONG_SCRIPT = re.compile(r"([_^])\s*([A-Za-z0-9][0-9]+)")
 _REMEDIES = {
     "=": "write only the right-hand side",
@@ -195,7 +194,7 @@ class LatexReader:
         if not text.strip(" \t\r\n$"):
             raise self._refused(piece.offset, "empty formula", remedy="write the right-hand side")
         depth = 0
-        for match in _BRACKET.finditer(text):
+        for match in re.finditer(r"[][(){}]", text):
             depth += 1 if match[0] in "([{" else -1
             if depth > deepest:
                 allowed = f"allowed: at most {deepest}"
@@ -216,7 +215,7 @@ class LatexReader:
             mark, script = match[1], match[2]
             shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
             return self._refused(piece.offset + match.start(), shown, remedy=f"write {mark}{{{script}}}")
-        if match := _MACRO.match(rest):
+        if match := re.match(r"\\[A-Za-z]+|\\.", rest):
             name = match[0][1:]
             if name in MACROS:
                 return self._refused(where, f"{match[0]} at a place where it has no meaning")
@@ -261,7 +260,6 @@ _PRIMED_NAME = re.compile(
     rf"(?P<letter>\\(?:{'|'.join(filter(str.isascii, FLAT))})|(?<![A-Za-z\\])[A-Za-z])(?P<sub>{_INDEX})?"
     rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
-_BRACKET = re.compile(r"[][(){}]")
 _OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
 _BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a formula

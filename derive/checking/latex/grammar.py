@@ -242,7 +242,6 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         return product.changed(partial(tree.multiply, scale)) if formulas else product
 
     def _matrix(self, data: str, children: Children) -> Expression | Table:
-        """A matrix, a list, or the transpose of one."""
         first, last = children[0], children[-1]
         if data == "list":
             table = Table((tuple(Entry(self._tree(child)) for child in children if not isinstance(child, Token)),))

@@ -27,7 +27,6 @@ ENERGY = "\u2202"  # before the letter of an energy that is differentiated
 PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
-_CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
 _OPPOSED = re.compile(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)")
 _CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
 _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
@@ -166,7 +165,7 @@ class LatexNames:
             return text
         if (match := _JOINT.fullmatch(text)) and (variable := self._variable(match[1], match[2])):
             return variable
-        if match := _CIRCULAR.fullmatch(text):
+        if match := re.fullmatch(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)", text):
             return match[1].lower() + re.sub("[a-z]", "", match[2])
         for likeness, wanted in enumerate(_alike(text)):
             # a name that the text itself defines, such as A_x, is not another one in small letters

@@ -69,13 +69,13 @@ class PoseReading:
 
     def shown(self, group: Settled) -> str:
         """The reading of one kind of names in words."""
-        if group is Settled.POINT:
-            return f"points are read as {self.points.value}"
-        if group is Settled.WRIST:
-            return f"the wrist is read as the origin of frame {self.wrist}"
-        if group is Settled.LABEL:
-            return "entries with the number of a frame are read as those of its own pose in the base"
-        return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
+        readings = {
+            Settled.POINT: f"points are read as {self.points.value}",
+            Settled.WRIST: f"the wrist is read as the origin of frame {self.wrist}",
+            Settled.LABEL: "entries with the number of a frame are read as those of its own pose in the base",
+        }
+        usual = f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
+        return readings.get(group, usual)
 
 
 @dataclass(frozen=True, slots=True)

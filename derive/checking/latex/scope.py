@@ -36,7 +36,6 @@ MAX_PASSES = 12  # how often definitions are gone through that need one that sta
 _LENT = frozenset("uvwhkexyzfFQTKVUP")
 ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 
-_PRIME = re.compile(r"'+|\^\s*\{?\s*\\prime\s*\}?")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
@@ -104,7 +103,7 @@ class Scope:
         found = {}
         for first, *others in self.equations if self.document else ():
             for side in others:
-                own = _PRIME.sub(lambda m: " " * len(m[0]), side.text)
+                own = re.sub(r"'+|\^\s*\{?\s*\\prime\s*\}?", lambda m: " " * len(m[0]), side.text)
                 with suppress(CheckError):
                     if own != side.text and not first.matrices and first.text.strip() in own:
                         joint, value = self.plain.formula(first), self.plain.formula(replace(side, text=own))

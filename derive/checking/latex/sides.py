@@ -37,7 +37,6 @@ _LAGRANGE = re.compile(
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
-_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
 class SideReading(Comparing):
@@ -294,7 +293,7 @@ class SideReading(Comparing):
 
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
-        match = _LABELLED.fullmatch(left.sub)
+        match = re.fullmatch(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?", left.sub)
         is_labelled = match is not None and (left.primes or left.sup or match["joint"] != left.sub)
         if not self.document or match is None or not is_labelled or left.dots:
             return None

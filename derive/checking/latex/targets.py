@@ -270,7 +270,6 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
 
 
 def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
-    """Columns and entries."""
     if (match := re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)) and int(match[2]) <= n:
         rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
         if rows:
