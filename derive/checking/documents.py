@@ -134,9 +134,7 @@ def read_document(path: str) -> Manuscript:
 
 def is_document(text: str) -> bool:
     """Whether a text has mathematics between words, or says itself that it is a document."""
-    if re.search(
-        r"(?m)\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*\"(?:cells|metadata|nbformat)\"", text
-    ):
+    if re.search(r'(?m)\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*"(?:cells|metadata|nbformat)"', text):
         return True
     mathematics = r"(?s)\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}"
     prose = re.sub(mathematics, "", text)

@@ -105,10 +105,8 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     except DeriveError as error:
         raise error.at(item.location) from None
     known[name] = product
-    at = {
-        sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner))
-        for key, text in reading.pairs(item, "at", "a value")
-    }
+    values = reading.pairs(item, "at", "a value")
+    at = {sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner)) for key, text in values}
     right = product.subs(at) if at else product
     corrections: dict[tuple[int, int], YamlScalar] = {}
     for key, text in reading.pairs(item, "correct", "a correction"):

@@ -166,11 +166,9 @@ class PrintedInverse:
         """The plus-minus signs and alternatives that the value of a line depends on, with their values."""
         if line not in self._choices:
             parts = (*self.named_before(line), line)
-            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
-            self._choices[line] = {
-                **dict.fromkeys(self._signs(line), (1.0, -1.0)),
-                **{name: values for name, values in switches.items() if len(values) > 1},
-            }
+            several = [part for part in parts if len(part.formulas) > 1]
+            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in several}
+            self._choices[line] = {**dict.fromkeys(self._signs(line), (1.0, -1.0)), **switches}
         return self._choices[line]
 
     def _signs(self, line: PrintedLine) -> tuple[str, ...]:

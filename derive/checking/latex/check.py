@@ -64,12 +64,11 @@ def check_latex(
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
     order = False if document and _CAPITAL.search(text) else None
     check, findings = read(model, order)
-    if (
-        order is not None
-        and (gain := _count((other := read(model, True))[1], right=True) - _count(findings, right=True)) > 0
-    ):
-        order, (check, findings) = True, other
-        check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
+    if order is not None:
+        other = read(model, True)
+        if (gain := _count(other[1], right=True) - _count(findings, right=True)) > 0:
+            order, (check, findings) = True, other
+            check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
     if document and may_count_from_one_direction(model, text):
         other = read(AbsoluteModel(model), order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))

@@ -128,24 +128,23 @@ class Comparing:
                     raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
                 found = replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
             found = self._rounded(found, first.value, side.value, left, right)
-            if not found.verdict.equal and self._is_condition(first, side, left, right):
+            if not found.verdict.equal and self._is_condition(first.piece, first.value, side.piece, side.value):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
 
-    def _is_condition(self, first: Side, side: Side, left: str, right: str) -> bool:
+    def _is_condition(self, first: LatexPiece, one: Expression, second: LatexPiece, other: Expression) -> bool:
         """Whether two formulas that differ hold somewhere, as an equation of motion does, and are kept as such."""
-        assert isinstance(first.value, Expression)
-        assert isinstance(side.value, Expression)
-        if self.document and _ARROW.match(self.text, side.piece.end):
+        if self.document and _ARROW.match(self.text, second.end):
             return True
+        left, right = self._typed(first), self._typed(second)
         # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
-        is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
+        is_motion = not self._accelerations.isdisjoint((*names(one), *names(other)))
         is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
         is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
-        if is_motion or self._constrains(first.value, side.value):
-            self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
+        if is_motion or self._constrains(one, other):
+            self._states(first, f"{left} = {right}", ways([one, other]))
             return True
-        return is_constant(first.value) != is_constant(side.value)
+        return is_constant(one) != is_constant(other)
 
     def _constrains(self, one: Expression, other: Expression) -> bool:
         return self.document and constrains(one, other, self.rates | self.joints.keys(), self.parameters)
@@ -238,9 +237,8 @@ class Comparing:
             chosen = (elsewhere,)
         self._refuse_sign(name, chosen)
         wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
-        if len(wrong) > 1 and (
-            cause := next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
-        ):
+        causes = (one_cause(right, fitting) for right, fitting in fits if right.quantity == chosen[0].quantity)
+        if len(wrong) > 1 and (cause := next(causes, "")):
             chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]

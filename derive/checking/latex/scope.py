@@ -236,9 +236,8 @@ class Scope:
     def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
         """A product of transforms is a chain in one order of the frames only."""
         usual = self.meanings.reading
-        for lefts in filter(
-            None, (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
-        ):
+        products = (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
+        for lefts in filter(None, products):
             scripts, *others = {left.scripts for left in lefts}
             if others or scripts is None:
                 continue
