@@ -245,12 +245,9 @@ class Meanings:
         is_place = by == ["q"] and left.head in "pPx"
         return (*found, *(Target("J", rows) for rows in ((1, 2, 3), (1, 2)) if is_place))
 
-    def differentiated(self, name: str) -> Expression | None:
-        """An energy of the arm or of a link by its letter, L for their difference, or an entry of B."""
-        letter, label = name[:1], name[1:]
-        left = Left(letter, label) if label.isdigit() or not label else Left(name)
-        known = ("kinetic", "potential", "lagrangian", "B")
-        found = (t for t in self.targets(left) if is_scalar(t) and t.quantity.startswith(known))
+    def formula(self, left: Left, kinds: tuple[str, ...] = ("",)) -> Expression | None:
+        """The first formula of some kinds that a left side may mean; None where there is none."""
+        found = (target for target in self.targets(left) if is_scalar(target) and target.quantity.startswith(kinds))
         right = next(filter(None, map(self.right, found)), None)
         return expression_from_sympy(right.value[0, 0]) if right is not None else None
 
@@ -305,20 +302,16 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return found
     if name.endswith("'") and (entry := entry_named(meanings, None, name[:-1])):
         return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
-    if name[0] == ENERGY:
-        return meanings.differentiated(name[1:])
+    if name[0] == ENERGY:  # of the arm or of a link by its letter, L for their difference, or an entry of B
+        left = Left(name[1:2], name[2:]) if name[2:].isdigit() or not name[2:] else Left(name[1:])
+        return meanings.formula(left, ("kinetic", "potential", "lagrangian", "B"))
     if seen := _SEEN_FROM.fullmatch(name):
-        letter, sub, frame = seen.groups()
-        rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, before=frame))))
-        return next((expression_from_sympy(right.value[0, 0]) for right in rights if right), None)
+        return meanings.formula(Left(seen[1], seen[2], before=seen[3]))
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
         return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
-    left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-    for target in meanings.targets(left) if left else ():
-        if is_scalar(target) and (right := meanings.right(target)):
-            return expression_from_sympy(right.value[0, 0])
-    return None
+    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+    return meanings.formula(own) if own is not None else None
 
 
 def _from_world(left: Left) -> Left:
