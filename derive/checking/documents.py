@@ -177,9 +177,6 @@ def _displayed(cell: Mapping[str, Any]) -> str:
     return re.sub(r"\$\\displaystyle ([^$=]{1,30})\$\s+\$\\displaystyle (?=\\left\[\\begin)", r"$\1 = ", shown)
 
 
-# -- what is no mathematics
-
-
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
     r"|:math:`(?P<role>[^`\n]+)`|<!--.*?-->|\$`(?P<math>[^`]{1,4000})`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"

@@ -25,7 +25,6 @@ from derive.robot.tree import require_chain
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
-_KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = (
     "quantity", "latex", "matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated",
 )  # fmt: skip
@@ -55,7 +54,7 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
         allowed = "allowed: robot: with the DH table, expected: with what is printed"
         remedy = "indent the robot under 'robot:' and add 'expected:'"
         raise CheckError(found, allowed=allowed, remedy=remedy, location=Location(source))
-    root = reading.mapping(node, "the file", ("robot",), _KEYS)
+    root = reading.mapping(node, "the file", ("robot",), ("source", "notes", "ocr", "figure_configuration", *_BLOCKS))
     expected = reading.items(reading.child(root, "expected"), "expected")
     identities = reading.items(reading.child(root, "identities"), "identities")
     product = reading.child(root, "factorisation")

@@ -16,7 +16,7 @@ from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import FileReport, Finding, Role
 from derive.checking.formulas.reading import required_text
-from derive.checking.formulas.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
+from derive.checking.formulas.vector_formula import Array, Vector, diagnose_vector, names_in, read_vector, value_of
 from derive.errors import CheckError, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, printed_newton_euler
@@ -24,8 +24,6 @@ from derive.model.equality import Verdict
 from derive.robot.expression import Name
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar
 from derive.robot.robot import Robot
-
-Array = Any
 
 SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
     "newton_euler_base": partial(printed_newton_euler, base=True),
@@ -38,7 +36,6 @@ UNREAD = ("initial_conditions", "textual", "lagrange")
 _KEYS = ("source", "algorithm", *SETS, *UNREAD)
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
-_SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
 # Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
 _TOLERANCE = 1e-10
 
@@ -78,7 +75,7 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
     result = reading.word(item, "result", RESULTS, "")
     erratum, said = reading.status(item) == "erratum", reading.remark(item)
     known = [values for its_joint, values in cases(name) if joint in ("any", its_joint)]
-    shown = f"{_SHOWN[name]}: {required_text(item, 'id').text} ({joint} joint)"
+    shown = f"Newton-Euler, {name[-4:]} frame: {required_text(item, 'id').text} ({joint} joint)"
     correction = reading.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
         text = reading.child(item, key)

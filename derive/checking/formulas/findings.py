@@ -31,7 +31,6 @@ from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 
-RIGHT_ANGLE = 90  # degrees
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
@@ -138,7 +137,7 @@ def in_degrees(formula: Expression) -> Expression:
     """A formula in which whole numbers that are added to an angle, as in cos(180 - theta2), are degrees."""
     match formula:
         case Call("sin" | "cos" | "tan", (Sum(terms),)) if any(
-            isinstance(term, Number) and abs(term.value) >= RIGHT_ANGLE / 3 for term in terms
+            isinstance(term, Number) and abs(term.value) >= 30 for term in terms
         ):
             turn = (Number(Fraction(1, 180)), Pi())
             turned = (tree.multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
@@ -198,11 +197,8 @@ def significant(value: Fraction) -> int:
     """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number."""
     if value.denominator == 1:
         return 0
-    scaled = value * 10**DECIMAL_PLACES
+    scaled = value * 10**24  # a decimal has no more places
     return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
-
-
-DECIMAL_PLACES = 24  # places that a decimal may have
 
 
 def undecidable(quantity: str, place: tuple[int, int], role: Role, text: str, unknown: CheckError) -> Finding:

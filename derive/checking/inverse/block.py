@@ -23,10 +23,8 @@ from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlSequence
 from derive.robot.robot import Robot
 
-ORDERS = ("yx", "xy")  # orders of the arguments of atan2: the sine first, or the cosine
 # Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
 POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
-HALF = number("1/2")
 _FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
 _SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
@@ -59,17 +57,13 @@ def _formulas(node: Node, robot: Robot) -> Iterator[Solution]:
         yield Solution(
             unknown=required_text(item, "unknown").text,
             value=value.formula,
-            printed=_lacking(printed, value),
+            # a formula about whose value nothing is known cannot be decided either
+            printed=replace(printed, unknown=printed.unknown or value.unknown),
             is_angle=reading.flag(item, "angle"),
-            correction=_lacking(correct, value) if correct else None,
+            correction=replace(correct, unknown=correct.unknown or value.unknown) if correct else None,
             status=reading.status(item),
             remark=reading.remark(item),
         )
-
-
-def _lacking(printed: Printed, value: Printed) -> Printed:
-    """A formula about whose value nothing is known cannot be decided either."""
-    return replace(printed, unknown=printed.unknown or value.unknown)
 
 
 def _solution(node: Node, lines: Sequence[str]) -> InverseText:
@@ -81,7 +75,7 @@ def _solution(node: Node, lines: Sequence[str]) -> InverseText:
     content = item.entries["lines" if "lines" in item.entries else "latex"][1]
     texts = content.items if isinstance(content, YamlSequence) else [content]
     parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
-    order = reading.word(item, "atan2", ORDERS, "")
+    order = reading.word(item, "atan2", ("yx", "xy"), "")  # of its arguments: the sine first, or the cosine
     asked = Asked(item.location, _task(item), order == "xy" if order else None)
     return InverseText(parts, asked, "latex" in item.entries, False, reading.status(item), reading.remark(item))
 
@@ -117,7 +111,7 @@ def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> 
 
     def half_sine(e: Expression) -> Expression:
         # the sine of half the difference of two angles is zero where they are equal up to full turns
-        return Call("sin", (multiply(HALF, add(solution.value, negate(e))),))
+        return Call("sin", (multiply(number("1/2"), add(solution.value, negate(e))),))
 
     if solution.is_angle:
         question = replace(question, right=ZERO, compared=half_sine)

@@ -22,11 +22,10 @@ from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped
 from derive.checking.formulas.printed import Asked, InverseText, PrintedText
-from derive.checking.inverse.latex import latex_equations
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import geometry_symbols, places, pose_of
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, determined_joints
-from derive.checking.inverse.reading import Side, Vocabulary, assembled, text_equations
+from derive.checking.inverse.reading import Side, Vocabulary, assembled, latex_equations, text_equations
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, QuantityError, listed

@@ -35,7 +35,6 @@ ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
-_ENERGIES = ("kinetic", "potential", "lagrangian")
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,7 +274,8 @@ class Comparing:
         if not self.joints.keys().isdisjoint(used):  # an axis that moves is a column of a Jacobian, not one at home
             rights = tuple(map(self._moving_axis, rights))
         if not self._accelerations.isdisjoint(used):  # K of an equation of motion is no energy
-            rights = tuple(right for right in rights if not right.quantity.startswith(_ENERGIES))
+            energies = ("kinetic", "potential", "lagrangian")
+            rights = tuple(right for right in rights if not right.quantity.startswith(energies))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
         is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)

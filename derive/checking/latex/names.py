@@ -3,7 +3,7 @@ r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}``
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 
 from derive.checking.formulas.branches import SIGN
@@ -49,6 +49,7 @@ class Symbol:
     dots: int = 0  # derivatives with respect to time
 
 
+@dataclass(eq=False)
 class LatexNames:
     """What printed names stand for.
 
@@ -56,21 +57,15 @@ class LatexNames:
     in underscores, in the place of the digits, or in case, if there is exactly one.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        abbreviations: Mapping[str, Expression] | None = None,
-        entry: Callable[[str], Expression | None] = lambda name: None,
-        signs: PlusMinus | None = None,
-        *,
-        cosine_first: bool | None = None,
-        foreign: frozenset[str] = frozenset(),
-    ) -> None:
-        self.robot, self.signs, self.entry = robot, signs, entry
-        self._foreign = foreign  # capitals that are other names than the robot's, for the text has both
-        self.cosine_first = cosine_first  # whether Atan2 takes the cosine first; None if either will do
-        self.abbreviations = dict(abbreviations or {})
-        self.own = own_names(robot).union(self.abbreviations)
+    robot: Robot
+    abbreviations: Mapping[str, Expression] = field(default_factory=dict)  # what names of the text itself stand for
+    entry: Callable[[str], Expression | None] = lambda name: None  # the entry of a quantity that a name is
+    signs: PlusMinus | None = None  # names for its plus-minus signs; None where none may occur
+    cosine_first: bool | None = None  # whether Atan2 takes the cosine first; None if either will do
+    foreign: frozenset[str] = frozenset()  # capitals that are other names than the robot's, for the text has both
+
+    def __post_init__(self) -> None:
+        self.own = own_names(self.robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._derived: dict[str, Expression] = {}  # what stands for a derivative in a text
         self._known: dict[tuple[str, int], Expression] = {}
@@ -161,7 +156,7 @@ class LatexNames:
 
     def _name(self, text: str) -> str:
         """The robot's name, or the token, that is printed like this; the text itself where there is none."""
-        if text in self.own or text in self._foreign:
+        if text in self.own or text in self.foreign:
             return text
         if (match := _JOINT.fullmatch(text)) and (variable := self._variable(match[1], match[2])):
             return variable

@@ -15,8 +15,8 @@ import sympy
 
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
-from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
+from derive.checking.inverse.reading import printed_words
 from derive.checking.latex.left import AXES
 from derive.checking.latex.quantities import own_quantity, slope
 from derive.errors import CheckError, Location

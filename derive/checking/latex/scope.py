@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import chain, islice, product
 
-from derive.checking.inverse.latex import printed_words
+from derive.checking.inverse.reading import printed_words
 from derive.checking.latex import whole
 from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader

@@ -11,10 +11,9 @@ from derive.checking.formulas.branches import with_atan2
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import Finding, Outcome, judge
 from derive.checking.inverse.check import names_inverse
-from derive.checking.inverse.latex import gives_joints, latex_equations
 from derive.checking.inverse.poses import places
 from derive.checking.inverse.printed import PrintedInverse, determined_joints, free_joints, is_same
-from derive.checking.inverse.reading import Vocabulary, assembled, text_equations
+from derive.checking.inverse.reading import Vocabulary, assembled, gives_joints, latex_equations, text_equations
 from derive.checking.inverse.repair import Repairer
 from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, Location

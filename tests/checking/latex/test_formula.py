@@ -26,9 +26,8 @@ WRIST = Robot.load("spherical-wrist")
 
 
 def read_latex(text: str, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> Expression:
-    return LatexReader(LatexNames(robot, abbreviations), text, Location("<latex>")).formula(
-        LatexPiece(cleaned(text), 0)
-    )
+    reader = LatexReader(LatexNames(robot, abbreviations or {}), text, Location("<latex>"))
+    return reader.formula(LatexPiece(cleaned(text), 0))
 
 
 READ = [
