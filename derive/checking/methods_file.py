@@ -75,7 +75,7 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
     result = reading.word(item, "result", RESULTS, "")
     erratum, said = reading.status(item) == "erratum", reading.remark(item)
     known = [values for its_joint, values in cases(name) if joint in ("any", its_joint)]
-    shown = f"Newton-Euler, {name[-4:]} frame: {required_text(item, 'id').text} ({joint} joint)"
+    shown = f"Newton-Euler, {name.rpartition('_')[2]} frame: {required_text(item, 'id').text} ({joint} joint)"
     correction = reading.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
         text = reading.child(item, key)

@@ -11,12 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
-from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
-from derive.checking.latex.conditions import explaining
+from derive.checking.latex.conditions import certain, explaining
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
