@@ -69,8 +69,8 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
         identities=tuple(map(Identity, left, right, map(reading.status, equal))),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
-        solutions=solutions,
-        inverse=inverse,
+        solutions=tuple(solutions),
+        inverse=tuple(inverse),
         document=reading.printed_in(root),
     )
 

@@ -108,9 +108,6 @@ def _holds_for_all(e: Vector, cases: Sequence[Mapping[str, Array]], result: str)
     return True
 
 
-# -- the cases
-
-
 @cache
 def cases(name: str) -> tuple[LinkCase, ...]:
     """All links of the arms."""

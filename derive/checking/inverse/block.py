@@ -29,9 +29,7 @@ _FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
 _SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
 
-def read_block(
-    node: Node | None, robot: Robot, lines: Sequence[str]
-) -> tuple[tuple[Solution, ...], tuple[InverseText, ...]]:
+def read_block(node: Node | None, robot: Robot, lines: Sequence[str]) -> tuple[list[Solution], list[InverseText]]:
     """The formulas and the solutions of the block, which may be a list of several."""
     blocks = node.items if isinstance(node, YamlSequence) else [node] if node is not None else []
     formulas: list[Solution] = []
@@ -41,7 +39,7 @@ def read_block(
             formulas += _formulas(block, robot)
         else:
             texts.append(_solution(block, lines))
-    return tuple(formulas), tuple(texts)
+    return formulas, texts
 
 
 def _formulas(node: Node, robot: Robot) -> Iterator[Solution]:

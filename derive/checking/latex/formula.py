@@ -6,7 +6,7 @@ Whatever else occurs is refused at its place, in words; nothing is ever guessed 
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
@@ -105,7 +105,7 @@ class LatexReader:
                 text = _SEEN_FROM.sub(self._seen_from, text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
-                text = without_derivatives(text, self.names.robot, self._differentiated, self.names.standing_for)
+                text = self.without_derivatives(text)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
@@ -119,6 +119,26 @@ class LatexReader:
         if any(expanded_terms(formula, MAX_EXPANDED_TERMS) > MAX_EXPANDED_TERMS for formula in formulas):
             raise self._refused(piece.start, "formula has too many terms when multiplied out")
         return found
+
+    def without_derivatives(self, text: str) -> str:
+        """A formula with one sign for each derivative in it, as long as before."""
+        robot, read, sign, signs = self.names.robot, self._differentiated, self.names.standing_for, "\0"
+        while match := _PARTIAL.search(text):
+            above, end = match["above"], match.end()
+            if above.strip():
+                end -= len(match["behind"] or "")
+            else:
+                above = match["behind"] or ""
+            variable = read(match["below"])
+            by = variable.name if isinstance(variable, Name) else ""
+            if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
+                raise CheckError("derivative by what is not a joint variable or its velocity")
+            signs += (found := sign(derivative(robot, read(above), by)))
+            text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
+        while match := re.search(_TOTAL % (signs, signs), text):
+            signs += (found := sign(derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
+            text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
+        return text
 
     def _differentiated(self, text: str) -> Expression:
         """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
@@ -263,29 +283,6 @@ _PRIMED_NAME = re.compile(
 _OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
 _BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a formula
-
-
-def without_derivatives(
-    text: str, robot: Robot, read: Callable[[str], Expression], sign: Callable[[Expression], str]
-) -> str:
-    """A formula with one sign for each derivative in it, as long as before; read says what a part stands for."""
-    signs = "\0"
-    while match := _PARTIAL.search(text):
-        above, end = match["above"], match.end()
-        if above.strip():
-            end -= len(match["behind"] or "")
-        else:
-            above = match["behind"] or ""
-        variable = read(match["below"])
-        by = variable.name if isinstance(variable, Name) else ""
-        if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
-            raise CheckError("derivative by what is not a joint variable or its velocity")
-        signs += (found := sign(derivative(robot, read(above), by)))
-        text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
-    while match := re.search(_TOTAL % (signs, signs), text):
-        signs += (found := sign(derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
-        text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
-    return text
 
 
 def derivative(robot: Robot, formula: Expression, by: str) -> Expression:

@@ -237,9 +237,8 @@ class Meanings:
         else:
             named = [j.variable for j in self.robot.joints if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
-        of = (
-            t for t in self.targets(left) if match["label"] or t.quantity.startswith(("kinetic", "potential", "lagr"))
-        )
+        energies = ("kinetic", "potential", "lagr")
+        of = (t for t in self.targets(left) if match["label"] or t.quantity.startswith(energies))
         found = tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
         # the derivative of a position by all joint variables is the Jacobian
         is_place = by == ["q"] and left.head in "pPx"

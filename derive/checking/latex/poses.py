@@ -155,9 +155,7 @@ class Poses:
         angle = {"(phi)": first.arguments[0]}
         return {MARK + name: substitute(meaning, angle) for name, meaning in self._names.angles.items()}
 
-    def judged(
-        self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool = False
-    ) -> list[Finding | None]:
+    def judged(self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool) -> list[Finding | None]:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain.
 
         Known is the position of the end effector where another formula prints it rightly, and all names of entries are

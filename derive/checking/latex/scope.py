@@ -266,9 +266,7 @@ class Scope:
         self.names: set[tuple[int, int]] = set()
         self._of_links: dict[str, Expression] = {}
         self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
-        several = [
-            (i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(whole.factors(s.text) for s in e)
-        ]
+        several = [(i, e) for i, e in enumerate(self.equations) if e[1:] and not any(whole.factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
         waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._quantities(*some[1:]))

@@ -389,9 +389,8 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     elif lower:
         yield from (f"A[{frame}]",) if left.head == "A" and frame == reference + 1 else ()
         if reference == 0 and frame == n:
-            yield from (
-                ("T", f"T[0,{n}]", *(["end[0]"] if lower == "tool" else [])) if lower in _END else (f"T[0,{n}]", "T")
-            )
+            whole = ("T", f"T[0,{n}]") if lower in _END else (f"T[0,{n}]", "T")
+            yield from (*whole, "end[0]") if lower == "tool" else whole
             yield f"T[{n}]"
         else:
             yield f"T[{reference},{frame}]"

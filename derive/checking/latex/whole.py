@@ -88,10 +88,8 @@ def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
         rows = matrix.rows[:3]
         if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
             continue
-        cells = [[taken_apart(cell.text) for cell in row] for row in rows]
-        plain = [
-            x.head if x and x.is_plain and x.sub == a else "" for a, row in zip(AXES, cells, strict=True) for x in row
-        ]
+        cells = [(axis, taken_apart(cell.text)) for axis, row in zip(AXES, rows, strict=True) for cell in row]
+        plain = [left.head if left and left.is_plain and left.sub == axis else "" for axis, left in cells]
         if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
             return {head: column for column, head in enumerate(plain[:4], 1)}
     return {}
