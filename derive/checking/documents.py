@@ -255,9 +255,6 @@ def _balanced(text: str) -> str:
     return "".join(letters)
 
 
-# -- macros of the author
-
-
 @dataclass(frozen=True, slots=True)
 class Macro:
     """A macro that a document defines."""

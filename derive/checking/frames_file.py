@@ -32,7 +32,6 @@ from derive.robot.robot import Robot
 
 # Formulas about frames have symbols and no joints.
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
-_FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
 _KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
 _TURNS = {"x": sympy.rot_ccw_axis1, "y": sympy.rot_ccw_axis2, "z": sympy.rot_ccw_axis3}  # of an angle, 3x3
 
@@ -124,7 +123,7 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
 
 
 def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
-    match = _FACTOR.fullmatch(text.text)
+    match = re.fullmatch(r"(?s)\s*([A-Za-z0-9]+)\((.*)\)\s*", text.text)
     if match is None or match[1] not in ("Rot", "Rot3", "Trans", "Vec", "Ref"):
         allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"
         raise CheckError(f"factor {quoted(text.text)}", allowed=allowed, location=text.location)

@@ -150,9 +150,6 @@ def _score(style: Style, known: Iterable[tuple[_ExamplePart, ...]]) -> tuple[int
     return sum(map(all, fits)), sum(map(sum, fits))
 
 
-# -- parts
-
-
 class _StyledRobot:
     """A robot written in many styles; what does not depend on the style is derived once."""
 
@@ -267,9 +264,6 @@ def _addends(e: Expression) -> Iterator[Expression]:
         yield from (multiply(e.factors[0], term) for term in _addends(e.factors[1]))
     else:
         yield e
-
-
-# -- what is said
 
 
 def _reason(part: _ExamplePart, style: Style) -> str:

@@ -157,8 +157,6 @@ class _InverseCheck:
                     return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
         return None
 
-    # -- lines
-
     def lines(self) -> Iterator[Finding]:
         """The verdict on every line; of one that is wrong because of a quantity that it names, on that quantity."""
         found: dict[PrintedFormula, Finding] = {}
@@ -327,8 +325,6 @@ class _InverseCheck:
     ) -> Finding:
         where = formula.location
         return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair)
-
-    # -- branches
 
     def branches(self) -> Finding:
         """Whether all branches are given, or which are missing."""

@@ -35,8 +35,6 @@ CONFIGURATIONS = 12  # configurations of each
 # Angles of joints that are tried, none close to a right angle, where arms are singular.
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
-_WRIST = re.compile(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])")
-_COORDINATE = re.compile(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?")
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 
@@ -68,9 +66,9 @@ class PoseNames:
             elif found := _COLUMN.fullmatch(short):
                 column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
                 entries[word] = "xyz".index(found[2]) + 1, column
-            elif found := _COORDINATE.fullmatch(short):
+            elif found := re.fullmatch(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?", short):
                 entries[word] = "xyz".index(found[1].lower()) + 1, 4
-            elif found := _WRIST.fullmatch(short):
+            elif found := re.fullmatch(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])", short):
                 wrist[word] = "xyz".index((found[1] or found[2]).lower())
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
         lengths = {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))}

@@ -110,8 +110,6 @@ class PrintedInverse:
         lines = [replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)]
         return PrintedInverse(self.robot, lines, self.sums, self.close)
 
-    # -- joint variables
-
     def combination(self, e: Expression) -> Vector | None:
         """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = [joint.variable for joint in self.robot.joints]
@@ -141,8 +139,6 @@ class PrintedInverse:
         elif not isinstance(e, Name):
             for part in tree.children(e):
                 yield from self.needed(part)
-
-    # -- values
 
     def named_before(self, line: PrintedLine) -> tuple[PrintedLine, ...]:
         """The named quantities that a line needs, each behind those that it needs itself."""

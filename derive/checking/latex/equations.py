@@ -115,9 +115,6 @@ def _continued(plain: str, fences: list[tuple[int, int]]) -> list[tuple[int, int
     return found
 
 
-# -- from a display to its equations
-
-
 def _equations(display: LatexPiece) -> Iterator[Sides]:
     # blanks for what marks a display, and for the one brace before a system of equations
     text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)

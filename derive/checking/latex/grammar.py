@@ -329,7 +329,7 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
         case "subscript_character", (token,):
             return token[-1], token.start_pos or 0
         case "subscript_digits", (token,):
-            return token.translate(_LOWERED), token.start_pos or 0
+            return token.translate(str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")), token.start_pos or 0
         case (("subscript_macro" | "index_part"), (token,)):
             return _flat(token), token.start_pos or 0
     raise AssertionError(data)
@@ -367,6 +367,3 @@ def _flat(token: Token) -> str:
         return "".join(text[text.index("{") + 1 : -1].replace("\\_", "_").split())
     macro = text.removeprefix("\\")
     return FLAT.get(macro, macro)
-
-
-_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")

@@ -255,8 +255,6 @@ class Scope:
         self.meanings.reading = usual
         return [right for target in targets if (right := self.meanings.right(target)) is not None]
 
-    # -- definitions
-
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
         # by name the formulas that it is given, each with the number of its equation
