@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
@@ -106,15 +107,10 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
 
 def _holds_for_all(e: Vector, cases: Sequence[Mapping[str, Array]], result: str) -> bool:
     """Whether an equation gives what the recursion computes, at every link."""
-    for values in cases:
-        try:
-            value = value_of(e, values)
-        except (ValueError, TypeError):
-            return False
-        expected = values[result]
-        if np.shape(value) != np.shape(expected) or not np.max(np.abs(value - expected)) < _TOLERANCE:
-            return False
-    return True
+    with suppress(ValueError, TypeError):
+        pairs = ((value_of(e, values), values[result]) for values in cases)
+        return all(np.shape(a) == np.shape(b) and np.max(np.abs(a - b)) < _TOLERANCE for a, b in pairs)
+    return False
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import hypot, remainder, tau
 
@@ -65,12 +66,10 @@ def _nearness(
     for one, other in variants:
         for chosen in itertools.product((1.0, -1.0), repeat=len(signs)):
             here = values | dict(zip(signs, chosen, strict=True))
-            try:
+            with suppress(*NO_VALUE):
                 a, b = float_value(one, here), float_value(other, here)
-            except NO_VALUE:
-                continue
-            gap = remainder(a - b, modulus) if modulus else a - b
-            yield abs(gap) <= CLOSE * (1 if modulus else hypot(1, a, b))
+                gap = remainder(a - b, modulus) if modulus else a - b
+                yield abs(gap) <= CLOSE * (1 if modulus else hypot(1, a, b))
 
 
 def _is_angle(e: Expression, joints: set[str]) -> bool:

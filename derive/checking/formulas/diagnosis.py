@@ -192,13 +192,10 @@ class _Search:
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return
-                try:
+                with suppress(*NO_VALUE, TypeError):
                     value = self._compared_value(place.value(float_value(edit.node, self.values)))
-                    is_close = abs(value - self.target) <= CLOSE * (1 + abs(self.target))
-                except (*NO_VALUE, TypeError):
-                    continue
-                if is_close:
-                    yield edit
+                    if abs(value - self.target) <= CLOSE * (1 + abs(self.target)):
+                        yield edit
 
 
 def _terms_inside(e: Expression) -> Iterator[Expression]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -184,13 +185,11 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
 
 def _limits(limits: tuple[Expression, Expression] | None, values: Mapping[str, float]) -> tuple[float, float] | None:
     """The range of a slide, where the file gives one."""
-    if limits is None:
-        return None
-    try:
-        low, high = (evaluate(limit, {name: Fraction(value) for name, value in values.items()}) for limit in limits)
-    except (ArithmeticError, DeriveError):
-        return None
-    return (low, high) if low < high else None
+    known = {name: Fraction(value) for name, value in values.items()}
+    with suppress(ArithmeticError, DeriveError):
+        low, high = (evaluate(limit, known) for limit in limits) if limits else (0, 0)
+        return (low, high) if low < high else None
+    return None
 
 
 def geometry_symbols(robot: Robot) -> tuple[str, ...]:

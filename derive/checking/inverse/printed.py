@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -185,18 +186,15 @@ class PrintedInverse:
         """What a line gives at a configuration, for all choices."""
         free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
         for chosen in product(*free.values()):
-            try:
+            with suppress(*NO_VALUE):
                 yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
-            except NO_VALUE:
-                continue
 
     def wanted(self, line: PrintedLine, place: Place) -> float:
         """What a line should give at a configuration; not a number where its left side has no value."""
         assert line.target is not None
-        try:
+        with suppress(*NO_VALUE):
             return float_value(line.target, place.values)
-        except NO_VALUE:
-            return math.nan
+        return math.nan
 
     def hits(self, line: PrintedLine, place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what the line is about."""
