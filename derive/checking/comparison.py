@@ -2,23 +2,26 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
 
 import sympy
 
 from derive.checking.formulas.diagnosis import Question, other_orders
-from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
-from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText
-from derive.checking.inverse.block import solution_findings
+from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable, verdict_at
+from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText, Solution
 from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import LatexReport, check_latex
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
-from derive.model.equality import compare, scalar_quantity
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
+from derive.model.equality import compare, evaluate, scalar_quantity
 from derive.model.model import Model
-from derive.robot.expression import number
+from derive.robot.expression import ZERO, Call, Expression, add, multiply, names, negate, number, substitute
+
+# Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
+POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
 
 
 def check_file(file: CorpusFile) -> FileReport:
@@ -133,6 +136,53 @@ def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
         formula = expression_from_sympy(multiplied[i, j])
         verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
         yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)
+
+
+def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[Finding]:
+    """Every formula of inverse kinematics against the variable it should give, and its correction."""
+    for solution in solutions:
+        found = _finding(model, solution, solution.printed, Role.SOLUTION)
+        yield replace(found, erratum=solution.status == "erratum", remark=solution.remark)
+        if solution.correction is not None:
+            yield replace(_finding(model, solution, solution.correction, Role.CORRECTION), remark=solution.remark)
+
+
+def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> Finding:
+    if printed.unknown is not None:
+        return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
+    definitions = _pose(model, solution, set(names(printed.formula)))
+    question = Question(model.robot, printed.formula, solution.value, definitions)
+
+    def half_sine(e: Expression) -> Expression:
+        # the sine of half the difference of two angles is zero where they are equal up to full turns
+        return Call("sin", (multiply(number("1/2"), add(solution.value, negate(e))),))
+
+    if solution.is_angle:
+        question = replace(question, right=ZERO, compared=half_sine)
+    whole = substitute(half_sine(printed.formula) if solution.is_angle else printed.formula, definitions)
+    verdict = verdict_at(printed.location, model.robot, question.right, whole)
+    example = verdict.counter_example
+    if example is not None and solution.is_angle:  # it shows the angles, not the sine of half their difference
+        point: dict[str, Fraction] = dict(example.values)
+        angle, found = evaluate(solution.value, point), evaluate(substitute(printed.formula, definitions), point)
+        if angle is not None and found is not None:
+            example = replace(example, printed=float(found), right=float(angle))
+            verdict = replace(verdict, counter_example=example)
+    right = solution.correction.text if solution.correction else expression_to_sympy(solution.value)
+    return Finding(solution.unknown, 0, 0, role, printed.text, verdict, right, printed.location, question=question)
+
+
+def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expression]:
+    """The entries of T; sgn, the printed plus-minus, is the sign of the unknown, of its sine where it is an angle."""
+    own = {*(str(symbol) for symbol in model.T.free_symbols)}
+    found: dict[str, Expression] = {}
+    for name in POSE_NAMES:
+        if name == "sgn" or (name in own and name not in used):
+            continue
+        row, column = ("xyz".index(name[1]), 3) if name[0] == "o" else (int(name[1]) - 1, int(name[2]) - 1)
+        found[name] = expression_from_sympy(model.T[row, column])
+    signed = Call("sin", (solution.value,)) if solution.is_angle else solution.value
+    return {**found, "sgn": Call("sign", (signed,))}
 
 
 def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:

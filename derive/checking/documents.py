@@ -195,7 +195,6 @@ _IN_CELLS = re.compile(
     r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*\\(?:sin|cos|frac|sqrt)[^$|=\n]*\$[ \t]*\|)", re.M
 )
 _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
-_OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 
 
 def _markdown(text: str) -> str:
@@ -209,7 +208,7 @@ def _markdown(text: str) -> str:
         language = (match["language"] or "").casefold()
         begin, end = match.start("body") - match.start(), match.end("body") - match.start()
         if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):
-            body = _OPTION.sub(lambda option: blank(option[0]), match["body"])
+            body = re.sub(r"(?m)^:[a-z-]+:[^\n]*$", lambda option: blank(option[0]), match["body"])
             return _marked(match[0][:begin]) + body + _marked(match[0][end:])
         is_prose = language.startswith("{") and not language.startswith(_OF_CODE)  # in a box, as MyST has them
         if language in ("latex", "tex") or is_prose:
@@ -230,9 +229,6 @@ def _marked(text: str) -> str:
     return blanks[:at] + "$$" + blanks[at + 2 :]
 
 
-_PROSE = re.compile(r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}")
-
-
 def _balanced(text: str) -> str:
     """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
     marks, dropped = list(re.finditer(r"(?<!\\)\$\$?", text)), list[re.Match[str]]()
@@ -242,8 +238,8 @@ def _balanced(text: str) -> str:
         # a display may have blank lines, but no paragraph of prose; mathematics inside a line ends with its paragraph
         closing = next((j for j in range(index + 1, len(marks)) if marks[j][0] == mark[0]), None)
         inner = text[mark.end() : marks[closing].start()] if closing is not None else ""
-        ends = _PROSE if mark[0] == "$$" else re.compile(r"\n[ \t]*\n")
-        if closing is None or ends.search(inner):
+        ends = r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}" if mark[0] == "$$" else r"\n[ \t]*\n"
+        if closing is None or re.search(ends, inner):
             dropped.append(mark)
             index += 1
         else:

@@ -43,7 +43,6 @@ RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")  # what an equation 
 # Joint types and seed of each arm: both kinds of joint as first, inner and last one.
 ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))
 UNREAD = ("initial_conditions", "textual", "lagrange")
-_KEYS = ("source", "algorithm", *SETS, *UNREAD)
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
 # Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
@@ -55,7 +54,7 @@ LinkCase = tuple[str, Mapping[str, Array]]
 
 def check_methods(root: YamlMapping, source: str) -> FileReport:
     """Compare every printed equation with what the recursion computes."""
-    top = reading.mapping(root, "the file", (), _KEYS)
+    top = reading.mapping(root, "the file", (), ("source", "algorithm", *SETS, *UNREAD))
     findings: list[Finding] = []
     for name in SETS:
         for node in reading.items(reading.child(top, name), name):

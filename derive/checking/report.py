@@ -17,6 +17,7 @@ from derive.robot.rounding import DIGITS
 
 Printer = Callable[[Any], str]  # writes a derived formula in the notation of the file's robot
 LONGEST = 400  # characters of a formula in a report; longer ones are cut
+LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
 MAX_SHOWN_TERMS = 6  # terms of a difference that are shown; a longer one says little
 
 
@@ -196,9 +197,6 @@ def numbers(example: CounterExample) -> str:
 def cut(text: str, length: int = LONGEST) -> str:
     """The beginning of a text."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
-
-
-LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
 
 
 @dataclass(frozen=True)

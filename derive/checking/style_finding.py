@@ -170,9 +170,8 @@ class _StyledRobot:
 
     def model(self, style: Style) -> Model:
         if style not in self._models:
-            if style.contraction not in self._exact:
-                self._exact[style.contraction] = Model(self.robot, style)
-            self._models[style] = self._exact[style.contraction].with_style(style)
+            exact = self._exact.get(style.contraction) or Model(self.robot, style)
+            self._models[style] = self._exact.setdefault(style.contraction, exact).with_style(style)
         return self._models[style]
 
     def form(self, quantity: str, style: Style) -> object:

@@ -15,7 +15,6 @@ from derive.robot.writer import cell_text
 
 COLUMNS = ("theta", "d", "a", "alpha")
 DEGREES_FROM = 7  # a plain number in a column of angles that is as large as this is meant in degrees
-_MARKDOWN = re.compile(r"(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", re.MULTILINE)
 _LATEX = re.compile(r"\\begin\{(?P<kind>tabular\*?|array|longtable)\}(?P<body>.*?)\\end\{(?P=kind)\}", re.DOTALL)
 _HEADS = {
     "theta": re.compile(r"(?:theta|th|q)(?:i|j|k|n)?"),
@@ -61,7 +60,7 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
     """Tables whose head names all four columns."""
     typed = document.typed
     kept = {document.origins[i] for i, c in enumerate(document.text) if not c.isspace()}
-    for match in (*_LATEX.finditer(typed), *_MARKDOWN.finditer(typed)):
+    for match in (*_LATEX.finditer(typed), *re.finditer(r"(?m)(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", typed)):
         if not any(match.start() <= origin < match.end() for origin in kept):
             continue
         lines = _split(match, typed)

@@ -31,6 +31,14 @@ from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 
+# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
+MAX_DIFFERENCE_TERMS = 20_000
+ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
+ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
+_SLACK = 1.05  # more than what the squares of rounding errors add
+# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
+Shape = tuple[Any, ...]
+ONE: Shape = ("*",)
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
@@ -147,11 +155,6 @@ def in_degrees(formula: Expression) -> Expression:
     return tree.rebuilt(formula, in_degrees)
 
 
-ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
-ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
-_SLACK = 1.05  # more than what the squares of rounding errors add
-
-
 def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
     """Whether two formulas differ by no more than the rounding of the printed decimals explains, at many points.
 
@@ -246,13 +249,6 @@ class FileReport:
     def passed(self) -> bool:
         """Whether everything is right as printed."""
         return not self.wrong and not self.undecidable
-
-
-# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
-MAX_DIFFERENCE_TERMS = 20_000
-# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
-Shape = tuple[Any, ...]
-ONE: Shape = ("*",)
 
 
 class Outcome(StrEnum):

@@ -202,16 +202,14 @@ class _Check(SideReading):
 
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
-        printed = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p" and f.question}
-        for reading in poses.readings[1:] if len(printed) > 1 else ():
-            if reading.reference:
-                continue
+        places = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p"}
+        printed = {i: (f, f.question) for i, f in places.items() if f.question}
+        for reading in (r for r in poses.readings[1:] if not r.reference and len(printed) > 1):
             place = self.model.quantity(f"T[{reading.position}]")[:3, 3]
             again = {}
-            for i, f in printed.items():
-                assert f.question is not None
+            for i, (f, asked) in printed.items():
                 right = place[f.row - 1]
-                question = Question(self.robot, f.question.printed, expression_from_sympy(right))
+                question = Question(self.robot, asked.printed, expression_from_sympy(right))
                 again[i] = compared(question, f.quantity, (f.row, 0), f.role, f.text, right, f.location)
             count = sum(f.verdict.equal for f in again.values())
             if count > 1 and 2 * count > len(printed):

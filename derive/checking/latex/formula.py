@@ -45,8 +45,7 @@ _REMEDIES = {
     "|": "use brackets",
     ",": "write decimals with a point; separate equations by a line break",
     **dict.fromkeys((".", "\u2026", "\u22ef"), "write out what dots stand for"),
-    "<": "only equations can be compared",
-    ">": "only equations can be compared",
+    **dict.fromkeys("<>", "only equations can be compared"),
 }
 _MACRO_REMEDIES = {
     **dict.fromkeys(("ldots", "cdots", "dots", "vdots", "ddots", "dotsc", "dotsb"), "write out what dots stand for"),
@@ -144,10 +143,9 @@ class LatexReader:
         """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
         left = taken_apart(text)
         energy = None if left is None or self.names.knows(left.flat) else self.names.entry(f"{ENERGY}{left.flat}")
-        if MATRIX_MARK in text:
-            raise CheckError("derivative of a matrix")
-        found = energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
-        if isinstance(found, Table):
+        is_matrix = MATRIX_MARK in text
+        found = None if is_matrix else energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
+        if found is None or isinstance(found, Table):
             raise CheckError("derivative of a matrix")
         return found
 

@@ -27,7 +27,6 @@ ENERGY = "\u2202"  # before the letter of an energy that is differentiated
 PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
-_OPPOSED = re.compile(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)")
 _CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
 _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
@@ -105,7 +104,7 @@ class LatexNames:
             return entry
         text = text.replace(",", "")
         # c_{2-3}, the cosine of a difference of joint angles
-        opposed = _OPPOSED.fullmatch(text)
+        opposed = re.fullmatch(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)", text)
         text = text if opposed else text.replace("+", "")
         if text == "pi":
             return Pi()

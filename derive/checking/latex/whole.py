@@ -57,6 +57,8 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
+# A name, the number of the equation that defines it, what it stands for, and the side that it is.
+Defined = tuple[str, int, Expression, LatexPiece]
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -327,10 +329,6 @@ def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, 
         return replace(f, verdict=Verdict(True, True), note=note, cause="", question=None) if is_right else f
 
     return tuple(map(mended, findings)) if factors else findings
-
-
-# A name, the number of the equation that defines it, what it stands for, and the side that it is.
-Defined = tuple[str, int, Expression, LatexPiece]
 
 
 def constrains(one: Expression, other: Expression, moving: AbstractSet[str], parameters: AbstractSet[str]) -> bool:
