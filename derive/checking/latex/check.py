@@ -328,7 +328,10 @@ class _Check(SideReading):
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         if not (pieces := self.claiming(index, equation)):
             return
-        self._tell_repeated(equation)
+        for piece in equation[1:-1]:  # how a matrix is made is compared with nothing
+            slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
+            if len({*slopes}) < len(slopes):
+                self._skip_for(piece, "the same derivative stands in it twice")
         is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)
         sides = [self.side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
@@ -371,12 +374,6 @@ class _Check(SideReading):
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
-
-    def _tell_repeated(self, equation: Sides) -> None:
-        for piece in equation[1:-1]:  # how a matrix is made is compared with nothing
-            slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
-            if len({*slopes}) < len(slopes):
-                self._skip_for(piece, "the same derivative stands in it twice")
 
     def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
         """What is said against what is named; open where another side cannot be read."""

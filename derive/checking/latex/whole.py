@@ -344,15 +344,12 @@ def constrains(one: Expression, other: Expression, moving: AbstractSet[str], par
 
 def unused(defined: Iterable[Defined], equations: Sequence[Sides], compared: set[int]) -> Iterator[Defined]:
     """Definitions that no formula uses which is compared, neither itself nor by what it defines."""
-    waiting, live = list(defined), compared
+    waiting, live, own = list(defined), compared, dict[Defined, str]()
+    for one in waiting:  # an angle is used by its cosine as well
+        name = one[3].text.strip()
+        own[one] = angle["angle"] if (angle := OF_ANGLE.fullmatch(name)) else name
     while live:
         texts = [text for i in live for side in equations[i] for text in side.texts]
-        used = [one for one in waiting if any(_own(one[3]) in text for text in texts)]
+        used = [one for one in waiting if any(own[one] in text for text in texts)]
         waiting, live = [one for one in waiting if one not in used], {index for _, index, _, _ in used}
     yield from (one for one in waiting if not one[3].inline)
-
-
-def _own(side: LatexPiece) -> str:
-    """The name that a side defines, of an angle by its cosine as well."""
-    angle = OF_ANGLE.fullmatch(side.text.strip())
-    return angle["angle"] if angle else side.text.strip()
