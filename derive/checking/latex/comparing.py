@@ -97,7 +97,7 @@ class Comparing:
         is_name = is_angle or (isinstance(first.value, Name | Call) and not (first.left and first.left.labelled))
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
-        one = first.value  # d_4 = s_1 p_x - c_1 p_y is a condition of the pose
+        one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
         is_parameter = isinstance(one, Name) and one.name not in self.joints and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
