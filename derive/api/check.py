@@ -15,7 +15,7 @@ from derive.checking.formulas.findings import FileReport, Finding, judge
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse as compare_inverse
 from derive.checking.inverse.check import inverse_text, names_inverse
-from derive.checking.inverse.latex import gives_joints
+from derive.checking.inverse.reading import gives_joints
 from derive.checking.latex.check import LatexReport
 from derive.checking.latex.check import check_latex as compare_latex
 from derive.checking.report import Printout

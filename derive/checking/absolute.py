@@ -23,11 +23,8 @@ class AbsoluteModel(Model):
     def __init__(self, model: Model) -> None:
         super().__init__(model.robot, model.style)
         self._relative, self.turning = model, _turning(model)
-        self._meanings = {
-            symbol: value
-            for names in (self.q, self.qd, self.qdd)
-            for symbol, value in zip(names, self.turning * sympy.Matrix(names), strict=True)
-        }
+        pairs = ((symbols, self.turning * sympy.Matrix(symbols)) for symbols in (self.q, self.qd, self.qdd))
+        self._meanings = {s: value for symbols, values in pairs for s, value in zip(symbols, values, strict=True)}
 
     def quantity(self, name: str) -> Expr:
         """A quantity by its name, with its rows and columns for the angles of the text."""

@@ -13,6 +13,7 @@ from contextlib import suppress
 from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
+from mpmath import findroot
 
 from derive.checking.absolute import turning
 from derive.checking.formulas.branches import SIGN
@@ -301,13 +302,8 @@ class ByValue:
 
 def _root(e: Expression, name: str, at: dict[str, float]) -> float:
     """The value of a name at which a formula is zero, by secants; ValueError where they do not settle."""
-    x, y = at[name], at[name] * 1.01
-    for _ in range(_HALVINGS):
-        at_x, at_y = (float_value(e, at | {name: value}) for value in (x, y))
-        if abs(at_y) < _ZERO:
-            return y
-        x, y = y, y - at_y * (y - x) / (at_y - at_x)
-    raise ValueError
+    start, steps = (at[name], at[name] * 1.01), {"tol": _ZERO**2, "maxsteps": _HALVINGS}
+    return float(findroot(lambda x: float_value(e, at | {name: float(x)}), start, solver="secant", **steps))
 
 
 def _may_mean(left: Left, label: str) -> bool:
@@ -367,7 +363,6 @@ def _rows(name: str, a: Array) -> tuple[Named, ...]:
 
 
 def _jacobian(name: str, a: Array) -> Iterator[Named]:
-    """A Jacobian and its columns."""
     yield from _rows(name, a)
     yield from ((name, a[:, list(plane)]) for plane in _PLANES)
     for j in range(a.shape[2]):

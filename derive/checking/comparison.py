@@ -2,36 +2,45 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
 
 import sympy
 
 from derive.checking.formulas.diagnosis import Question, other_orders
-from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable
-from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText
-from derive.checking.inverse.block import solution_findings
+from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped, compared, undecidable, verdict_at
+from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText, Solution
 from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import LatexReport, check_latex
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
-from derive.model.equality import compare, scalar_quantity
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
+from derive.model.equality import compare, evaluate, scalar_quantity
 from derive.model.model import Model
-from derive.robot.expression import number
+from derive.robot.expression import ZERO, Call, Expression, add, multiply, names, negate, number, substitute
+
+# Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
+POSE_NAMES = ("ox", "oy", "oz", *(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)), "sgn")
 
 
 def check_file(file: CorpusFile) -> FileReport:
     """Compare everything that a corpus file prints."""
     model = Model(file.robot)
-    findings = [finding for item in file.expected for finding in _placed(_quantity(model, item), item.location)]
+    findings: list[Finding] = []
+    for item in file.expected:
+        for found in _placed(_quantity(model, item), item.location):
+            # the status of an item is that of what is printed, not of its corrections
+            erratum = item.status == "erratum" and found.role not in (Role.CORRECTION, Role.REST)
+            findings.append(replace(found, erratum=erratum, remark=item.remark))
     for identity in file.identities:
-        left, right, erratum = identity.left, identity.right, identity.status == "erratum"
+        left, right = identity.left, identity.right
+        question = Question(model.robot, right.formula, left.formula)
         if unknown := left.unknown or right.unknown:
-            findings.append(undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown, erratum))
-            continue
-        question, where = Question(model.robot, right.formula, left.formula), right.location
-        findings.append(compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, where, erratum))
+            found = undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown)
+        else:
+            found = compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location)
+        findings.append(replace(found, erratum=identity.status == "erratum"))
     if file.factorisation is not None:
         findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
     findings += solution_findings(model, file.solutions)
@@ -39,8 +48,9 @@ def check_file(file: CorpusFile) -> FileReport:
         try:
             findings += check_inverse(model, text)[0]
         except UnknownNameError as error:
-            whole, erratum = " ".join(" ".join(part.text.split()) for part in text.parts), text.status == "erratum"
-            findings.append(undecidable("inverse", (0, 0), Role.SOLUTION, whole, error, erratum, text.remark))
+            whole = " ".join(" ".join(part.text.split()) for part in text.parts)
+            found = undecidable("inverse", (0, 0), Role.SOLUTION, whole, error)
+            findings.append(replace(found, erratum=text.status == "erratum", remark=text.remark))
     return FileReport(file.source, file.robot.name, tuple(findings), file.unread, file.document)
 
 
@@ -75,14 +85,11 @@ def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[F
     try:
         found = check_latex(model, text.text, item.quantity, text.location).findings
     except UnknownNameError as error:
-        shown = " ".join(text.text.split())
-        yield undecidable(item.quantity, (0, 0), Role.PRINTED, shown, error, item.status == "erratum", item.remark)
+        yield undecidable(item.quantity, (0, 0), Role.PRINTED, " ".join(text.text.split()), error)
         return
     except DeriveError as error:
         raise error if text.verbatim else error.moved(None) from None
-    for finding in found:
-        where = finding.location if text.verbatim else text.location
-        yield replace(finding, erratum=item.status == "erratum", remark=item.remark, location=where)
+    yield from found if text.verbatim else (replace(finding, location=text.location) for finding in found)
 
 
 def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
@@ -94,19 +101,15 @@ def _quantity(model: Model, item: PrintedQuantity) -> Iterator[Finding]:
     if item.shape is not None and item.shape != right.shape:
         printed, allowed = ("{} rows and {} columns".format(*shape) for shape in (item.shape, right.shape))
         raise CheckError(f"{item.quantity}: printed with {printed}", allowed=f"allowed: {allowed}")
-    erratum = item.status == "erratum"
     places = set(product(range(1, right.shape[0] + 1), range(1, right.shape[1] + 1)) if item.rest_zero else ())
     rest = sorted(places - {(entry.row, entry.column) for entry in item.entries})
-    zeros = (Printed(i, j, "0", number(0), item.location) for i, j in rest)
-    yield from (_entry(model, item, right, entry, Role.PRINTED, erratum) for entry in item.entries)
-    yield from (_entry(model, item, right, entry, Role.ABBREVIATED, erratum) for entry in item.abbreviated)
-    yield from (_entry(model, item, right, entry, Role.CORRECTION) for entry in item.corrections)
-    yield from (_entry(model, item, right, zero, Role.REST) for zero in zeros)
+    zeros = [Printed(i, j, "0", number(0), item.location) for i, j in rest]
+    entries = {Role.PRINTED: item.entries, Role.ABBREVIATED: item.abbreviated, Role.CORRECTION: item.corrections}
+    for role, of_role in (*entries.items(), (Role.REST, zeros)):
+        yield from (_entry(model, item, right, entry, role) for entry in of_role)
 
 
-def _entry(
-    model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role, erratum: bool = False
-) -> Finding:
+def _entry(model: Model, item: PrintedQuantity, right: Matrix, entry: Printed, role: Role) -> Finding:
     rows, columns = right.shape
     if entry.row > rows or entry.column > columns:
         found, allowed = f"entry {entry.row},{entry.column}", f"allowed: rows 1 to {rows}, columns 1 to {columns}"
@@ -114,12 +117,11 @@ def _entry(
     row = 0 if (rows, columns) == (1, 1) else entry.row
     column = 0 if columns == 1 else entry.column
     if entry.unknown is not None:
-        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown, erratum, item.remark)
+        return undecidable(item.quantity, (row, column), role, entry.text, entry.unknown)
     derived = right[entry.row - 1, entry.column - 1]
     others = other_orders(model, item.quantity)
     question = Question(model.robot, entry.formula, expression_from_sympy(derived), others=others)
-    where, place = entry.location, (row, column)
-    return compared(question, item.quantity, place, role, entry.text, derived, where, erratum, item.remark)
+    return compared(question, item.quantity, (row, column), role, entry.text, derived, entry.location)
 
 
 def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
@@ -134,6 +136,53 @@ def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
         formula = expression_from_sympy(multiplied[i, j])
         verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
         yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)
+
+
+def solution_findings(model: Model, solutions: Sequence[Solution]) -> Iterator[Finding]:
+    """Every formula of inverse kinematics against the variable it should give, and its correction."""
+    for solution in solutions:
+        found = _finding(model, solution, solution.printed, Role.SOLUTION)
+        yield replace(found, erratum=solution.status == "erratum", remark=solution.remark)
+        if solution.correction is not None:
+            yield replace(_finding(model, solution, solution.correction, Role.CORRECTION), remark=solution.remark)
+
+
+def _finding(model: Model, solution: Solution, printed: Printed, role: Role) -> Finding:
+    if printed.unknown is not None:
+        return undecidable(solution.unknown, (0, 0), role, printed.text, printed.unknown)
+    definitions = _pose(model, solution, set(names(printed.formula)))
+    question = Question(model.robot, printed.formula, solution.value, definitions)
+
+    def half_sine(e: Expression) -> Expression:
+        # the sine of half the difference of two angles is zero where they are equal up to full turns
+        return Call("sin", (multiply(number("1/2"), add(solution.value, negate(e))),))
+
+    if solution.is_angle:
+        question = replace(question, right=ZERO, compared=half_sine)
+    whole = substitute(half_sine(printed.formula) if solution.is_angle else printed.formula, definitions)
+    verdict = verdict_at(printed.location, model.robot, question.right, whole)
+    example = verdict.counter_example
+    if example is not None and solution.is_angle:  # it shows the angles, not the sine of half their difference
+        point: dict[str, Fraction] = dict(example.values)
+        angle, found = evaluate(solution.value, point), evaluate(substitute(printed.formula, definitions), point)
+        if angle is not None and found is not None:
+            example = replace(example, printed=float(found), right=float(angle))
+            verdict = replace(verdict, counter_example=example)
+    right = solution.correction.text if solution.correction else expression_to_sympy(solution.value)
+    return Finding(solution.unknown, 0, 0, role, printed.text, verdict, right, printed.location, question=question)
+
+
+def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expression]:
+    """The entries of T; sgn, the printed plus-minus, is the sign of the unknown, of its sine where it is an angle."""
+    own = {*(str(symbol) for symbol in model.T.free_symbols)}
+    found: dict[str, Expression] = {}
+    for name in POSE_NAMES:
+        if name == "sgn" or (name in own and name not in used):
+            continue
+        row, column = ("xyz".index(name[1]), 3) if name[0] == "o" else (int(name[1]) - 1, int(name[2]) - 1)
+        found[name] = expression_from_sympy(model.T[row, column])
+    signed = Call("sin", (solution.value,)) if solution.is_angle else solution.value
+    return {**found, "sgn": Call("sign", (signed,))}
 
 
 def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:
@@ -179,7 +228,6 @@ def _said(
 
 
 def _by_equation(report: LatexReport) -> list[LatexReport]:
-    """What a report says of each equation."""
     begins = [(place.line, place.column) for place in report.equations]
     ends = [*begins[1:], (10**9, 0)]
     parts = []

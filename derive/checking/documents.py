@@ -134,17 +134,11 @@ def read_document(path: str) -> Manuscript:
 
 def is_document(text: str) -> bool:
     """Whether a text has mathematics between words, or says itself that it is a document."""
-    if re.search(
-        r"\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*\"(?:cells|metadata|nbformat)\"", text, re.MULTILINE
-    ):
+    if re.search(r'(?m)\\documentclass|\\begin\s*\{document\}|^\#{1,6} |^\s*\{\s*"(?:cells|metadata|nbformat)"', text):
         return True
-    marked = re.sub(
-        r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}",
-        "",
-        text,
-        flags=re.DOTALL,
-    )
-    return marked != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", marked)) >= 2
+    mathematics = r"(?s)\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\\(.*?\\\)|\\begin\s*\{(\w+\*?)\}.*?\\end\s*\{\1\}"
+    prose = re.sub(mathematics, "", text)
+    return prose != text and len(re.findall(r"(?<![\\\w])[^\W\d_]{2,}", prose)) >= 2
 
 
 def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
@@ -165,18 +159,14 @@ def document_of(text: str, name: str, suffix: str = "") -> Manuscript:
 
 def _cells(text: str, name: str) -> tuple[str, tuple[tuple[int, str], ...]]:
     """The Markdown cells of a notebook behind each other, and where each begins."""
+    whole, starts = "", []
     try:
-        cells = json.loads(text)["cells"]
-        found = [
-            (number, "".join(cell["source"]) if cell["cell_type"] in ("markdown", "raw") else _displayed(cell))
-            for number, cell in enumerate(cells, 1)
-        ]
+        for number, cell in enumerate(json.loads(text)["cells"], 1):
+            starts.append((len(whole), f"cell {number}"))
+            is_prose = cell["cell_type"] in ("markdown", "raw")
+            whole += ("".join(cell["source"]) if is_prose else _displayed(cell)) + "\n\n"
     except (ValueError, TypeError, KeyError, RecursionError):
         raise CheckError(f"{name} is not a notebook", allowed="allowed: JSON with a list of cells") from None
-    whole, starts = "", []
-    for number, source in found:
-        starts.append((len(whole), f"cell {number}"))
-        whole += source + "\n\n"
     return whole, tuple(starts) or ((0, ""),)
 
 
@@ -187,17 +177,12 @@ def _displayed(cell: Mapping[str, Any]) -> str:
     return re.sub(r"\$\\displaystyle ([^$=]{1,30})\$\s+\$\\displaystyle (?=\\left\[\\begin)", r"$\1 = ", shown)
 
 
-# -- what is no mathematics
-
-
 _CODE = re.compile(
     r"^(?P<fence>```+|~~~+)[ \t]*(?P<language>\{?[A-Za-z-]*\}?)[^\n]*\n(?P<body>.*?)^(?P=fence)[ \t]*$"
     r"|:math:`(?P<role>[^`\n]+)`|<!--.*?-->|\$`(?P<math>[^`]{1,4000})`\$|(?<!`)`(?P<inline>[^`\n]+)`(?!`)|<(?:script|style)\b.*?</(?:script|style)>"
     r"|<(?:br|/?(?:p|div|span|center|sup|sub|b|i|em|strong|table|tr|td|th|img|a|h[1-6]|li|ul|ol))\b[^<>\n]*>",
     re.DOTALL | re.MULTILINE | re.IGNORECASE,
 )
-
-
 _UNREAD = re.compile(
     r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
     re.DOTALL,
@@ -210,7 +195,6 @@ _IN_CELLS = re.compile(
     r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*\\(?:sin|cos|frac|sqrt)[^$|=\n]*\$[ \t]*\|)", re.M
 )
 _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
-_OPTION = re.compile(r"^:[a-z-]+:[^\n]*$", re.MULTILINE)
 
 
 def _markdown(text: str) -> str:
@@ -224,7 +208,7 @@ def _markdown(text: str) -> str:
         language = (match["language"] or "").casefold()
         begin, end = match.start("body") - match.start(), match.end("body") - match.start()
         if language.strip("{}") == "math" or (language in ("latex", "tex") and not _DISPLAYED.search(match["body"])):
-            body = _OPTION.sub(lambda option: blank(option[0]), match["body"])
+            body = re.sub(r"(?m)^:[a-z-]+:[^\n]*$", lambda option: blank(option[0]), match["body"])
             return _marked(match[0][:begin]) + body + _marked(match[0][end:])
         is_prose = language.startswith("{") and not language.startswith(_OF_CODE)  # in a box, as MyST has them
         if language in ("latex", "tex") or is_prose:
@@ -240,27 +224,22 @@ def _markdown(text: str) -> str:
 
 
 def _marked(text: str) -> str:
-    """``$$`` in place of a line."""
     blanks = blank(text)
     at = len(text) - len(text.lstrip("\n"))
     return blanks[:at] + "$$" + blanks[at + 2 :]
 
 
-_DOLLAR = re.compile(r"(?<!\\)\$\$?")
-_PROSE = re.compile(r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}")
-
-
 def _balanced(text: str) -> str:
     """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
-    marks, dropped = list(_DOLLAR.finditer(text)), list[re.Match[str]]()
+    marks, dropped = list(re.finditer(r"(?<!\\)\$\$?", text)), list[re.Match[str]]()
     index = 0
     while index < len(marks):
         mark = marks[index]
         # a display may have blank lines, but no paragraph of prose; mathematics inside a line ends with its paragraph
         closing = next((j for j in range(index + 1, len(marks)) if marks[j][0] == mark[0]), None)
         inner = text[mark.end() : marks[closing].start()] if closing is not None else ""
-        ends = _PROSE if mark[0] == "$$" else re.compile(r"\n[ \t]*\n")
-        if closing is None or ends.search(inner):
+        ends = r"\n[ \t]*\n\s*(?:[^\W\d_]+[ ,.;:]+){3}" if mark[0] == "$$" else r"\n[ \t]*\n"
+        if closing is None or re.search(ends, inner):
             dropped.append(mark)
             index += 1
         else:
@@ -270,9 +249,6 @@ def _balanced(text: str) -> str:
     for mark in dropped:
         letters[mark.start() : mark.end()] = " " * len(mark[0])
     return "".join(letters)
-
-
-# -- macros of the author
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,7 +267,6 @@ _DEFINITION = re.compile(
     r"|\\DeclareMathOperator\*?\s*\{?\s*\\(?P<operator>[A-Za-z]+)\s*\}?\s*(?=\{)"
     r"|\\providecommand\*?\s*\{?\s*\\(?P<provided>[A-Za-z]+)\s*\}?\s*(?:\[(?P<number>[0-9])\])?\s*(?=\{)"
 )
-_CALL = re.compile(r"\\([A-Za-z]+)")
 
 
 def expanded(text: str) -> tuple[str, Sequence[int]]:
@@ -321,7 +296,7 @@ class _Expansion:
     def written(self, text: str, origins: list[int], depth: int = 0) -> tuple[str, list[int]]:
         """The text written out, and the place in the file of each of its characters, as they are given for the text."""
         pieces, places, last = [], [], 0
-        for match in _CALL.finditer(text):
+        for match in re.finditer(r"\\([A-Za-z]+)", text):
             begin, name = match.start(), match[1]
             if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro

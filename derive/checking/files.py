@@ -7,30 +7,32 @@ can be said about it, but about the others.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from derive.checking.comparison import check_file
-from derive.checking.formulas import reading
+from derive.checking.comparison import POSE_NAMES, check_file
+from derive.checking.formulas import printed, reading
 from derive.checking.formulas.findings import FileReport
-from derive.checking.formulas.printed import CorpusFile, Factorisation, Identity, Printed, PrintedQuantity
 from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.frames_file import NO_ROBOT, check_frames
-from derive.checking.inverse.block import read_block
 from derive.checking.methods_file import SETS, check_methods
-from derive.errors import CheckError, Location, quoted
+from derive.errors import CheckError, DeriveError, Location, quoted
+from derive.robot.expression import Name
 from derive.robot.load import file_bytes
-from derive.robot.reading.document import Node, YamlMapping, YamlScalar, read_tree
+from derive.robot.names import own_names
+from derive.robot.options.inverse import Task, chosen_task
+from derive.robot.reading.document import Node, YamlMapping, YamlScalar, YamlSequence, read_tree
 from derive.robot.robot import Robot
 from derive.robot.tree import require_chain
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
-_KEYS = ("source", "notes", "ocr", "figure_configuration", *_BLOCKS)
 _CONTENT = (
     "quantity", "latex", "matrix", "entries", "rest", "status", "kind", "correct", "abbreviations", "abbreviated",
 )  # fmt: skip
 _REMARKS = ("printed_as", "note", "duplicate", "implied")
-_PLACE = re.compile(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?")
+_FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
+_SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
 
 def check_path(path: str) -> tuple[FileReport, Robot]:
@@ -46,7 +48,7 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
     return check_file(file), file.robot
 
 
-def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
+def corpus_from_bytes(data: bytes, source: str) -> printed.CorpusFile:
     """Read a robot and the formulas printed about it."""
     robot = Robot.from_bytes(data, source)
     require_chain(robot, "a check of formulas")
@@ -56,7 +58,7 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
         allowed = "allowed: robot: with the DH table, expected: with what is printed"
         remedy = "indent the robot under 'robot:' and add 'expected:'"
         raise CheckError(found, allowed=allowed, remedy=remedy, location=Location(source))
-    root = reading.mapping(node, "the file", ("robot",), _KEYS)
+    root = reading.mapping(node, "the file", ("robot",), ("source", "notes", "ocr", "figure_configuration", *_BLOCKS))
     expected = reading.items(reading.child(root, "expected"), "expected")
     identities = reading.items(reading.child(root, "identities"), "identities")
     product = reading.child(root, "factorisation")
@@ -64,20 +66,20 @@ def corpus_from_bytes(data: bytes, source: str) -> CorpusFile:
     solutions, inverse = read_block(reading.child(root, "inverse_kinematics"), robot, lines)
     equal = [reading.mapping(item, "an identity", ("left", "right"), ("status", *_REMARKS)) for item in identities]
     left, right = ([read_printed(required_text(item, side), robot) for item in equal] for side in ("left", "right"))
-    return CorpusFile(
+    return printed.CorpusFile(
         source=source,
         robot=robot,
         expected=tuple(_quantity(item, robot, lines) for item in expected),
-        identities=tuple(map(Identity, left, right, map(reading.status, equal))),
+        identities=tuple(map(printed.Identity, left, right, map(reading.status, equal))),
         factorisation=_factorisation(product) if product else None,
         unread=tuple(name for name in UNREAD if name in root.entries),
-        solutions=solutions,
-        inverse=inverse,
+        solutions=tuple(solutions),
+        inverse=tuple(inverse),
         document=reading.printed_in(root),
     )
 
 
-def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity:
+def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> printed.PrintedQuantity:
     latex = isinstance(node, YamlMapping) and "latex" in node.entries
     item = reading.mapping(node, "an item of expected", () if latex else ("quantity",), (*_CONTENT, *_REMARKS))
     name = required_text(item, "quantity").text if "quantity" in item.entries else ""
@@ -91,14 +93,14 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity
         if (correction.row, correction.column) not in {(entry.row, entry.column) for entry in entries}:
             found = f"correction of {correction.row},{correction.column}, which is not among the printed entries"
             raise CheckError(found, remedy="print the wrong entry too", location=correction.location)
-    abbreviated: tuple[Printed, ...] = ()
+    abbreviated: tuple[printed.Printed, ...] = ()
     if "abbreviated" in item.entries:  # the entries as they are printed with the abbreviations of the notes
         short = NO_ABBREVIATIONS
         for key, text in reading.pairs(item, "abbreviations", "an abbreviation"):
             short = short.defining(key.text, read_printed(text, robot, short))
         rows = reading.rows(item.entries["abbreviated"][1], "abbreviated", "a row of 'abbreviated'")
         abbreviated = tuple(_matrix_entries(rows, robot, short))
-    return PrintedQuantity(
+    return printed.PrintedQuantity(
         quantity=name,
         location=item.location,
         entries=entries,
@@ -113,7 +115,7 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> PrintedQuantity
     )
 
 
-def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tuple[int, int] | None]:
+def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[printed.Printed, ...], tuple[int, int] | None]:
     """The printed entries, and rows and columns where the whole matrix is printed."""
     matrix = reading.child(item, "matrix")
     if len([key for key in ("matrix", "entries", "latex") if key in item.entries]) != 1:
@@ -131,17 +133,19 @@ def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[Printed, ...], tupl
     return tuple(_matrix_entries(rows, robot)), (len(rows), len(rows[0]))
 
 
-def _matrix_entries(rows: list[list[Node]], robot: Robot, short: Abbreviations = NO_ABBREVIATIONS) -> Iterator[Printed]:
+def _matrix_entries(
+    rows: list[list[Node]], robot: Robot, short: Abbreviations = NO_ABBREVIATIONS
+) -> Iterator[printed.Printed]:
     for i, row in enumerate(rows, 1):
         for j, cell in enumerate(row, 1):
             yield read_printed(reading.scalar(cell, "an entry"), robot, short, (i, j))
 
 
-def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot: Robot) -> Iterator[Printed]:
+def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot: Robot) -> Iterator[printed.Printed]:
     """Formulas under keys such as ``1,4``, or ``3`` for a vector."""
     seen: set[tuple[int, int]] = set()
     for key, text in pairs:
-        match = _PLACE.fullmatch(key.text)
+        match = re.fullmatch(r"\s*([0-9]{1,3})\s*(?:,\s*([0-9]{1,3})\s*)?", key.text)
         place = (int(match[1]), int(match[2] or 1)) if match else (0, 0)
         if 0 in place or place in seen:
             found = f"{what}: place {quoted(key.text)}" + (" twice" if place in seen else "")
@@ -151,10 +155,75 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
         yield read_printed(text, robot, place=place)
 
 
-def _factorisation(node: Node) -> Factorisation:
+def _factorisation(node: Node) -> printed.Factorisation:
     item = reading.mapping(node, "factorisation", ("of", "factors"), _REMARKS)
     factors = reading.items(item.entries["factors"][1], "factors")
     if not factors:
         raise CheckError("factorisation without factors", remedy="name two or more", location=item.location)
     names = tuple(reading.scalar(factor, "a factor").text for factor in factors)
-    return Factorisation(required_text(item, "of").text, names, item.location)
+    return printed.Factorisation(required_text(item, "of").text, names, item.location)
+
+
+def read_block(
+    node: Node | None, robot: Robot, lines: Sequence[str]
+) -> tuple[list[printed.Solution], list[printed.InverseText]]:
+    """The formulas and the solutions of the block, which may be a list of several."""
+    blocks = node.items if isinstance(node, YamlSequence) else [node] if node is not None else []
+    formulas: list[printed.Solution] = []
+    texts: list[printed.InverseText] = []
+    for block in blocks:
+        if isinstance(block, YamlMapping) and "formulas" in block.entries:
+            formulas += _formulas(block, robot)
+        else:
+            texts.append(_solution(block, lines))
+    return formulas, texts
+
+
+def _formulas(node: Node, robot: Robot) -> Iterator[printed.Solution]:
+    """Formulas for single unknowns, whose names are entries of T."""
+    block = reading.mapping(node, "inverse_kinematics", ("formulas",), ("given", "notation", "note"))
+    own = own_names(robot)
+    pose = Abbreviations({name: Name(name) for name in POSE_NAMES if name not in own})
+    for formula in reading.items(block.entries["formulas"][1], "formulas"):
+        item = reading.mapping(formula, "a formula", ("unknown", "value", "printed"), _FORMULA)
+        value = read_printed(required_text(item, "value"), robot)
+        found = read_printed(required_text(item, "printed"), robot, pose)
+        correct = read_printed(required_text(item, "correct"), robot, pose) if "correct" in item.entries else None
+        yield printed.Solution(
+            unknown=required_text(item, "unknown").text,
+            value=value.formula,
+            # a formula about whose value nothing is known cannot be decided either
+            printed=replace(found, unknown=found.unknown or value.unknown),
+            is_angle=reading.flag(item, "angle"),
+            correction=replace(correct, unknown=correct.unknown or value.unknown) if correct else None,
+            status=reading.status(item),
+            remark=reading.remark(item),
+        )
+
+
+def _solution(node: Node, lines: Sequence[str]) -> printed.InverseText:
+    item = reading.mapping(node, "inverse_kinematics", (), ("lines", "latex", *_SOLUTION))
+    if ("lines" in item.entries) is ("latex" in item.entries):
+        found = "inverse_kinematics needs either 'lines', 'latex' or 'formulas'"
+        remedy = 'write lines: ["theta2 = atan2(+-sqrt(1 - D**2), D)", ...]'
+        raise CheckError(found, remedy=remedy, location=item.location)
+    content = item.entries["lines" if "lines" in item.entries else "latex"][1]
+    texts = content.items if isinstance(content, YamlSequence) else [content]
+    parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
+    order = reading.word(item, "atan2", ("yx", "xy"), "")  # of its arguments: the sine first, or the cosine
+    asked = printed.Asked(item.location, _task(item), order == "xy" if order else None)
+    return printed.InverseText(parts, asked, "latex" in item.entries, False, reading.status(item), reading.remark(item))
+
+
+def _task(item: YamlMapping) -> Task | None:
+    node = reading.child(item, "task")
+    if node is None:
+        return None
+    if isinstance(node, YamlSequence):
+        words = [reading.scalar(word, "a row of the task").text for word in node.items]
+    else:
+        words = reading.scalar(node, "task").text.replace(",", " ").split()
+    try:
+        return chosen_task(words, 6)
+    except DeriveError as error:
+        raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=node.location) from None

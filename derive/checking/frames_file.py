@@ -12,6 +12,7 @@ that it prints.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from operator import mul
 
 import sympy
 
@@ -31,9 +32,6 @@ from derive.robot.robot import Robot
 
 # Formulas about frames have symbols and no joints.
 NO_ROBOT = Robot(name="frames", title="", convention=Convention.STANDARD, joints=())
-FUNCTIONS = ("Rot", "Rot3", "Trans", "Vec", "Ref")
-_FACTOR = re.compile(r"\s*([A-Za-z0-9]+)\((.*)\)\s*", re.DOTALL)
-_PLACE = re.compile(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*")
 _KEYS = ("source", "printed_factors", "forms", "at", "status", "kind", "correct", "note", "ocr", "duplicate", "implied")
 _TURNS = {"x": sympy.rot_ccw_axis1, "y": sympy.rot_ccw_axis2, "z": sympy.rot_ccw_axis3}  # of an angle, 3x3
 
@@ -69,10 +67,7 @@ def compose(*frames: Matrix) -> Matrix:
     product = [[domain.constant(e) for e in row] for row in factors[0]]
     for factor in factors[1:]:
         columns = list(zip(*([domain.constant(e) for e in row] for row in factor), strict=True))
-        product = [
-            [sum((x * y for x, y in zip(row, column, strict=True)), domain.ring.zero) for column in columns]
-            for row in product
-        ]
+        product = [[sum(map(mul, row, column), domain.ring.zero) for column in columns] for row in product]
     write = LectureForm(domain).kinematic
     return sympy.ImmutableMatrix([[write(entry) for entry in row] for row in product])
 
@@ -108,14 +103,12 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     except DeriveError as error:
         raise error.at(item.location) from None
     known[name] = product
-    at = {
-        sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner))
-        for key, text in reading.pairs(item, "at", "a value")
-    }
+    values = reading.pairs(item, "at", "a value")
+    at = {sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner)) for key, text in values}
     right = product.subs(at) if at else product
     corrections: dict[tuple[int, int], YamlScalar] = {}
     for key, text in reading.pairs(item, "correct", "a correction"):
-        match = _PLACE.fullmatch(key.text)
+        match = re.fullmatch(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*", key.text)
         if match is None:
             raise CheckError(f"place {quoted(key.text)}", allowed="allowed: row,column", location=key.location)
         corrections[int(match[1]), int(match[2])] = text
@@ -130,9 +123,8 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
 
 
 def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
-    """The matrix of a factor such as ``Rot(z, pi/2)``."""
-    match = _FACTOR.fullmatch(text.text)
-    if match is None or match[1] not in FUNCTIONS:
+    match = re.fullmatch(r"(?s)\s*([A-Za-z0-9]+)\((.*)\)\s*", text.text)
+    if match is None or match[1] not in ("Rot", "Rot3", "Trans", "Vec", "Ref"):
         allowed = "allowed: Rot(z, angle), Rot3(z, angle), Trans(x, y, z), Vec(x, y, z), Ref(id)"
         raise CheckError(f"factor {quoted(text.text)}", allowed=allowed, location=text.location)
     # formulas of frames have no commas of their own

@@ -4,24 +4,32 @@ Every link of some arms with revolute and prismatic joints, odd twists and full 
 is right when it gives, from what the recursion knows at that step, what the recursion computes there.
 """
 
+from __future__ import annotations
+
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import islice
 from typing import Any
 
 import numpy as np
+from lark import Lark, Token
+from lark.exceptions import UnexpectedInput
+from lark.visitors import Transformer_NonRecursive
 
 from derive.checking.formulas import reading
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import FileReport, Finding, Role
 from derive.checking.formulas.reading import required_text
-from derive.checking.formulas.vector_formula import Vector, diagnose_vector, names_in, read_vector, value_of
-from derive.errors import CheckError, listed, near_miss, quoted
+from derive.errors import CheckError, Location, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, printed_newton_euler
 from derive.model.equality import Verdict
 from derive.robot.expression import Name
+from derive.robot.parser import place
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar
 from derive.robot.robot import Robot
 
@@ -35,13 +43,10 @@ RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")  # what an equation 
 # Joint types and seed of each arm: both kinds of joint as first, inner and last one.
 ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))
 UNREAD = ("initial_conditions", "textual", "lagrange")
-_KEYS = ("source", "algorithm", *SETS, *UNREAD)
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
-_SHOWN = {"newton_euler_base": "Newton-Euler, base frame", "newton_euler_link": "Newton-Euler, link frame"}
 # Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
 _TOLERANCE = 1e-10
-
 
 # One link in motion: its joint, revolute or prismatic, and what each name stands for, numbers, (3,) or (3, 3).
 LinkCase = tuple[str, Mapping[str, Array]]
@@ -49,7 +54,7 @@ LinkCase = tuple[str, Mapping[str, Array]]
 
 def check_methods(root: YamlMapping, source: str) -> FileReport:
     """Compare every printed equation with what the recursion computes."""
-    top = reading.mapping(root, "the file", (), _KEYS)
+    top = reading.mapping(root, "the file", (), ("source", "algorithm", *SETS, *UNREAD))
     findings: list[Finding] = []
     for name in SETS:
         for node in reading.items(reading.child(top, name), name):
@@ -74,13 +79,12 @@ def check_methods(root: YamlMapping, source: str) -> FileReport:
 
 
 def _equation(name: str, node: Node) -> Iterator[Finding]:
-    """A printed equation and its correction."""
     item = reading.mapping(node, "an equation", ("id", "joint", "result", "printed", "status"), _EQUATION)
     joint = reading.word(item, "joint", ("any", "revolute", "prismatic"), "any")
     result = reading.word(item, "result", RESULTS, "")
     erratum, said = reading.status(item) == "erratum", reading.remark(item)
     known = [values for its_joint, values in cases(name) if joint in ("any", its_joint)]
-    shown = f"{_SHOWN[name]}: {required_text(item, 'id').text} ({joint} joint)"
+    shown = f"Newton-Euler, {name.rpartition('_')[2]} frame: {required_text(item, 'id').text} ({joint} joint)"
     correction = reading.child(item, "correct")
     for key, role in (("printed", Role.EQUATION), ("correct", Role.CORRECTION)):
         text = reading.child(item, key)
@@ -102,18 +106,10 @@ def _equation(name: str, node: Node) -> Iterator[Finding]:
 
 def _holds_for_all(e: Vector, cases: Sequence[Mapping[str, Array]], result: str) -> bool:
     """Whether an equation gives what the recursion computes, at every link."""
-    for values in cases:
-        try:
-            value = value_of(e, values)
-        except (ValueError, TypeError):
-            return False
-        expected = values[result]
-        if np.shape(value) != np.shape(expected) or not np.max(np.abs(value - expected)) < _TOLERANCE:
-            return False
-    return True
-
-
-# -- the cases
+    with suppress(ValueError, TypeError):
+        pairs = ((value_of(e, values), values[result]) for values in cases)
+        return all(np.shape(a) == np.shape(b) and np.max(np.abs(a - b)) < _TOLERANCE for a, b in pairs)
+    return False
 
 
 @cache
@@ -165,3 +161,169 @@ def _arm(types: str, seed: int) -> Robot:
         body = f"mass: {_number()}, com: [{_number()}, {_number()}, {_number()}], inertia: {{{tensor}}}"
         lines.append(f"  - {{{body}, friction: {{viscous: {_number()}}}}}")
     return Robot.from_text("\n".join(lines) + "\n")
+
+
+MAX_LENGTH = 400  # characters; three times the longest equation of the books, and no tree of them is too deep
+GRAMMAR = """
+?start: sum
+?sum: first ((PLUS | MINUS) product)*
+?first: product | MINUS product -> negative
+?product: atom ((TIMES | AT) atom)*
+?atom: NAME -> name
+     | NUMBER -> number
+     | "cross" "(" sum "," sum ")" -> cross
+     | "(" sum ")"
+PLUS: "+"
+MINUS: "-"
+TIMES: "*"
+AT: "@"
+NAME: /(?!cross\\b)[A-Za-z][A-Za-z0-9_]*/
+NUMBER: /[0-9]+(\\.[0-9]+)?/
+%ignore /[ \\t\\r\\n]+/
+"""
+_parser = cache(partial(Lark, GRAMMAR, parser="lalr"))
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """A node: a name, a number, or an operation on the nodes below."""
+
+    operation: str  # ``name``, ``number``, ``+``, ``*``, ``@``, ``cross`` or ``-`` (of one part)
+    text: str = ""  # the name, or the digits
+    parts: tuple[Vector, ...] = ()  # the nodes below
+
+    def __str__(self) -> str:
+        match self.operation:
+            case "name" | "number":
+                return self.text
+            case "cross":
+                return f"cross({self.parts[0]}, {self.parts[1]})"
+            case "-":
+                return f"-{_bracketed(self.parts[0])}"
+            case "+":
+                rest = (f" - {str(p)[1:]}" if p.operation == "-" else f" + {p}" for p in self.parts[1:])
+                return str(self.parts[0]) + "".join(rest)
+            case _:
+                sign = " @ " if self.operation == "@" else "*"
+                return sign.join(map(_bracketed, self.parts))
+
+
+def _bracketed(part: Vector) -> str:
+    return f"({part})" if part.operation in "+-" else str(part)
+
+
+def read_vector(text: str, where: Location) -> Vector:
+    """A printed vector equation's right-hand side."""
+    if len(text) > MAX_LENGTH:
+        allowed = f"allowed: at most {MAX_LENGTH} characters"
+        raise CheckError("vector equation too long", allowed=allowed, location=where)
+    try:
+        return _VectorBuilder().transform(_parser().parse(text))
+    except UnexpectedInput as error:
+        at = min(getattr(error, "pos_in_stream", None) or 0, len(text))
+        found, there = f"vector equation {quoted(text, 80)}", place(text, at, where)
+        raise CheckError(found, allowed="allowed: names, numbers, + - * @, cross(a, b)", location=there) from None
+
+
+class _VectorBuilder(Transformer_NonRecursive[Token, Vector]):
+    def __default__(self, data: str, children: list[Any], meta: object) -> Vector:
+        """What a rule of the grammar makes of its parts."""
+        match data, children:
+            case (("name" | "number"), (token,)):
+                return Vector(str(data), str(token))
+            case "negative", (_, product):
+                return Vector("-", parts=(product,))
+            case "cross", (a, b):
+                return Vector("cross", parts=(a, b))
+            case "sum", (first, *rest):
+                pairs = zip(rest[::2], rest[1::2], strict=True)
+                signed = (Vector("-", parts=(term,)) if sign == "-" else term for sign, term in pairs)
+                return Vector("+", parts=(first, *signed))
+            case "product", (first, *rest):
+                found: Vector = first
+                for sign, factor in zip(rest[::2], rest[1::2], strict=True):
+                    found = Vector(str(sign), parts=(found, factor))
+                return found
+        raise AssertionError(data)
+
+
+def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
+    """The value of an equation whose names stand for numbers, vectors (3,) and matrices (3, 3)."""
+    if e.operation == "name":
+        return values[e.text]
+    if e.operation == "number":
+        return float(e.text)
+    parts = [value_of(part, values) for part in e.parts]
+    match e.operation:
+        case "+":
+            if len({np.shape(part) for part in parts}) > 1:
+                raise ValueError("a sum of vectors and scalars")
+            return sum(parts[1:], start=parts[0])
+        case "-":
+            return -parts[0]
+        case "*":
+            return parts[0] * parts[1]
+        case "@":
+            return parts[0] @ parts[1]
+    a, b = parts
+    if np.shape(a) != (3,) or np.shape(b) != (3,):
+        raise ValueError("a cross product of something else than vectors")
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def names_in(e: Vector) -> Iterator[str]:
+    """Every name in an equation, in order of appearance."""
+    if e.operation == "name":
+        yield e.text
+    for part in e.parts:
+        yield from names_in(part)
+
+
+Change = tuple[SlipKind, str, Vector]
+
+MAX_TRIES = 10_000  # changes of one kind that are tried, so that the search ends for the longest equation too
+
+
+def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vector], bool]) -> Repair | None:
+    """One change that makes an equation hold, or two names of the same letter; None where no such change does."""
+    relatives = partial(_changes, "relative", names)
+    for what in ("sign", "relative", "operation", "other"):
+        for kind, text, changed in islice(_everywhere(printed, partial(_changes, what, names)), MAX_TRIES):
+            if holds(changed):
+                return Repair((kind,), text, Name(str(changed)))
+    # two names of the same letters: a link's index mistaken throughout one term
+    pairs = (
+        (kind, f"2 changes: {first}; {second}", twice)
+        for kind, first, changed in _everywhere(printed, relatives)
+        for _, second, twice in _everywhere(changed, relatives)
+    )
+    for kind, text, twice in islice(pairs, MAX_TRIES):
+        if holds(twice):
+            return Repair((kind, kind), text, Name(str(twice)))
+    return None
+
+
+def _everywhere(e: Vector, change: Callable[[Vector], Iterator[Change]]) -> Iterator[Change]:
+    """The equation with one of its nodes changed, for every node from the root down."""
+    yield from change(e)
+    for i, part in enumerate(e.parts):
+        for kind, text, changed in _everywhere(part, change):
+            yield kind, text, replace(e, parts=(*e.parts[:i], changed, *e.parts[i + 1 :]))
+
+
+def _changes(what: str, names: Sequence[str], node: Vector) -> Iterator[Change]:
+    """The changes of one sort at one node; relatives have the same first letter, another dot or another index."""
+    match what, node.operation:
+        case "sign", "+":
+            for i, term in enumerate(node.parts):
+                other = term.parts[0] if term.operation == "-" else Vector("-", parts=(term,))
+                turned = Vector("+", parts=(*node.parts[:i], other, *node.parts[i + 1 :]))
+                yield SlipKind.SIGN, f"sign of {term}", turned
+        case (("relative" | "other"), "name"):
+            kind = SlipKind.INDEX if what == "relative" else SlipKind.SYMBOL
+            for name in names:
+                if name != node.text and (name[0] == node.text[0]) is (what == "relative"):
+                    yield kind, f"{kind.value}: {name} instead of {node.text}", Vector("name", name)
+        case "operation", "cross" | "+" if len(node.parts) == 2:  # a cross product where a sum is meant, or the reverse
+            exchanged = Vector("+" if node.operation == "cross" else "cross", parts=node.parts)
+            yield SlipKind.SYMBOL, f"operation: {exchanged} instead of {node}", exchanged

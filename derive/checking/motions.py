@@ -79,9 +79,8 @@ class Motions:
     def _left(self, zero: Expression, at: Mapping[str, float], torques: Mapping[int, str], size: float) -> float:
         """The value of a formula while torques alone drive; size scales angles, velocities and torques."""
         point = {name: at[name] for name in (*own_names(self._robot), *names(zero))}
-        point |= {name: at[name] * size for name in (*self._joints, *self._rates)} | dict.fromkeys(
-            self._accelerations, 0.0
-        )
+        point |= {name: at[name] * size for name in (*self._joints, *self._rates)}
+        point |= dict.fromkeys(self._accelerations, 0.0)
         torque = np.zeros((len(self._joints), 1))
         for i, letter in torques.items():
             torque[i] = point[f"?{letter}"] = at[f"?{i}"] * size
@@ -93,10 +92,9 @@ class Motions:
         """Whether a formula doubles with all that moves in it."""
         moving = {*self._joints, *self._rates, *self._accelerations}
         scales = {name: 2 if name in moving or name[0] == "?" else 1 for name in names(zero)}
-        sizes = (
-            [float_value(zero, {n: at[n] * k**i for n, k in scales.items()}) for i in (0, 1)] for at in self._points
-        )
-        return all(abs(twice - 2 * once) < _EXACT for once, twice in sizes)
+        once, twice = ([{n: at[n] * k**i for n, k in scales.items()} for at in self._points] for i in (0, 1))
+        pairs = zip(once, twice, strict=True)
+        return all(abs(float_value(zero, there) - 2 * float_value(zero, here)) < _EXACT for here, there in pairs)
 
 
 def matrix_value(matrix: Matrix, at: Mapping[str, float]) -> Array:

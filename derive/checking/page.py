@@ -24,15 +24,11 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
     for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True)):
         report = printout.report
         ending, title = (f"-{number}", f"{robot.name}: ") if len(robots) > 1 else ("", "")
-        right = [
-            (_code(f.location), _code(what(f)), judge(f).outcome.value) for f in report.findings if f.verdict.equal
-        ]
+        right = [(_code(f.location), _code(what(f)), judge(f).outcome) for f in report.findings if f.verdict.equal]
         readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
         reasons = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in report.unread))
-        unread = [
-            (_code(reason), ", ".join(_code(place) for _, place in group))
-            for reason, group in groupby(reasons, key=lambda pair: pair[0])
-        ]
+        groups = groupby(reasons, key=lambda pair: pair[0])
+        unread = [(_code(reason), ", ".join(_code(place) for _, place in group)) for reason, group in groups]
         sections += (
             Section(f"reading{ending}", f"{title}How it is read", readings),
             Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot))),
@@ -54,7 +50,6 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> tuple[Table, ...]:
-    """A table, where it has rows."""
     found = tuple(rows)
     return (Table(head, found),) if found else ()
 

@@ -17,6 +17,7 @@ from derive.robot.rounding import DIGITS
 
 Printer = Callable[[Any], str]  # writes a derived formula in the notation of the file's robot
 LONGEST = 400  # characters of a formula in a report; longer ones are cut
+LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
 MAX_SHOWN_TERMS = 6  # terms of a difference that are shown; a longer one says little
 
 
@@ -198,10 +199,6 @@ def cut(text: str, length: int = LONGEST) -> str:
     return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
-TITLE = "# Errata"
-LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
-
-
 @dataclass(frozen=True)
 class Printout:
     """One checked file."""
@@ -247,7 +244,7 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
     items = errata_items(printouts)
     errors = [item for item in items if item.findings[0].remark.kind != "convention"]
     conventions = [item for item in items if item.findings[0].remark.kind == "convention"]
-    lines = [TITLE, ""]
+    lines = ["# Errata", ""]
     lines += [head, ""] if head else []
     decided = [f for p in printouts for f in p.report.findings if f.unknown is None]
     total = sum(f.role is not Role.CORRECTION for f in decided)

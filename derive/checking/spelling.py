@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 _DOTTED = re.compile("([A-Za-z\u0370-\u03ff])([\u0307\u0308])|[\u1e8b\u1e8f\u017c\u1e59\u1e57\u1e8d\u00ff\u1e97]")
 _ONE = r"(?:\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9])"
 _FRACTION = re.compile(rf"(\\[tdc]?frac)(?![A-Za-z])\s*({_ONE})\s*({_ONE})")
-_ROOT = re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))")
 # A condition: a joint angle that is nearly a multiple of a right angle.
 _NEARLY = re.compile(
     r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qCScs])\s*_\s*\{?[0-9]{1,2}\}?\s*)\\(?:approx|simeq)(\s*-?\s*(?:0|1|90|180|\\pi)(?![0-9.]))"
@@ -36,11 +35,9 @@ _SHOWN = re.compile(
     r"^(?P<name>[A-Za-z]+[0-9]*)(?:_(?P<sub>\w{1,9}))?[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(left|begin))",
     re.MULTILINE,
 )
-_WORDS = re.compile(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}")
 _WORD = re.compile(
     r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi)_?(?P<index>[0-9]*)(?![A-Za-z]))"
 )
-_MATHEMATICS = re.compile(r"\$|\\\(|\\\[|\\begin")
 
 Spelled = tuple[str, Sequence[int]]  # a text, and for each character the offset from which it comes
 
@@ -58,12 +55,13 @@ def from_plain_text(text: str) -> Spelled:
     found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
     found = _rewritten(found, _LOST, _restored)
     found = _rewritten(found, _SHOWN, lambda m: f"{m['display']}{m['name']}_{{{m['sub']}}} = ".replace("_{None}", ""))
-    if _MATHEMATICS.search(found[0]):
+    if re.search(r"\$|\\\(|\\\[|\\begin", found[0]):
         return found
 
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
-        return match[0] if _WORDS.search(equation) else f"$${_WORD.sub(_macro, equation)}$$"
+        is_prose = re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation)
+        return match[0] if is_prose else f"$${_WORD.sub(_macro, equation)}$$"
 
     return _rewritten((text, range(len(text))), _EQUATION, display)
 
@@ -126,7 +124,7 @@ _NORM = re.compile(
 )
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
-    (_ROOT, lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
+    (re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))"), lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
     (_FRACTION, _fraction),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant

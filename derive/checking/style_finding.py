@@ -150,9 +150,6 @@ def _score(style: Style, known: Iterable[tuple[_ExamplePart, ...]]) -> tuple[int
     return sum(map(all, fits)), sum(map(sum, fits))
 
 
-# -- parts
-
-
 class _StyledRobot:
     """A robot written in many styles; what does not depend on the style is derived once."""
 
@@ -172,15 +169,12 @@ class _StyledRobot:
         return frozenset(name for cell in cells for name in names(cell)) - angles
 
     def model(self, style: Style) -> Model:
-        """The model in a style."""
         if style not in self._models:
-            if style.contraction not in self._exact:
-                self._exact[style.contraction] = Model(self.robot, style)
-            self._models[style] = self._exact[style.contraction].with_style(style)
+            exact = self._exact.get(style.contraction) or Model(self.robot, style)
+            self._models[style] = self._exact.setdefault(style.contraction, exact).with_style(style)
         return self._models[style]
 
     def form(self, quantity: str, style: Style) -> object:
-        """The form of a scalar quantity in a style."""
         key = (quantity, style)
         if key not in self._forms:
             self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
@@ -269,9 +263,6 @@ def _addends(e: Expression) -> Iterator[Expression]:
         yield from (multiply(e.factors[0], term) for term in _addends(e.factors[1]))
     else:
         yield e
-
-
-# -- what is said
 
 
 def _reason(part: _ExamplePart, style: Style) -> str:

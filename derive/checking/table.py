@@ -15,7 +15,6 @@ from derive.robot.writer import cell_text
 
 COLUMNS = ("theta", "d", "a", "alpha")
 DEGREES_FROM = 7  # a plain number in a column of angles that is as large as this is meant in degrees
-_MARKDOWN = re.compile(r"(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", re.MULTILINE)
 _LATEX = re.compile(r"\\begin\{(?P<kind>tabular\*?|array|longtable)\}(?P<body>.*?)\\end\{(?P=kind)\}", re.DOTALL)
 _HEADS = {
     "theta": re.compile(r"(?:theta|th|q)(?:i|j|k|n)?"),
@@ -29,8 +28,6 @@ _SIGNS = {
     **{"\u2212": "-", "\u2013": "-", "\u00b0": "^circ", "\u00b7": "*", "\u1d62": "i", "(i-1)": "i-1"},
     **{chr(0x2080 + digit): str(digit) for digit in range(10)},
 }
-_VARIABLE = re.compile(r"(?:theta|th|q)[0-9]*")
-_FIXED = re.compile(r"[-+0-9./*() pi]*")
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
     """Tables whose head names all four columns."""
     typed = document.typed
     kept = {document.origins[i] for i, c in enumerate(document.text) if not c.isspace()}
-    for match in (*_LATEX.finditer(typed), *_MARKDOWN.finditer(typed)):
+    for match in (*_LATEX.finditer(typed), *re.finditer(r"(?m)(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", typed)):
         if not any(match.start() <= origin < match.end() for origin in kept):
             continue
         lines = _split(match, typed)
@@ -81,7 +78,7 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
         modified = is_khalil or any("-1" in names[head[kind]] for kind in ("a", "alpha"))
         body = [(offset, cells) for offset, cells in lines[start + 1 :] if len(cells) > max(head.values())]
         large = {k for k in ("theta", "alpha") if any(_largest(cells[head[k]]) >= DEGREES_FROM for _, cells in body)}
-        rows = [_row(document, offset, cells, lines[start][1], head, large) for offset, cells in body]
+        rows = [_row(_location(document, offset), cells, lines[start][1], head, large) for offset, cells in body]
         yield where, modified, rows
 
 
@@ -122,15 +119,9 @@ def _column_name(cell: str) -> str:
 
 
 def _row(
-    document: Manuscript,
-    offset: int,
-    cells: Sequence[str],
-    heads: Sequence[str],
-    head: Mapping[str, int],
-    degrees: set[str],
+    where: Location, cells: Sequence[str], heads: Sequence[str], head: Mapping[str, int], degrees: set[str]
 ) -> _Row:
     """A row, in radians and metres."""
-    where = _location(document, offset)
     found, marked = {}, set()
     for kind, i in head.items():
         text = _plain(cells[i]).partition("=")[0]
@@ -213,7 +204,7 @@ def _joint(row: _Row, index: int) -> tuple[str, str]:
     for kind, found in (("revolute", names[0]), ("prismatic", names[1])):
         if variable := next((n for n in found if n in row.marked), ""):
             return kind, variable
-    if variable := next((n for n in names[0] if _VARIABLE.fullmatch(n)), ""):
+    if variable := next((n for n in names[0] if re.fullmatch(r"(?:theta|th|q)[0-9]*", n)), ""):
         return "revolute", variable
-    slide = names[1][0] if _FIXED.fullmatch(theta) and len(names[1]) == 1 else ""
+    slide = names[1][0] if re.fullmatch(r"[-+0-9./*() pi]*", theta) and len(names[1]) == 1 else ""
     return ("prismatic", slide) if re.fullmatch(rf"[dqrs](?:{index}|[A-Z])?", slide) else ("", "")

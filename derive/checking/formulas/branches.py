@@ -2,10 +2,11 @@
 
 import itertools
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import hypot, remainder, tau
 
-from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.model.equality import samples
 from derive.robot import expression as tree
 from derive.robot.expression import ONE, Call, Expression, Name, Number, Pi, Product, Sum
@@ -44,8 +45,9 @@ def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
     modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
     wanted = sorted({*tree.names(one), *tree.names(other)})
     signs = [name for name in wanted if name[0] == SIGN][:SIGNS]
-    variants = [(_with_one_arc(one, turned), _with_one_arc(other, turned)) for turned in (False, True)]
-    variants = variants[: 1 + any(map(_may_turn, (one, other)))]
+    sides = [_with_one_arc(side) for side in (one, other)]  # Atan2 may have the cosine first
+    variants = [[with_atan2(side, "Atan2", turned) for side in sides] for turned in (False, True)]
+    variants = variants[: 1 + any(count_calls(side, "Atan2") > 0 for side in (one, other))]
     points = alike = 0
     for sample in samples(robot, [name for name in wanted if name[0] != SIGN]):
         values = {name: float(value) for name, value in sample.items()}
@@ -58,18 +60,16 @@ def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
 
 
 def _nearness(
-    variants: Sequence[tuple[Expression, Expression]], values: dict[str, float], signs: Sequence[str], modulus: float
+    variants: Sequence[Sequence[Expression]], values: dict[str, float], signs: Sequence[str], modulus: float
 ) -> Iterator[bool]:
     """Whether two sides are near each other, for each choice of signs that gives both a value."""
     for one, other in variants:
         for chosen in itertools.product((1.0, -1.0), repeat=len(signs)):
             here = values | dict(zip(signs, chosen, strict=True))
-            try:
+            with suppress(*NO_VALUE):
                 a, b = float_value(one, here), float_value(other, here)
-            except NO_VALUE:
-                continue
-            gap = remainder(a - b, modulus) if modulus else a - b
-            yield abs(gap) <= CLOSE * (1 if modulus else hypot(1, a, b))
+                gap = remainder(a - b, modulus) if modulus else a - b
+                yield abs(gap) <= CLOSE * (1 if modulus else hypot(1, a, b))
 
 
 def _is_angle(e: Expression, joints: set[str]) -> bool:
@@ -89,17 +89,23 @@ def _is_angle(e: Expression, joints: set[str]) -> bool:
     return False
 
 
-def _may_turn(e: Expression) -> bool:
-    """Whether it has an arctangent of two arguments in an order that is not certain."""
-    return (isinstance(e, Call) and e.function == "Atan2") or any(map(_may_turn, tree.children(e)))
+def count_calls(e: Expression, function: str) -> int:
+    """How often a function is called."""
+    return sum(isinstance(node, Call) and node.function == function for node in nodes(e))
 
 
-def _with_one_arc(e: Expression, turned: bool) -> Expression:
-    """The formula with atan2 for all arc functions; where turned, `Atan2` has the cosine first."""
-    e = tree.rebuilt(e, lambda part: _with_one_arc(part, turned))
+def with_atan2(e: Expression, function: str, swapped: bool) -> Expression:
+    """An expression with atan2 in the place of a function of two arguments."""
+    whole = tree.rebuilt(e, lambda part: with_atan2(part, function, swapped))
+    if isinstance(whole, Call) and whole.function == function:
+        return Call("atan2", whole.arguments[::-1] if swapped else whole.arguments)
+    return whole
+
+
+def _with_one_arc(e: Expression) -> Expression:
+    """The formula with atan2 for all arc functions of one argument."""
+    e = tree.rebuilt(e, _with_one_arc)
     match e:
-        case Call("Atan2", (y, x)):
-            return Call("atan2", (x, y) if turned else (y, x))
         case Call("acos", (x,)):  # acos x = atan2(sqrt(1 - x^2), x)
             return Call("atan2", (other_leg(x), x))
         case Call("asin", (y,)):

@@ -44,10 +44,6 @@ MAX_SINGLE_ANGLES = 12
 PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)  # kinds of which two changes are tried
 
 
-def _itself(e: Expression) -> Expression:
-    return e
-
-
 @dataclass(frozen=True, eq=False)
 class Question:
     """A wrong formula and what it should be."""
@@ -56,20 +52,14 @@ class Question:
     printed: Expression  # the printed tree, in which definitions may still stand as names
     right: Expression  # what it should be
     definitions: Mapping[str, Expression] = field(default_factory=dict)  # what further names stand for
-    # What of a printed tree must equal the right one; the tree itself by default.
-    compared: Callable[[Expression], Expression] = _itself
+    compared: Callable[[Expression], Expression] | None = None  # what of it must be equal; None for the tree itself
     extra_terms: tuple[Expression, ...] = ()  # further terms that may be missing
     # Other quantities by name that the formula may be right for.
     others: Mapping[str, Expression] = field(default_factory=dict)
 
-    @property
-    def is_plain(self) -> bool:
-        """Whether the printed tree itself is what must be equal."""
-        return self.compared is _itself
-
     def is_answer(self, formula: Expression) -> bool:
         """Whether a formula is right, decided exactly."""
-        whole = substitute(self.compared(formula), self.definitions)
+        whole = substitute(self.compared(formula) if self.compared else formula, self.definitions)
         with suppress(DeriveError):
             return compare(self.robot, self.right, whole).equal
         return False
@@ -141,7 +131,7 @@ class _Search:
     def __init__(self, question: Question, values: Mapping[str, float], known_names: Sequence[str]) -> None:
         self.question = question
         self.values = values
-        self.outer = None if question.is_plain else question.compared(Name("(printed)"))
+        self.outer = question.compared(Name("(printed)")) if question.compared else None
         self.target = float_value(question.right, values)
         self._compared_value(float_value(question.printed, values))  # it must have a value there, too
         self.work = 0
@@ -202,13 +192,10 @@ class _Search:
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return
-                try:
+                with suppress(*NO_VALUE, TypeError):
                     value = self._compared_value(place.value(float_value(edit.node, self.values)))
-                    is_close = abs(value - self.target) <= CLOSE * (1 + abs(self.target))
-                except (*NO_VALUE, TypeError):
-                    continue
-                if is_close:
-                    yield edit
+                    if abs(value - self.target) <= CLOSE * (1 + abs(self.target)):
+                        yield edit
 
 
 def _terms_inside(e: Expression) -> Iterator[Expression]:

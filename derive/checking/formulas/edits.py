@@ -23,11 +23,9 @@ from derive.robot.rounding import is_given_in_decimals, number_text
 
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **REAL_FUNCTIONS,
-    "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
-    "acos": math.acos,
-    "asin": math.asin,
-    "atan": math.atan,
+    **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
+SWAPPED = {"cos": "sin", "sin": "cos"}
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
@@ -126,9 +124,6 @@ def nodes(e: Expression) -> Iterator[Expression]:
         node = waiting.pop()
         yield node
         waiting.extend(tree.children(node))
-
-
-SWAPPED = {"cos": "sin", "sin": "cos"}
 
 
 class SlipKind(Enum):

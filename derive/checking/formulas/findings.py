@@ -31,7 +31,14 @@ from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 
-RIGHT_ANGLE = 90  # degrees
+# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
+MAX_DIFFERENCE_TERMS = 20_000
+ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
+ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
+_SLACK = 1.05  # more than what the squares of rounding errors add
+# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
+Shape = tuple[Any, ...]
+ONE: Shape = ("*",)
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
@@ -105,20 +112,12 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
 
 
 def compared(
-    question: Question,
-    quantity: str,
-    place: tuple[int, int],
-    role: Role,
-    text: str,
-    right: Expr,
-    where: Location,
-    erratum: bool = False,
-    remark: Remark = NO_REMARK,
+    question: Question, quantity: str, place: tuple[int, int], role: Role, text: str, right: Expr, where: Location
 ) -> Finding:
     """The comparison that a question asks; right is what is shown for the right formula."""
     robot, sides = question.robot, (question.right, question.printed)
     # as it stands where the two are compared at points, branch by branch: no search for the slip starts from there
-    plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where, erratum, remark=remark)
+    plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where)
     only_points = any(has_branches(side, ONLY_AT_POINTS) for side in sides)
     verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
@@ -146,7 +145,7 @@ def in_degrees(formula: Expression) -> Expression:
     """A formula in which whole numbers that are added to an angle, as in cos(180 - theta2), are degrees."""
     match formula:
         case Call("sin" | "cos" | "tan", (Sum(terms),)) if any(
-            isinstance(term, Number) and abs(term.value) >= RIGHT_ANGLE / 3 for term in terms
+            isinstance(term, Number) and abs(term.value) >= 30 for term in terms
         ):
             turn = (Number(Fraction(1, 180)), Pi())
             turned = (tree.multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
@@ -154,11 +153,6 @@ def in_degrees(formula: Expression) -> Expression:
         case Call("sin" | "cos" | "tan"):
             return formula
     return tree.rebuilt(formula, in_degrees)
-
-
-ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
-ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
-_SLACK = 1.05  # more than what the squares of rounding errors add
 
 
 def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
@@ -206,25 +200,14 @@ def significant(value: Fraction) -> int:
     """Significant digits of a decimal; 0 of a fraction that is none, or of a whole number."""
     if value.denominator == 1:
         return 0
-    scaled = value * 10**DECIMAL_PLACES
+    scaled = value * 10**24  # a decimal has no more places
     return len(str(abs(scaled.numerator)).strip("0")) if scaled.denominator == 1 else 0
 
 
-DECIMAL_PLACES = 24  # places that a decimal may have
-
-
-def undecidable(
-    quantity: str,
-    place: tuple[int, int],
-    role: Role,
-    text: str,
-    unknown: CheckError,
-    erratum: bool,
-    remark: Remark = NO_REMARK,
-) -> Finding:
+def undecidable(quantity: str, place: tuple[int, int], role: Role, text: str, unknown: CheckError) -> Finding:
     """A formula with an unknown name; it is placed at that name."""
     where = unknown.location or Location("")
-    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, erratum, remark=remark, unknown=unknown)
+    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, unknown=unknown)
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,13 +251,6 @@ class FileReport:
         return not self.wrong and not self.undecidable
 
 
-# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
-MAX_DIFFERENCE_TERMS = 20_000
-# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
-Shape = tuple[Any, ...]
-ONE: Shape = ("*",)
-
-
 class Outcome(StrEnum):
     """The verdict on one formula."""
 
@@ -307,7 +283,7 @@ def judge(finding: Finding) -> Judgement:
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
     if question is None:
         return Judgement(Outcome.WRONG, repair=finding.repair)
-    terms = _difference_terms(question) if question.is_plain else ()
+    terms = _difference_terms(question) if question.compared is None else ()
     lacking: tuple[Expression, ...] = ()
     if len(terms) == 1:  # a difference of one term is a term too many or too few
         with suppress(DeriveError):

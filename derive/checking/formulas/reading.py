@@ -129,9 +129,6 @@ def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
     return PrintedText(scalar.text, scalar.location, verbatim=False)
 
 
-_WORD = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
-
-
 @dataclass(frozen=True, slots=True)
 class Abbreviations:
     """Further names of some formulas, beside the robot's own."""
@@ -165,5 +162,6 @@ def read_printed(
         if not isinstance(moved, UnknownNameError):
             raise moved from None
         return Printed(*place, text.text, ZERO, text.inner, moved)
-    unknown = next((further.unknown[name] for name in _WORD.findall(text.text) if name in further.unknown), None)
+    words = re.findall(r"[A-Za-z_][A-Za-z_0-9]*", text.text)
+    unknown = next((further.unknown[name] for name in words if name in further.unknown), None)
     return Printed(*place, text.text, ZERO if unknown else formula, text.inner, unknown)

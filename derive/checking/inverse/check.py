@@ -17,24 +17,15 @@ from itertools import product
 
 import numpy as np
 
-from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.branches import SIGN, count_calls, with_atan2
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped
 from derive.checking.formulas.printed import Asked, InverseText, PrintedText
-from derive.checking.inverse.latex import latex_equations
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import geometry_symbols, places, pose_of
-from derive.checking.inverse.printed import (
-    Place,
-    PrintedFormula,
-    PrintedInverse,
-    PrintedLine,
-    count_calls,
-    determined_joints,
-    with_calls,
-)
-from derive.checking.inverse.reading import Side, Vocabulary, assembled, text_equations
+from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, determined_joints
+from derive.checking.inverse.reading import Side, Vocabulary, assembled, latex_equations, text_equations
 from derive.checking.inverse.repair import InverseRepair, Repairer
 from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, QuantityError, listed
@@ -61,16 +52,14 @@ def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, .
     if not any(part.text.strip() for part in solution.parts):
         where = solution.asked.location
         raise CheckError("empty solution", remedy="write theta1 = ..., one quantity a line", location=where)
+    read = partial(latex_equations, document=solution.document) if solution.latex else text_equations
     for part in solution.parts:
         try:
-            if solution.latex:
-                found = latex_equations(part.text, robot, part.location, signs, document=solution.document)
-            else:
-                found = text_equations(part.text, robot, part.location, signs)
+            found, named = read(part.text, robot, part.location, signs)
         except CheckError as error:
             raise error if part.verbatim else error.moved(part.location) from None
-        equations += found[0]
-        words += found[1]
+        equations += found
+        words += named
     refused: list[Skipped] | None = [] if solution.document else None
     try:
         printed, vocabulary = assembled(robot, equations, words, refused)
@@ -124,11 +113,9 @@ class _InverseCheck:
         every = [f for line in printed.lines for f in line.formulas]
         calls = sum(count_calls(f.expression, "Atan2") for f in every)
         if self._asked.cosine_first:  # every atan2 is the book's
-            ours = printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=False))
-            return ours.mapped(partial(with_calls, old="atan2", new="atan2", swapped=True)), ""
-        plain, turned = (
-            printed.mapped(partial(with_calls, old="Atan2", new="atan2", swapped=s)) for s in (False, True)
-        )
+            ours = printed.mapped(partial(with_atan2, function="Atan2", swapped=False))
+            return ours.mapped(partial(with_atan2, function="atan2", swapped=True)), ""
+        plain, turned = (printed.mapped(partial(with_atan2, function="Atan2", swapped=s)) for s in (False, True))
         is_lone = calls == 1 and not any("tan2" not in f.text for f in every if count_calls(f.expression, "Atan2"))
         if not calls or self._asked.cosine_first is not None or is_lone:
             return plain, ""
@@ -169,8 +156,6 @@ class _InverseCheck:
                     text = changes_text((edit,), robot)
                     return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
         return None
-
-    # -- lines
 
     def lines(self) -> Iterator[Finding]:
         """The verdict on every line; of one that is wrong because of a quantity that it names, on that quantity."""
@@ -340,8 +325,6 @@ class _InverseCheck:
     ) -> Finding:
         where = formula.location
         return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair)
-
-    # -- branches
 
     def branches(self) -> Finding:
         """Whether all branches are given, or which are missing."""

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 import sympy
@@ -103,11 +104,8 @@ class OurSolution:
         """Entries of the pose by the first one that is the same at every reachable pose, as r21 = r12 of a SCARA."""
         if self.inverse is None:
             return {}
-        columns = {
-            str(self.inverse.pose[i, j]): np.array([place.pose[i][j] for place in self._places])
-            for i in range(3)
-            for j in range(4)
-        }
+        cells, pose = product(range(3), range(4)), self.inverse.pose
+        columns = {str(pose[i, j]): np.array([place.pose[i][j] for place in self._places]) for i, j in cells}
         # entries that agree at all configurations that were tried are equal as functions of the joints
         first = ((a, next(b for b, other in columns.items() if np.allclose(x, other))) for a, x in columns.items())
         return {a: Name(b) for a, b in first if a != b}
@@ -149,9 +147,8 @@ class OurSolution:
         robot, joints = self._model.robot, self._model.robot.joints
         symbols = (*geometry_symbols(robot), *self.given)
         values = {sympy.Symbol(name): np.array([place.values[name] for place in places]) for name in symbols}
-        for i in range(3):
-            for j in range(4):
-                values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
+        for i, j in product(range(3), range(4)):
+            values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
         for solution in inverse.solutions:
             # the lines of a branch one after the other, as arrays (places,); NaN where the branch does not exist
             known = dict(values)

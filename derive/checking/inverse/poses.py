@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -30,16 +31,11 @@ from derive.robot.expression import Call, Expression, Name
 from derive.robot.names import own_names, robot_symbols
 from derive.robot.robot import Robot
 
-Arrays = Mapping[str, npt.NDArray[np.float64]]
-
 BATCHES = 5  # geometries that are tried
 CONFIGURATIONS = 12  # configurations of each
 # Angles of joints that are tried, none close to a right angle, where arms are singular.
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
-_ENTRY = re.compile(r"[rR]([123])([123])|[tT]([123])([1234])")
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
-_WRIST = re.compile(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])")
-_COORDINATE = re.compile(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?")
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 
@@ -65,26 +61,24 @@ class PoseNames:
         entries: dict[str, tuple[int, int]] = {}
         wrist: dict[str, int] = {}
         for word, short in flat.items():
-            if found := _ENTRY.fullmatch(short):
+            if found := re.fullmatch(r"[rR]([123])([123])|[tT]([123])([1234])", short):
                 row, column = [int(group) for group in found.groups() if group]
                 entries[word] = row, column
             elif found := _COLUMN.fullmatch(short):
                 column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
                 entries[word] = "xyz".index(found[2]) + 1, column
-            elif found := _COORDINATE.fullmatch(short):
+            elif found := re.fullmatch(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?", short):
                 entries[word] = "xyz".index(found[1].lower()) + 1, 4
-            elif found := _WRIST.fullmatch(short):
+            elif found := re.fullmatch(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])", short):
                 wrist[word] = "xyz".index((found[1] or found[2]).lower())
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
         lengths = {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))}
         example = _Arm(robot, lengths, [np.full(1, 0.4 + 0.3 * k) for k in range(robot.n)])
         is_planar = all(parallel(axis, example.arms[0].axes[0]) for axis in example.arms[0].axes) and robot.n > 1
-        angles: dict[str, Expression] = {}
-        for word, short in flat.items() if is_planar else ():
-            for stem, function in (("", ""), ("c", "cos"), ("s", "sin")):
-                if short in (f"{stem}phi", f"{stem}varphi"):
-                    angle = Name("(phi)")
-                    angles[word] = Call(function, (angle,)) if function else angle
+        angle = (Name("(phi)"),)
+        known: dict[str, Expression] = {"phi": angle[0], "cphi": Call("cos", angle), "sphi": Call("sin", angle)}
+        plain = {word: short.replace("varphi", "phi") for word, short in flat.items()} if is_planar else {}
+        angles = {word: known[name] for word, name in plain.items() if name in known}
         wrist = wrist if any_wrist or example.wrist is not None else {}
         relatives: dict[str, tuple[int, int]] = {}  # names with other indices, r21 beside r12, p_y beside p_x
         for word, (_, column) in entries.items():
@@ -191,13 +185,11 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
 
 def _limits(limits: tuple[Expression, Expression] | None, values: Mapping[str, float]) -> tuple[float, float] | None:
     """The range of a slide, where the file gives one."""
-    if limits is None:
-        return None
-    try:
-        low, high = (evaluate(limit, {name: Fraction(value) for name, value in values.items()}) for limit in limits)
-    except (ArithmeticError, DeriveError):
-        return None
-    return (low, high) if low < high else None
+    known = {name: Fraction(value) for name, value in values.items()}
+    with suppress(ArithmeticError, DeriveError):
+        low, high = (evaluate(limit, known) for limit in limits) if limits else (0, 0)
+        return (low, high) if low < high else None
+    return None
 
 
 def geometry_symbols(robot: Robot) -> tuple[str, ...]:

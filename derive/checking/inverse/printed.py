@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
+from sympy.utilities.iterables import connected_components
 
-from derive.checking.formulas.branches import SIGN
+from derive.checking.formulas.branches import SIGN, count_calls
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.errors import CheckError, Location, listed
@@ -109,8 +111,6 @@ class PrintedInverse:
         lines = [replace(x, formulas=tuple(f)) for x, f in zip(self.lines, changed, strict=True)]
         return PrintedInverse(self.robot, lines, self.sums, self.close)
 
-    # -- joint variables
-
     def combination(self, e: Expression) -> Vector | None:
         """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = [joint.variable for joint in self.robot.joints]
@@ -141,8 +141,6 @@ class PrintedInverse:
             for part in tree.children(e):
                 yield from self.needed(part)
 
-    # -- values
-
     def named_before(self, line: PrintedLine) -> tuple[PrintedLine, ...]:
         """The named quantities that a line needs, each behind those that it needs itself."""
         if line not in self._before:
@@ -165,11 +163,9 @@ class PrintedInverse:
         """The plus-minus signs and alternatives that the value of a line depends on, with their values."""
         if line not in self._choices:
             parts = (*self.named_before(line), line)
-            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in parts}
-            self._choices[line] = {
-                **dict.fromkeys(self._signs(line), (1.0, -1.0)),
-                **{name: values for name, values in switches.items() if len(values) > 1},
-            }
+            several = [part for part in parts if len(part.formulas) > 1]
+            switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in several}
+            self._choices[line] = {**dict.fromkeys(self._signs(line), (1.0, -1.0)), **switches}
         return self._choices[line]
 
     def _signs(self, line: PrintedLine) -> tuple[str, ...]:
@@ -190,18 +186,15 @@ class PrintedInverse:
         """What a line gives at a configuration, for all choices."""
         free = {name: values for name, values in self.choices(line).items() if name not in (fixed or {})}
         for chosen in product(*free.values()):
-            try:
+            with suppress(*NO_VALUE):
                 yield self.value(line, place, {**(fixed or {}), **dict(zip(free, chosen, strict=True))})
-            except NO_VALUE:
-                continue
 
     def wanted(self, line: PrintedLine, place: Place) -> float:
         """What a line should give at a configuration; not a number where its left side has no value."""
         assert line.target is not None
-        try:
+        with suppress(*NO_VALUE):
             return float_value(line.target, place.values)
-        except NO_VALUE:
-            return math.nan
+        return math.nan
 
     def hits(self, line: PrintedLine, place: Place, fixed: Choice | None = None) -> bool:
         """Whether some choice gives what the line is about."""
@@ -228,15 +221,10 @@ class PrintedInverse:
 
     def coupled(self) -> Iterator[tuple[PrintedLine, ...]]:
         """The lines with targets in groups whose choices do not depend on each other."""
-        waiting = list(self.given)
-        while waiting:
-            group = [waiting.pop(0)]
-            # a line joins when it shares a sign or an alternative with one that is in the group already
-            keys = set(self.choices(group[0]))
-            while more := [line for line in waiting if keys.intersection(self.choices(line))]:
-                group += more
-                waiting = [line for line in waiting if line not in more]
-                keys.update(name for line in more for name in self.choices(line))
+        # lines are tied by a sign or an alternative that both depend on
+        pairs = combinations(self.given, 2)
+        tied = [(a, b) for a, b in pairs if not self.choices(a).keys().isdisjoint(self.choices(b))]
+        for group in connected_components((self.given, tied)):
             yield tuple(line for line in self.given if line in group)
 
     def met(self, place: Place) -> bool:
@@ -284,19 +272,6 @@ def is_same(value: float, wanted: float, is_angle: bool, close: float = CLOSE) -
     if is_angle:
         return abs(math.remainder(value - wanted, math.tau)) < close
     return abs(value - wanted) < close * (1 + abs(wanted))
-
-
-def with_calls(e: Expression, old: str, new: str, swapped: bool) -> Expression:
-    """An expression with calls of one function in the place of those of another."""
-    whole = tree.rebuilt(e, lambda part: with_calls(part, old, new, swapped))
-    if isinstance(whole, Call) and whole.function == old:
-        return Call(new, whole.arguments[::-1] if swapped else whole.arguments)
-    return whole
-
-
-def count_calls(e: Expression, function: str) -> int:
-    """How often a function is called."""
-    return sum(isinstance(node, Call) and node.function == function for node in nodes(e))
 
 
 class Known:

@@ -1,9 +1,8 @@
 """What the lines of a printed solution are about: which give joints, which only name quantities.
 
-LaTeX is split by its own module into equations with sides, plain text at the end of this one: one quantity a line, the
-order free. What its grammar does not have is rewritten before it is parsed, and places are those of the text as it was
-typed. Common to both are the names that may occur, and how ``alpha = theta1 + theta2 - theta4 = atan2(r12, r11)``
-becomes lines.
+Common to plain text and LaTeX are the names that may occur, and how ``alpha = theta1 + theta2 = atan2(r12, r11)``
+becomes lines. Plain text has one quantity a line, the order free. What its grammar does not have is rewritten before it
+is parsed, and places are those of the text as it was typed. LaTeX is split into equations at the end of this module.
 """
 
 from __future__ import annotations
@@ -18,18 +17,17 @@ from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.findings import Skipped
 from derive.checking.inverse.poses import PoseNames
 from derive.checking.inverse.printed import PrintedFormula, PrintedInverse, PrintedLine, closeness
-from derive.checking.latex.names import PlusMinus, sum_of_angles
+from derive.checking.latex.equations import equations
+from derive.checking.latex.formula import LatexReader
+from derive.checking.latex.left import taken_apart
+from derive.checking.latex.names import FLAT, LatexNames, PlusMinus, sum_of_angles
+from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece
 from derive.errors import CheckError, Location, UnknownNameError, listed, near_miss, quoted
 from derive.lecture.shorthand import notation_text, read_formula, resolve_tokens
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, add, names, negate
 from derive.robot.names import joint_label, own_names
 from derive.robot.parser import FORMULA_FUNCTIONS, place
 from derive.robot.robot import Robot
-
-_JOINT = re.compile(r"(vartheta|theta|th|q|d)([0-9]+)")
-_SUM = re.compile(r"(?:vartheta|theta|th|q)([0-9]{2,})")
-_CIRCULAR = re.compile(r"([cCsS])([0-9]+)")
-_SIGN_NAME = re.compile(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*")
 
 
 @dataclass(frozen=True)
@@ -88,23 +86,22 @@ class Vocabulary:
     def _learn(self, word: str) -> None:
         """A word that is a joint variable, a sum of them, a cosine or sine, or a sign."""
         flat = word.replace("_", "")
-        match = _JOINT.fullmatch(flat)
+        match = re.fullmatch(r"(vartheta|theta|th|q|d)([0-9]+)", flat)
         joints = [j for j in self.robot.joints if match is not None and joint_label(j.variable) == match[2]]
         fitting = [j for j in joints if match and (match[1] == "q" or (match[1] == "d") is not j.is_revolute)]
-        if _SIGN_NAME.fullmatch(flat):
+        if re.fullmatch(r"(?:sgn|sign|eps|epsilon|varepsilon|sigma)[0-9]*", flat):
             self.meanings[word] = Name(SIGN + flat)
         elif fitting:
             self.meanings[word] = Name(fitting[0].variable)
-        elif match := _SUM.fullmatch(flat):
+        elif match := re.fullmatch(r"(?:vartheta|theta|th|q)([0-9]{2,})", flat):
             if terms := sum_of_angles(self.robot, match[1]):
                 self.sums[word], self.meanings[word] = add(*terms), Name(word)
-        elif (match := _CIRCULAR.fullmatch(flat)) and flat != word:
+        elif (match := re.fullmatch(r"([cCsS])([0-9]+)", flat)) and flat != word:
             self.meanings[word] = resolve_tokens(Name(match[1].lower() + match[2]), self.robot)
         elif match and match[1].isupper():
             self.meanings[word] = resolve_tokens(Name(flat.lower()), self.robot)
 
     def _is_token(self, word: str) -> bool:
-        """Whether a word such as c2 is the cosine or sine of joint angles."""
         with suppress(CheckError):
             return isinstance(resolve_tokens(Name(word), self.robot), Call)
         return False
@@ -162,7 +159,6 @@ def assembled(
 
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
-    """The lines that one equation makes."""
     first, *others = sides
     joints = vocabulary.has_joints
     if others and first.primed:
@@ -230,7 +226,6 @@ _TOKEN = re.compile(
     r"|(?P<tan>A[ ]tan(?=\s*\())|(?P<word>[A-Za-z][A-Za-z0-9_]*)|(?P<other>.)",
     re.DOTALL,
 )
-_COMMENT = re.compile(r"#[^\n]*")
 _OR = re.compile(r"(?<![A-Za-z0-9_])(?:or|oppure|ou)(?![A-Za-z0-9_])")
 _LEAD = re.compile(r"\s*(?:where|with|and|dove|con|e|onde|com)\s+(?=[A-Za-z])")
 _NEXT = re.compile(
@@ -241,7 +236,7 @@ _NEXT = re.compile(
 def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -> tuple[list[list[Side]], list[str]]:
     """The equations of a text, one on a line or between semicolons."""
     found: list[list[Side]] = []
-    text = _COMMENT.sub(lambda match: " " * len(match[0]), text)
+    text = re.sub(r"#[^\n]*", lambda match: " " * len(match[0]), text)
     lines = _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True)
     spans = [span for line in lines for span in _cut(text, *line, _NEXT) if text[slice(*span)].strip()]
     for begin, end in spans:
@@ -328,3 +323,66 @@ def _function(word: str, behind: str) -> str:
         if letter == ")" and depth == 0:
             break
     return INVERSE.get(plain, plain if plain in ("sqrt", "sin", "cos", "tan") else word)
+
+
+_OR_MARK = "\ue0f0"  # stands for the word between alternatives
+_LATEX_OR = re.compile(r"\\(?:text|textrm|mathrm|mbox)\s*\{\s*(?:or|oppure|ou|o)\s*\}|\\(?:lor|vee)(?![A-Za-z])")
+_PRIME = re.compile(r"(?:\^\s*(?:\\prime(?![A-Za-z])|\{\s*\\prime\s*\})|')\s*$")
+_NAME = re.compile(
+    r"(\\(?:math[a-z]+|text[a-z]*|operatorname\*?)\s*\{\s*[A-Za-z]+\s*\}|\\[A-Za-z]+|(?<![A-Za-z\\])[A-Z]{2}(?=\s*_)"
+    r"|[A-Za-z\u0391-\u03c9])"
+    r"\s*((?:_\s*(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?)"
+)
+
+
+def latex_equations(
+    text: str, robot: Robot, start: Location, signs: PlusMinus, *, document: bool
+) -> tuple[list[list[Side]], list[str]]:
+    """The equations of a LaTeX text."""
+    marked = _LATEX_OR.sub(lambda match: _OR_MARK.ljust(len(match[0])), text)
+    found = equations(marked, start, document=document, time=False)
+    return [[_latex_side(piece, text, robot, start, signs) for piece in e] for e in found], list(printed_words(text))
+
+
+def gives_joints(text: str, robot: Robot) -> bool:
+    r"""Whether a text is a printed solution: a left side is a joint variable, and an arc function stands somewhere."""
+    if not re.search(r"(?i)a(?:rc)?\s*\\?tan|arc(?:cos|sin)|\^\s*\{\s*-\s*1\s*\}", text):
+        return False
+    labels = "|".join(re.escape(joint.variable.lstrip("qdthea_")) or "x" for joint in robot.joints)
+    return bool(re.search(rf"(?:^|[\s&$,;{{])(?:\\(?:var)?theta|q)\s*_\s*\{{?\s*(?:{labels})\s*\}}?\s*&?\s*=", text))
+
+
+def printed_words(text: str) -> Iterator[str]:
+    """Names on the line: ``p_{Wx}`` as pWx."""
+    for match in _NAME.finditer(text):
+        head = match[1]
+        if braced := re.fullmatch(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}", head):
+            head = braced[1]
+        head = head.removeprefix("\\")
+        sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])
+        yield FLAT.get(head, head) + sub
+        yield FLAT.get(head, head)
+        if head in ("c", "s") and sub:  # c_\phi
+            yield head + FLAT.get(sub, sub)
+
+
+def _latex_side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
+    left = None if piece.matrices or _OR_MARK in piece.text else taken_apart(piece.text)
+    plain = _PRIME.sub(lambda match: " " * len(match[0]), piece.text)
+    is_primed = plain != piece.text and taken_apart(plain) is not None
+    if is_primed:
+        piece, left = replace(piece, text=plain), taken_apart(plain)
+    word = left.flat if left is not None and left.is_plain and not left.arguments else ""
+    # alternatives are the first column of cases, or what stands between the words or
+    of_cases = [row[0] for row in piece.matrices[0].rows] if piece.text.strip() == MATRIX_MARK else None
+
+    def formula(part: LatexPiece, meanings: Mapping[str, Expression]) -> Expression:
+        own = own_names(robot)
+        known = {name: meaning for name, meaning in meanings.items() if name not in own}
+        return LatexReader(LatexNames(robot, known, signs=signs), text, start).formula(part)
+
+    parts = []
+    for part in of_cases or piece.split(_OR_MARK):
+        shown = " ".join(text[part.start : part.end].split())
+        parts.append(Alternative(shown, place(text, part.start, start), partial(formula, part)))
+    return Side(tuple(parts), word, is_primed)

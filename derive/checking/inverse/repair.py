@@ -8,7 +8,7 @@ which the line fails, and kept if the line is right at all others too.
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 from derive.checking.formulas.branches import SIGN, other_leg
 from derive.checking.formulas.diagnosis import PAIRED
@@ -22,6 +22,7 @@ MAX_TRIED = 6_000  # changes that are tried for one line
 MAX_PAIRS = 6_000  # pairs of changes of one kind that are tried
 LONGEST_SUM = 8  # terms of a sum of which neighbouring ones are squared
 MISSING = Name(f"{SIGN}new")  # a plus-minus that is put in
+Site = tuple[PrintedLine, PrintedFormula]  # a line, and which of its formulas
 
 
 @dataclass(frozen=True)
@@ -58,22 +59,17 @@ class Repairer:
             terms=tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, tree.negate(x))),
         )
 
-    def first(
-        self, kinds: Sequence[SlipKind], sites: Sequence[tuple[PrintedLine, PrintedFormula]]
-    ) -> InverseRepair | None:
+    def first(self, kinds: Sequence[SlipKind], sites: Sequence[Site]) -> InverseRepair | None:
         """The first change, of the first kind that has one; then two changes of one kind."""
         for kind in kinds:
-            for line, formula in sites:
-                found = [(edit,) for edit in self._edits(formula.expression, kind)]
-                if repair := self._least(line, formula, found):
+            for site in sites:
+                if repair := self._least(site, [(edit,) for edit in self._edits(site[1].expression, kind)]):
                     return repair
-        for kind in kinds:
-            for line, formula in sites if kind in PAIRED else ():
-                firsts = list(self._edits(formula.expression, kind))
-                if len(firsts) ** 2 > MAX_PAIRS:
-                    continue
+        for kind, site in product((kind for kind in kinds if kind in PAIRED), sites):
+            firsts = list(self._edits(site[1].expression, kind))
+            if len(firsts) ** 2 <= MAX_PAIRS:
                 pairs = [(one, two) for one in firsts for two in self._edits(one.formula, kind)]
-                if repair := self._least(line, formula, pairs):
+                if repair := self._least(site, pairs):
                     return repair
         return None
 
@@ -98,22 +94,20 @@ class Repairer:
                         square = tree.power(part, 2)
                         yield Edit(kind, spot, tree.add(*terms[:i], square, *terms[j:]), part, square)
 
-    def _least(
-        self, line: PrintedLine, formula: PrintedFormula, candidates: Sequence[tuple[Edit, ...]]
-    ) -> InverseRepair | None:
+    def _least(self, site: Site, candidates: Sequence[tuple[Edit, ...]]) -> InverseRepair | None:
         """The candidate that touches least, of those that are right."""
         found: list[tuple[int, int, int, InverseRepair]] = []
         for made in candidates:
             self._tried += 1
             if self._tried > MAX_TRIED:  # of all kinds together
                 break
-            changed = self._printed.changed(line, formula, made[-1].formula)
+            changed = self._printed.changed(*site, made[-1].formula)
             lines = [changed.lines[self._printed.lines.index(x)] for x in self._lines]
             with suppress(CheckError):
                 if not all(changed.hit_together(lines, place) for place in self._places):
                     continue
                 size = sum(1 for edit in made for _ in spots(edit.old))
-                found.append((size, made[0].place.depth, len(found), InverseRepair(line, formula, made)))
+                found.append((size, made[0].place.depth, len(found), InverseRepair(*site, made)))
         return min(found)[-1] if found else None
 
 

@@ -11,12 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
-from derive.checking.formulas.certainty import certain
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
-from derive.checking.latex.conditions import explaining
+from derive.checking.latex.conditions import certain, explaining
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -43,37 +42,32 @@ class LatexReport:
     equations: tuple[Location, ...] = ()  # where each equation begins
 
 
+LATEX = Location("<latex>")  # where a text is that stands in no file
+
+
 def check_latex(
-    model: Model,
-    text: str,
-    quantity: str = "",
-    start: Location | None = None,
-    *,
-    document: bool = False,
-    alone: bool = False,
+    model: Model, text: str, quantity: str = "", start: Location = LATEX, *, document: bool = False, alone: bool = False
 ) -> LatexReport:
     """Compare the equations of a text with what follows from a robot's table; alone if it is about no other robot."""
-    where = start or Location("<latex>")
     document = document or "\\documentclass" in text or "\\begin{document}" in text
     if quantity:
         model.quantity(quantity)  # refused before anything is read
 
     def read(model: Model, order: bool | None) -> tuple[_Check, tuple[Finding, ...]]:
-        check = _Check(Scope(model, text, where, document, cosine_first=order), quantity)
+        check = _Check(Scope(model, text, start, document, cosine_first=order), quantity)
         if alone:
             texts = (" ".join(text[s.start : s.end] for s in sides) for sides in check.scope.equations)
-            whole.refuse_other_arm(model.robot, texts, where)
+            whole.refuse_other_arm(model.robot, texts, start)
         return check, whole.divided_rows(model.robot, whole.other_factorisation(model, tuple(check.findings())))
 
     # what only the whole text can tell is read in each way: the usual one, or that with which more formulas are right
     order = False if document and _CAPITAL.search(text) else None
     check, findings = read(model, order)
-    if (
-        order is not None
-        and (gain := _count((other := read(model, True))[1], right=True) - _count(findings, right=True)) > 0
-    ):
-        order, (check, findings) = True, other
-        check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
+    if order is not None:
+        other = read(model, True)
+        if (gain := _count(other[1], right=True) - _count(findings, right=True)) > 0:
+            order, (check, findings) = True, other
+            check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
     if document and may_count_from_one_direction(model, text):
         other = read(AbsoluteModel(model), order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
@@ -87,7 +81,7 @@ def check_latex(
     findings, doubts = certain(findings, begins) if document and not quantity else (findings, ())
     check.skipped += doubts
     if not findings and not (document and check.skipped):
-        skipped = check.skipped[0] if check.skipped else Skipped(where, "no formula, or only names are defined")
+        skipped = check.skipped[0] if check.skipped else Skipped(start, "no formula, or only names are defined")
         remedy = "write left sides such as T_3^0 = or b_{11} =, or give the quantity"
         raise CheckError(f"no formula that can be checked: {skipped.reason}", remedy=remedy, location=skipped.location)
     return LatexReport(findings, tuple(check.skipped), tuple(check.scope.readings), begins)
@@ -208,16 +202,14 @@ class _Check(SideReading):
 
     def _repositioned(self, found: list[Finding | Claim], poses: Poses) -> list[Finding | Claim]:
         """Printed positions of another point than the end effector: the origin of the frame that most of them need."""
-        printed = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p" and f.question}
-        for reading in poses.readings[1:] if len(printed) > 1 else ():
-            if reading.reference:
-                continue
+        places = {i: f for i, f in enumerate(found) if isinstance(f, Finding) and f.quantity == "p"}
+        printed = {i: (f, f.question) for i, f in places.items() if f.question}
+        for reading in (r for r in poses.readings[1:] if not r.reference and len(printed) > 1):
             place = self.model.quantity(f"T[{reading.position}]")[:3, 3]
             again = {}
-            for i, f in printed.items():
-                assert f.question is not None
+            for i, (f, asked) in printed.items():
                 right = place[f.row - 1]
-                question = Question(self.robot, f.question.printed, expression_from_sympy(right))
+                question = Question(self.robot, asked.printed, expression_from_sympy(right))
                 again[i] = compared(question, f.quantity, (f.row, 0), f.role, f.text, right, f.location)
             count = sum(f.verdict.equal for f in again.values())
             if count > 1 and 2 * count > len(printed):
@@ -232,10 +224,8 @@ class _Check(SideReading):
                 continue
             if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
-            named = [(head, left) for begin, head, left in self.scope.namings if begin <= index]
-            self.meanings.entries = {
-                h: left for h, left in dict(named).items() if left != Left(h, arguments=left.arguments)
-            }
+            named = {head: left for begin, head, left in self.scope.namings if begin <= index}
+            self.meanings.entries = {h: left for h, left in named.items() if left != Left(h, arguments=left.arguments)}
             told = len(self.skipped)
             found: list[Finding | Claim] = []
             try:
@@ -338,7 +328,10 @@ class _Check(SideReading):
     def _equation(self, index: int, equation: Sides) -> Iterator[Finding | Claim]:
         if not (pieces := self.claiming(index, equation)):
             return
-        self._tell_repeated(equation)
+        for piece in equation[1:-1]:  # how a matrix is made is compared with nothing
+            slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
+            if len({*slopes}) < len(slopes):
+                self._skip_for(piece, "the same derivative stands in it twice")
         is_scalar_equation = not any(piece.matrices or len(listed(piece)) > 1 for piece in pieces)
         sides = [self.side(piece, len(pieces) > 1, has_points=is_scalar_equation) for piece in pieces]
         if len(sides) > 1 and all(side.value is None and side.error is None for side in sides):  # b_{12} = b_{21}
@@ -352,12 +345,9 @@ class _Check(SideReading):
         named = self._naming(sides, is_scalar_equation)
         said = [side for side in sides if side.value is not None and side not in named]
         # products and sums of named matrices beside what they are said to be
-        judged = [
-            (side, finding)
-            for side in sides
-            if side not in named
-            and (finding := self._multiplied(named, side) or self._by_names(side, named, said)) is not None
-        ]
+        unnamed = [side for side in sides if side not in named]
+        verdicts = [self._multiplied(named, side) or self._by_names(side, named, said) for side in unnamed]
+        judged = [(side, finding) for side, finding in zip(unnamed, verdicts, strict=True) if finding is not None]
         yield from (finding for _, finding in judged)
         if judged and not named and len(said) < 2:
             return
@@ -384,12 +374,6 @@ class _Check(SideReading):
         if not named and others and first in said:
             said.remove(first)  # a name of the robot itself before what is asked
         yield from self._judged(named or [Side(first.piece)], said, any(side.error for side in sides))
-
-    def _tell_repeated(self, equation: Sides) -> None:
-        for piece in equation[1:-1]:  # how a matrix is made is compared with nothing
-            slopes = ["".join(cell.text.split()) for cell in piece.cells if "\\partial" in cell.text]
-            if len({*slopes}) < len(slopes):
-                self._skip_for(piece, "the same derivative stands in it twice")
 
     def _judged(self, named: list[Side], said: list[Side], is_open: bool) -> Iterator[Finding]:
         """What is said against what is named; open where another side cannot be read."""
@@ -426,6 +410,6 @@ class _Check(SideReading):
         elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):
             target = named[0].targets[0] if named else Target(self.asked)
             place = ((*target.rows, 0)[0], (*target.columns, 0)[0])
-            yield undecidable(target.quantity, place, Role.PRINTED, self._typed(side.piece), error, False)
+            yield undecidable(target.quantity, place, Role.PRINTED, self._typed(side.piece), error)
         else:
             raise error

@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from derive.checking.by_value import ByValue
 from derive.checking.formulas.branches import SIGN
@@ -24,22 +23,8 @@ from derive.errors import CheckError, Location, quoted
 from derive.lecture.shorthand import notation_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Name,
-    Pi,
-    Sum,
-    add,
-    is_constant,
-    multiply,
-    names,
-    negate,
-    number,
-    power,
-    substitute,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import ZERO, Call, Expression, Name, Pi, Sum, is_constant, names, negate, substitute
 from derive.robot.names import acceleration_name, own_names, velocity_name
 
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
@@ -50,8 +35,6 @@ ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
-_ENERGIES = ("kinetic", "potential", "lagrangian")
-_ROWS = re.compile(r"\\\\|&")
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +68,9 @@ class Comparing:
         self.parameters = own_names(self.robot) - self.joints.keys()
 
     def _typed(self, side: LatexPiece) -> str:
-        return " ".join(_ROWS.sub(" ", self.text[side.start : side.end]).split())
+        return " ".join(re.sub(r"\\\\|&", " ", self.text[side.start : side.end]).split())
 
     def _refused(self, side: LatexPiece, found: str, remedy: str = "") -> CheckError:
-        """An error about a side."""
         return CheckError(found, remedy=remedy, location=self.plain.location(side.start))
 
     def _by_value(self, value: Expression | Table, name: str, text: str, where: Location) -> Finding | None:
@@ -98,7 +80,6 @@ class Comparing:
         return Finding(quantity, 0, 0, Role.PRINTED, text, right, "", where) if quantity else None
 
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
-        """Keep a condition of the text."""
         line, end, letters = self.plain.location(side.start).line or 0, side.end, "".join(text.split())
         if not is_of_side:  # where what was typed ends, blanks aside
             end = side.start
@@ -112,14 +93,12 @@ class Comparing:
         moving = [s for s in said if isinstance(s.value, Table) or not is_constant(s.value or ZERO) or s.value == ZERO]
         said = moving if len(moving) > 1 and self.document else said  # the number at the end is that of an example
         first = said[0]
-        is_parameter = (
-            isinstance(first.value, Name) and first.value.name not in self.joints and not names_of_pose(first.value)
-        )
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
         is_name = is_angle or (isinstance(first.value, Name | Call) and not (first.left and first.left.labelled))
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
-        is_parameter = is_parameter and not names_of_pose(*others)  # d_4 = s_1 p_x - c_1 p_y is one
+        one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
+        is_parameter = isinstance(one, Name) and one.name not in self.joints and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
@@ -148,24 +127,23 @@ class Comparing:
                     raise self._refused(side.piece, f"the label in {quoted(left)} may be that of a branch")
                 found = replace(found, verdict=Verdict(True, False), note=", another solution with the same pose")
             found = self._rounded(found, first.value, side.value, left, right)
-            if not found.verdict.equal and self._is_condition(first, side, left, right):
+            if not found.verdict.equal and self._is_condition(first.piece, first.value, side.piece, side.value):
                 raise self._refused(side.piece, f"{quoted(left)} = {quoted(right)} is a condition")
             yield found
 
-    def _is_condition(self, first: Side, side: Side, left: str, right: str) -> bool:
+    def _is_condition(self, first: LatexPiece, one: Expression, second: LatexPiece, other: Expression) -> bool:
         """Whether two formulas that differ hold somewhere, as an equation of motion does, and are kept as such."""
-        assert isinstance(first.value, Expression)
-        assert isinstance(side.value, Expression)
-        if self.document and _ARROW.match(self.text, side.piece.end):
+        if self.document and _ARROW.match(self.text, second.end):
             return True
+        left, right = self._typed(first), self._typed(second)
         # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
-        is_motion = not self._accelerations.isdisjoint((*names(first.value), *names(side.value)))
+        is_motion = not self._accelerations.isdisjoint((*names(one), *names(other)))
         is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
         is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
-        if is_motion or self._constrains(first.value, side.value):
-            self._states(first.piece, f"{left} = {right}", ways([first.value, side.value]))
+        if is_motion or self._constrains(one, other):
+            self._states(first, f"{left} = {right}", ways([one, other]))
             return True
-        return is_constant(first.value) != is_constant(side.value)
+        return is_constant(one) != is_constant(other)
 
     def _constrains(self, one: Expression, other: Expression) -> bool:
         return self.document and constrains(one, other, self.rates | self.joints.keys(), self.parameters)
@@ -173,7 +151,6 @@ class Comparing:
     def _entry_by_entry(
         self, first: LatexPiece, one: Table, second: LatexPiece, other: Table
     ) -> Iterator[Finding | Claim]:
-        """Two matrices that are said to be equal."""
         if one.shape != other.shape or not self.document:
             raise self._refused(second, "matrices on both sides")
         entries = list(zip(one.entries, other.entries, strict=True))
@@ -215,10 +192,8 @@ class Comparing:
         """Angles are equal up to full turns, numbers to a few units of the last printed digit; more is uncertain."""
         is_angle = isinstance(one, Name) and one.name in self.joints and self.joints[one.name].is_revolute
         for turns in (-2, 2) if self.document and is_angle and found.question and not found.verdict.equal else ():
-            if compare(self.robot, one, add(other, multiply(number(turns), Pi()))).equal:
-                return replace(
-                    found, verdict=Verdict(equal=True, exact=True), note=", up to a full turn", question=None
-                )
+            if compare(self.robot, one, tree.add(other, tree.multiply(tree.number(turns), Pi()))).equal:
+                return replace(found, verdict=Verdict(True, True), note=", up to a full turn", question=None)
         if found.verdict.equal or not (self.document and is_constant(one) and is_constant(other)):
             return found
         gap = abs(float_value(one, {}) - float_value(other, {}))
@@ -261,9 +236,8 @@ class Comparing:
             chosen = (elsewhere,)
         self._refuse_sign(name, chosen)
         wrong = [f for f in chosen if not f.verdict.equal and f.unknown is None]
-        if len(wrong) > 1 and (
-            cause := next((one_cause(r, t) for r, t in fits if r.quantity == chosen[0].quantity), "")
-        ):
+        causes = (one_cause(right, fitting) for right, fitting in fits if right.quantity == chosen[0].quantity)
+        if len(wrong) > 1 and (cause := next(causes, "")):
             chosen = (*(replace(f, cause=cause) for f in wrong), *(f for f in chosen if f not in wrong))
         if isinstance(name.value, Call) and table.shape == (1, 1) and not is_right:  # c_{12}, which is a cosine too
             (entry,) = table.rows[0]
@@ -288,14 +262,9 @@ class Comparing:
         if left.head in _AXES_UNSAID and table.shape != (1, 1):
             return found
         # a lone z beside a radius is one from another origin, not that of an earlier point in the base
-        is_coordinate = self._lone_axes == {left.flat}
-        return found if found and is_coordinate and found.quantity[0] in "(-" else None
-
-    @cached_property
-    def _lone_axes(self) -> set[str]:
-        """The letters x, y and z to which the text gives formulas."""
         firsts = (taken_apart(equation[0].text) for equation in self.scope.equations if len(equation) > 1)
-        return {left.flat for left in firsts if left is not None and left.flat in AXES}
+        is_coordinate = {first.flat for first in firsts if first is not None and first.flat in AXES} == {left.flat}
+        return found if found and is_coordinate and found.quantity[0] in "(-" else None
 
     def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
         """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""
@@ -303,9 +272,10 @@ class Comparing:
         has_force = not used.isdisjoint(self.meanings.forces)
         rights = tuple(right for right in self._meant(name) if right.quantity.startswith("statics") == has_force)
         if not self.joints.keys().isdisjoint(used):  # an axis that moves is a column of a Jacobian, not one at home
-            rights = tuple(self._moving_axis(right) or right for right in rights)
+            rights = tuple(map(self._moving_axis, rights))
         if not self._accelerations.isdisjoint(used):  # K of an equation of motion is no energy
-            rights = tuple(right for right in rights if not right.quantity.startswith(_ENERGIES))
+            energies = ("kinetic", "potential", "lagrangian")
+            rights = tuple(right for right in rights if not right.quantity.startswith(energies))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
         is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)
@@ -316,11 +286,11 @@ class Comparing:
             fits.sort(key=lambda pair: -pair[0].likeness(pair[1]))
         return rights, fits
 
-    def _moving_axis(self, right: Right) -> Right | None:
-        """The axis of a joint in any configuration, of one in the home position."""
+    def _moving_axis(self, right: Right) -> Right:
+        """The axis of a joint in any configuration, of one in the home position; anything else as it is."""
         axis = re.fullmatch(r"(body_)?screw\[([0-9]+)\]", right.quantity)
-        quantity = "J_end" if axis and axis[1] else "J_space"
-        return self.meanings.right(Target(quantity, right.rows, (int(axis[2]),))) if axis else None
+        moving = axis and self.meanings.right(Target("J_end" if axis[1] else "J_space", right.rows, (int(axis[2]),)))
+        return moving or right
 
     def _unfit(self, name: Side, rights: tuple[Right, ...], table: Table, offset: int) -> CheckError:
         """Of what is printed in a shape that nothing has which is meant."""
@@ -340,11 +310,11 @@ class Comparing:
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} has no velocities")
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # two coordinates of an arm that moves in space may be those in the plane of its links
-        is_flat = table.shape == (2, 1) and self._rises and all(r.columns == (4,) or r.quantity == "p" for r, _ in fits)
-        if (
-            fits and name.targets and all("screw" in target.quantity for target in name.targets)
-        ):  # home may be another configuration
-            least = VAGUE if table.shape[0] * table.shape[1] > len(AXES) else 1
+        is_flat = table.shape == (2, 1) and all(right.columns == (4,) or right.quantity == "p" for right, _ in fits)
+        is_flat = is_flat and not self.joints.keys().isdisjoint(map(str, self.model.quantity("T")[2, 3].free_symbols))
+        # of axes home may be another configuration
+        if fits and name.targets and all("screw" in target.quantity for target in name.targets):
+            least = VAGUE if len(table.entries) > len(AXES) else 1
             if all(right.likeness(fitting) < least for right, fitting in fits):
                 raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is no axis of ours at home")
         if name.left is None or not (name.left.is_vague or is_flat) or not fits:
@@ -357,11 +327,6 @@ class Comparing:
         if not (is_energy or is_angle) and all(right.likeness(fitting) < VAGUE for right, fitting in fits):
             shown = " or ".join(dict.fromkeys(right.shown for right, _ in fits[:3]))
             raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is not certain: it could be {shown}")
-
-    @cached_property
-    def _rises(self) -> bool:
-        """Whether the height of the end effector depends on the joints."""
-        return not self.joints.keys().isdisjoint(map(str, self.model.quantity("T")[2, 3].free_symbols))
 
     def _refuse_sign(self, name: Side, chosen: tuple[Finding, ...]) -> None:
         """The sign of det J depends on the order of rows, that of tau_g on its side of the equation of motion."""
@@ -426,7 +391,7 @@ class Comparing:
                 place = right.rows[i], right.columns[j]
                 text = entry.text or notation_text(entry.formula, self.robot)
                 if entry.unknown is not None:
-                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown, False)
+                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown)
                     continue
                 where = self.plain.location(entry.offset or offset)
                 derived = right.value[i, j]
@@ -435,14 +400,12 @@ class Comparing:
                 found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
                 if right.quantity == "manipulability" and found.question and not found.verdict.equal:
                     # the root of a determinant, of which lengths are taken out as if they were positive
-                    squares = (power(e, 2) for e in (found.question.printed, found.question.right))
-                    equal = compare(self.robot, *squares).equal
-                    found = replace(
-                        found, verdict=Verdict(equal=equal, exact=True), note=", up to a sign" if equal else ""
-                    )
+                    squares = (tree.power(e, 2) for e in (found.question.printed, found.question.right))
+                    verdict = Verdict(compare(self.robot, *squares).equal, exact=True)
+                    found = replace(found, verdict=verdict, note=", up to a sign" if verdict.equal else "")
                 if right.quantity.startswith("potential") and found.question and not found.verdict.equal:
                     # a potential energy counts from any height
-                    difference = add(question.printed, negate(question.right))
+                    difference = tree.add(question.printed, negate(question.right))
                     at_rest = substitute(difference, dict.fromkeys(self.joints, ZERO))
                     if compare(self.robot, difference, at_rest).equal:
                         found = replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")

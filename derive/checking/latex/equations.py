@@ -48,13 +48,10 @@ _FENCE = re.compile(
     r"|\\begin\s*\{(?P<name>[A-Za-z]+)(?P<star>\*?)\}(?P<display>.*?)\\end\s*\{(?P=name)(?P=star)\}",
     re.DOTALL,
 )
-
-
 # How a display begins that continues the one right before it.
 _CONTINUING = re.compile(
     r"(?:\$\$?|\\\[|\\\(|\\begin\s*\{[a-z]+\*?\})(?:\s|\\q?quad(?![a-z])|\\[ ,;:!]|&)*(?P<sign>[-+=])"
 )
-
 
 Sides = tuple[LatexPiece, ...]  # what stands between equals signs, from left to right; a lone formula is one side
 
@@ -105,24 +102,17 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
     yield 0, len(plain)
 
 
-def _continued(plain: str, fences: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+def _continued(plain: str, fences: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """Displays with those right behind them that go on with a sum, or say what it equals."""
-    whole: tuple[int, int] | None = None
+    found: list[tuple[int, int]] = []
     for begin, end in fences:
-        sign = _CONTINUING.match(plain, begin, end)
-        if whole is not None and sign is not None and not plain[whole[1] : begin].strip():
-            has_relation = RELATION.search(plain, begin, end) is not None
-            if sign["sign"] == "=" or (RELATION.search(plain, *whole) and (sign["sign"] == "+" or not has_relation)):
-                whole = (whole[0], end)
-                continue
-        if whole is not None:
-            yield whole
-        whole = (begin, end)
-    if whole is not None:
-        yield whole
-
-
-# -- from a display to its equations
+        match = _CONTINUING.match(plain, begin, end)
+        if found and match is not None and not plain[found[-1][1] : begin].strip():
+            sign, has_relation = match["sign"], RELATION.search(plain, begin, end) is not None
+            if sign == "=" or (RELATION.search(plain, *found[-1]) and (sign == "+" or not has_relation)):
+                begin, _ = found.pop()
+        found.append((begin, end))
+    return found
 
 
 def _equations(display: LatexPiece) -> Iterator[Sides]:

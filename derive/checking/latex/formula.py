@@ -6,14 +6,14 @@ Whatever else occurs is refused at its place, in words; nothing is ever guessed 
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table, joined_blocks
-from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, PlusMinus
+from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.quantities import slope
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
@@ -35,7 +35,6 @@ MACROS = (
     *("sigma", "tau", "phi", "varphi", "chi", "psi", "omega", "ell", "mathrm", "text", "operatorname", "mathbf"),
 )
 
-_MACRO = re.compile(r"\\[A-Za-z]+|\\.")
 _LONG_SCRIPT = re.compile(r"([_^])\s*([A-Za-z0-9][0-9]+)")
 _REMEDIES = {
     "=": "write only the right-hand side",
@@ -46,8 +45,7 @@ _REMEDIES = {
     "|": "use brackets",
     ",": "write decimals with a point; separate equations by a line break",
     **dict.fromkeys((".", "\u2026", "\u22ef"), "write out what dots stand for"),
-    "<": "only equations can be compared",
-    ">": "only equations can be compared",
+    **dict.fromkeys("<>", "only equations can be compared"),
 }
 _MACRO_REMEDIES = {
     **dict.fromkeys(("ldots", "cdots", "dots", "vdots", "ddots", "dotsc", "dotsb"), "write out what dots stand for"),
@@ -58,7 +56,6 @@ _MACRO_REMEDIES = {
     **dict.fromkeys(("arctan", "arccos", "arcsin"), r"write \operatorname{atan2}(y, x)"),
     **dict.fromkeys(("approx", "simeq", "leq", "geq", "le", "ge", "neq", "sim"), "only equations can be compared"),
 }
-
 
 MAX_TERMS = 20_000  # of a formula that is differentiated, multiplied out
 _INNER = r"(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*"
@@ -73,21 +70,8 @@ _TOTAL = rf"\\dot\s*(?:(?P<sign>[%s])|(?P<bracket>{_BRACKETED})|\{{\s*(?P<inner>
 class LatexReader:
     """Reads the pieces of one text."""
 
-    def __init__(
-        self,
-        robot: Robot,
-        text: str,
-        start: Location,
-        abbreviations: Mapping[str, Expression] | None = None,
-        entry: Callable[[str], Expression | None] = lambda name: None,
-        signs: PlusMinus | None = None,
-        *,
-        cosine_first: bool | None = None,
-        foreign: frozenset[str] = frozenset(),
-    ) -> None:
-        self.names = LatexNames(robot, abbreviations, entry, signs, cosine_first=cosine_first, foreign=foreign)
-        self._text = text
-        self._start = start
+    def __init__(self, names: LatexNames, text: str, start: Location) -> None:
+        self.names, self._text, self._start = names, text, start
 
     def location(self, offset: int) -> Location:
         """The place of a character."""
@@ -120,7 +104,7 @@ class LatexReader:
                 text = _SEEN_FROM.sub(self._seen_from, text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
-                text = without_derivatives(text, self.names.robot, self._differentiated, self.names.standing_for)
+                text = self.without_derivatives(text)
             found = parsed(_RUN.sub(self._long_name, text), self.names, tables)
         except UnexpectedInput as error:
             raise self._refusal(piece, error) from None
@@ -135,14 +119,33 @@ class LatexReader:
             raise self._refused(piece.start, "formula has too many terms when multiplied out")
         return found
 
+    def without_derivatives(self, text: str) -> str:
+        """A formula with one sign for each derivative in it, as long as before."""
+        robot, read, sign, signs = self.names.robot, self._differentiated, self.names.standing_for, "\0"
+        while match := _PARTIAL.search(text):
+            above, end = match["above"], match.end()
+            if above.strip():
+                end -= len(match["behind"] or "")
+            else:
+                above = match["behind"] or ""
+            variable = read(match["below"])
+            by = variable.name if isinstance(variable, Name) else ""
+            if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
+                raise CheckError("derivative by what is not a joint variable or its velocity")
+            signs += (found := sign(derivative(robot, read(above), by)))
+            text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
+        while match := re.search(_TOTAL % (signs, signs), text):
+            signs += (found := sign(derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
+            text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
+        return text
+
     def _differentiated(self, text: str) -> Expression:
         """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
         left = taken_apart(text)
         energy = None if left is None or self.names.knows(left.flat) else self.names.entry(f"{ENERGY}{left.flat}")
-        if MATRIX_MARK in text:
-            raise CheckError("derivative of a matrix")
-        found = energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
-        if isinstance(found, Table):
+        is_matrix = MATRIX_MARK in text
+        found = None if is_matrix else energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
+        if found is None or isinstance(found, Table):
             raise CheckError("derivative of a matrix")
         return found
 
@@ -203,14 +206,13 @@ class LatexReader:
             return Entry(ZERO, text, cell.start, unknown=error)
 
     def _check_size(self, piece: LatexPiece) -> None:
-        """Refuse what is empty or beyond a limit."""
         text, longest, deepest = piece.text, FORMULA_LIMITS.text_length, FORMULA_LIMITS.depth
         if len(text) > longest:
             raise self._refused(piece.start, f"formula of {len(text)} characters", f"allowed: at most {longest}")
         if not text.strip(" \t\r\n$"):
             raise self._refused(piece.offset, "empty formula", remedy="write the right-hand side")
         depth = 0
-        for match in _BRACKET.finditer(text):
+        for match in re.finditer(r"[][(){}]", text):
             depth += 1 if match[0] in "([{" else -1
             if depth > deepest:
                 allowed = f"allowed: at most {deepest}"
@@ -231,7 +233,7 @@ class LatexReader:
             mark, script = match[1], match[2]
             shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
             return self._refused(piece.offset + match.start(), shown, remedy=f"write {mark}{{{script}}}")
-        if match := _MACRO.match(rest):
+        if match := re.match(r"\\[A-Za-z]+|\\.", rest):
             name = match[0][1:]
             if name in MACROS:
                 return self._refused(where, f"{match[0]} at a place where it has no meaning")
@@ -276,35 +278,9 @@ _PRIMED_NAME = re.compile(
     rf"(?P<letter>\\(?:{'|'.join(filter(str.isascii, FLAT))})|(?<![A-Za-z\\])[A-Za-z])(?P<sub>{_INDEX})?"
     rf"(?P<primes>'+|\s*\^\s*\{{\s*(?:(?:'|\\prime)\s*)+\}}|\s*\^\s*\\prime)(?P<more>{_INDEX})?"
 )
-_BRACKET = re.compile(r"[][(){}]")
 _OPEN = re.compile(r"\*|\\(?:ast|star|diamond|bullet|times|cdot|cdots|dots|ldots|square|Box)(?![A-Za-z])")
 _DOUBLE_PLUS = re.compile(r"\+(?=\s*[-+])")  # a sum that is broken after its sign and has one before the next term, too
-
-
 _BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a formula
-
-
-def without_derivatives(
-    text: str, robot: Robot, read: Callable[[str], Expression], sign: Callable[[Expression], str]
-) -> str:
-    """A formula with one sign for each derivative in it, as long as before; read says what a part stands for."""
-    signs = "\0"
-    while match := _PARTIAL.search(text):
-        above, end = match["above"], match.end()
-        if above.strip():
-            end -= len(match["behind"] or "")
-        else:
-            above = match["behind"] or ""
-        variable = read(match["below"])
-        by = variable.name if isinstance(variable, Name) else ""
-        if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
-            raise CheckError("derivative by what is not a joint variable or its velocity")
-        signs += (found := sign(derivative(robot, read(above), by)))
-        text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
-    while match := re.search(_TOTAL % (signs, signs), text):
-        signs += (found := sign(derivative(robot, read(match["sign"] or match["bracket"] or match["inner"]), "t")))
-        text = text[: match.start()] + found.ljust(len(match[0])) + text[match.end() :]
-    return text
 
 
 def derivative(robot: Robot, formula: Expression, by: str) -> Expression:

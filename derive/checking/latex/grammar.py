@@ -242,7 +242,6 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         return product.changed(partial(tree.multiply, scale)) if formulas else product
 
     def _matrix(self, data: str, children: Children) -> Expression | Table:
-        """A matrix, a list, or the transpose of one."""
         first, last = children[0], children[-1]
         if data == "list":
             table = Table((tuple(Entry(self._tree(child)) for child in children if not isinstance(child, Token)),))
@@ -330,14 +329,13 @@ def _name_or_script(data: str, children: Children) -> Symbol | tuple[str, int]:
         case "subscript_character", (token,):
             return token[-1], token.start_pos or 0
         case "subscript_digits", (token,):
-            return token.translate(_LOWERED), token.start_pos or 0
+            return token.translate(str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")), token.start_pos or 0
         case (("subscript_macro" | "index_part"), (token,)):
             return _flat(token), token.start_pos or 0
     raise AssertionError(data)
 
 
 def _symbol(base: Value, scripts: list[tuple[str, int]]) -> Symbol:
-    """A name with its scripts."""
     if not isinstance(base, Symbol):
         raise _refused(scripts[0][1] if scripts else 0, "subscript of a formula", allowed="allowed: of a name")
     return Symbol(base.text + "".join(text for text, _ in scripts), base.offset, base.dots)
@@ -369,6 +367,3 @@ def _flat(token: Token) -> str:
         return "".join(text[text.index("{") + 1 : -1].replace("\\_", "_").split())
     macro = text.removeprefix("\\")
     return FLAT.get(macro, macro)
-
-
-_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")

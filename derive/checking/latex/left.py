@@ -13,7 +13,6 @@ FONT = re.compile(
 )
 _SPACE = re.compile(r"\s|~|\\(?:quad|qquad|enspace)(?![A-Za-z])")
 _SCRIPT = re.compile(r"(?P<mark>[_^])(?P<script>\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9*])")
-_HEAD = re.compile(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
 AXES = {"x": 1, "y": 2, "z": 3}
 # A product, such as k c_1, or a function of what stands behind it.
@@ -151,7 +150,7 @@ def taken_apart(text: str) -> Left | None:
         if inner := re.match(r"\\(d?)dot", match[1]):
             dots += 1 + bool(inner[1])
         rest = re.sub(r"^\\d?dot", "", match[1]) + rest[match.end() :]
-    match = _HEAD.match(rest)
+    match = re.match(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+", rest)
     if match is None:
         return None
     head = FLAT.get(match[0].removeprefix("\\"), match[0].removeprefix("\\"))

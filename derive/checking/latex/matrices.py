@@ -110,7 +110,6 @@ def joined_blocks(rows: Sequence[Sequence[Expression | Table]]) -> Table:
 
 
 def _computed(formula: Expression, *parts: Entry) -> Entry:
-    """An entry made of others."""
     unknown = next((part.unknown for part in parts if part.unknown), None)
     return Entry(formula, "", parts[0].offset, any(part.is_open for part in parts), unknown)
 

@@ -11,6 +11,8 @@ from dataclasses import replace
 from functools import reduce
 from itertools import islice, product
 
+import numpy as np
+
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.formula import LatexReader, derivative
 from derive.checking.latex.left import AXES, Turned, taken_apart
@@ -73,12 +75,8 @@ class MatrixNames:
             return
         # {^2f_2} in braces of its own
         text, found = _BRACED.sub(lambda m: f" {m[1]} ", piece.text), dict[int, list[Table]]()
-        for pattern, meaning in (
-            (_ELEMENTARY, self._elementary),
-            (_NAME, self._by_text),
-            (_UNIT, self._unit),
-            (_NAME, self._named),
-        ):
+        kinds = [(_ELEMENTARY, self._elementary), (_NAME, self._by_text), (_UNIT, self._unit), (_NAME, self._named)]
+        for pattern, meaning in kinds:
             for match in pattern.finditer(text):
                 if tables := meaning(match, piece.offset):
                     found[match.start()] = tables
@@ -138,16 +136,16 @@ class MatrixNames:
     def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
         """What the text itself says that a name is."""
         left = taken_apart(match[0])
-        if left is None or not replace(left, dots=0, turned=Turned.NOT).is_plain:
+        if left is None or left.turned in (Turned.INVERTED, Turned.BOTH):
+            return []
+        if not replace(left, dots=0, turned=Turned.NOT).is_plain:
             return []
         tables, by_time = self._defined.get(left.flat, []), lambda e: derivative(self._meanings.robot, e, "t")
         if left.dots:  # q = (30 deg, 45 deg) is where the arm stands
             tables = [table for table in tables if not all(is_constant(e.formula) for e in table.entries)]
         with suppress(CheckError):
             tables = [reduce(lambda t, _: t.changed(by_time), range(left.dots), table) for table in tables]
-            return [
-                t.transposed if left.turned else t for t in tables if left.turned in (Turned.NOT, Turned.TRANSPOSED)
-            ]
+            return [table.transposed if left.turned else table for table in tables]
         return []
 
     def _named(self, match: re.Match[str], _: int) -> list[Table]:
@@ -179,9 +177,7 @@ def are_alike(one: Table, other: Table) -> bool:
         return False
     values = at_a_point(*(entry.formula for table in (one, other) for entry in table.entries))
     half = len(values) // 2
-    return bool(values) and all(
-        abs(a - b) <= ALIKE * (1 + abs(b)) for a, b in zip(values[:half], values[half:], strict=True)
-    )
+    return bool(values) and np.allclose(values[:half], values[half:], rtol=ALIKE, atol=ALIKE)
 
 
 def _table(rows: list[list[Expression]]) -> Table:

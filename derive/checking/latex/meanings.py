@@ -124,11 +124,8 @@ class Meanings:
                 return tuple(replace(t, entry=entry) for t in matrices)
         if left.arguments.startswith("(\u2202"):  # the column of a derivative is that of its variable
             (row, label), is_slide = left.sub.split(","), left.arguments == "(\u2202d)"
-            own = (
-                k
-                for k, j in enumerate(self.robot.joints, 1)
-                if (joint_label(j.variable), j.is_revolute) == (label, not is_slide)
-            )
+            kinds = [(joint_label(joint.variable), joint.is_revolute) for joint in self.robot.joints]
+            own = (k for k, kind in enumerate(kinds, 1) if kind == (label, not is_slide))
             left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
         if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
             return ()
@@ -183,20 +180,15 @@ class Meanings:
         known = [i for i in rows if i is not None]
         left = iter(rest)
         chosen = [next(left, None) if i is None else i for i in rows]
-        alike = (
-            i is not None and Right("J", ours[i, :width], (), ()).fits(Table((row,))) >= 0.5
-            for i, row in zip(chosen, table.rows, strict=True)
-        )
-        is_ours = 2 * len(known) > len(rows) or (bool(known) and all(alike))  # the others have a slip each
-        if not is_ours or (width < ours.cols and None in rows):
-            return None
         found = [i for i in chosen if i is not None]
+        if len(found) < len(rows) or (width < ours.cols and None in rows):
+            return None
+        ours_printed = zip(found, table.rows, strict=True)
+        alike = (Right("J", ours[i, :width], (), ()).fits(Table((row,))) >= 0.5 for i, row in ours_printed)
+        if not (2 * len(known) > len(rows) or (known and all(alike))):  # the others have a slip each
+            return None
         part = ours.extract(found, list(range(width)))
-        return (
-            Right("J", part, tuple(i + 1 for i in found), tuple(range(1, width + 1)))
-            if len(found) == len(rows)
-            else None
-        )
+        return Right("J", part, tuple(i + 1 for i in found), tuple(range(1, width + 1)))
 
     def _derived(self, target: Target) -> Right:
         if target.entry or target.by:
@@ -232,9 +224,7 @@ class Meanings:
     def derivatives(self, text: str) -> tuple[Target, ...]:
         r"""What a derivative on a left side may mean, such as ``\frac{\partial p}{\partial\theta_1}``."""
         text, by = "".join(FONT.sub("", text).split()), list[str]()
-        text = re.sub(r"\\nabla(?:_\{?q\}?)?(\w)(?:\(q\))?", r"\\frac{\\partial \1}{\\partial q}", text).replace(
-            " ", ""
-        )
+        text = re.sub(r"\\nabla(?:_\{?q\}?)?(\w)(?:\(q\))?", r"\\frac{\\partial\1}{\\partialq}", text)
         while match := _OF_TIME.fullmatch(text):
             text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
         match = _PARTIAL.fullmatch(text)
@@ -247,25 +237,20 @@ class Meanings:
         else:
             named = [j.variable for j in self.robot.joints if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
-        of = (
-            t for t in self.targets(left) if match["label"] or t.quantity.startswith(("kinetic", "potential", "lagr"))
-        )
+        energies = ("kinetic", "potential", "lagr")
+        of = (t for t in self.targets(left) if match["label"] or t.quantity.startswith(energies))
         found = tuple(replace(target, by=(*target.by, *by)) for target in of) if by else ()
         # the derivative of a position by all joint variables is the Jacobian
         is_place = by == ["q"] and left.head in "pPx"
         return (*found, *(Target("J", rows) for rows in ((1, 2, 3), (1, 2)) if is_place))
 
-    def differentiated(self, name: str) -> Expression | None:
-        """An energy of the arm or of a link by its letter, L for their difference, or an entry of B."""
-        letter, label = name[:1], name[1:]
-        left = Left(letter, label) if label.isdigit() or not label else Left(name)
-        known = ("kinetic", "potential", "lagrangian", "B")
-        found = (t for t in self.targets(left) if is_scalar(t) and t.quantity.startswith(known))
+    def formula(self, left: Left, kinds: tuple[str, ...] = ("",)) -> Expression | None:
+        """The first formula of some kinds that a left side may mean; None where there is none."""
+        found = (target for target in self.targets(left) if is_scalar(target) and target.quantity.startswith(kinds))
         right = next(filter(None, map(self.right, found)), None)
         return expression_from_sympy(right.value[0, 0]) if right is not None else None
 
     def _turned(self, target: Target, part: Matrix) -> Matrix:
-        """The transpose or inverse of a matrix."""
         if target.turned in (Turned.TRANSPOSED, Turned.BOTH):
             part = part.T
         if target.turned not in (Turned.INVERTED, Turned.BOTH):
@@ -316,20 +301,16 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return found
     if name.endswith("'") and (entry := entry_named(meanings, None, name[:-1])):
         return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
-    if name[0] == ENERGY:
-        return meanings.differentiated(name[1:])
+    if name[0] == ENERGY:  # of the arm or of a link by its letter, L for their difference, or an entry of B
+        left = Left(name[1:2], name[2:]) if name[2:].isdigit() or not name[2:] else Left(name[1:])
+        return meanings.formula(left, ("kinetic", "potential", "lagrangian", "B"))
     if seen := _SEEN_FROM.fullmatch(name):
-        letter, sub, frame = seen.groups()
-        rights = map(meanings.right, filter(is_scalar, meanings.targets(Left(letter, sub, before=frame))))
-        return next((expression_from_sympy(right.value[0, 0]) for right in rights if right), None)
+        return meanings.formula(Left(seen[1], seen[2], before=seen[3]))
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
         return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
-    left = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-    for target in meanings.targets(left) if left else ():
-        if is_scalar(target) and (right := meanings.right(target)):
-            return expression_from_sympy(right.value[0, 0])
-    return None
+    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+    return meanings.formula(own) if own is not None else None
 
 
 def _from_world(left: Left) -> Left:
@@ -338,10 +319,8 @@ def _from_world(left: Left) -> Left:
         sub = str(int(left.sub) - 1) if left.sub != "0" else "B"
         return replace(left, sub=sub, sup="B" if left.head == "T" or sub == "0" else "")
     less = str.maketrans({str(k): str(k - 1) if k else "B" for k in range(10)})
-    before, before_sub = left.before.translate(less), left.before_sub.translate(less)
-    return replace(
-        left, sub=left.sub.translate(less), sup=left.sup.translate(less), before=before, before_sub=before_sub
-    )
+    scripts = ("sub", "sup", "before", "before_sub")
+    return replace(left, **{name: getattr(left, name).translate(less) for name in scripts})
 
 
 def _whole(quantity: str, value: Matrix) -> Right:

@@ -3,7 +3,7 @@ r"""Names as LaTeX prints them, found among the names of a robot: ``m_{\ell_1}``
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 
 from derive.checking.formulas.branches import SIGN
@@ -27,12 +27,9 @@ ENERGY = "\u2202"  # before the letter of an energy that is differentiated
 PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
 _ANGLE_SUM = re.compile(r"(theta|th|q)([0-9]{2,})")
-_CIRCULAR = re.compile(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)")
-_OPPOSED = re.compile(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)")
 _CHRISTOFFEL = re.compile(r"c[0-9]+,[0-9]{2,}|c[0-9]+,[0-9]+,[0-9]+")
 _ANGLES = re.compile("(?:alpha|beta|gamma|theta|phi|psi)[0-9]*")
 _ANGLE = {"c": "cos", "s": "sin"}
-
 
 PlusMinus = Iterator[Name]  # gives every plus-minus of a text a name
 
@@ -51,6 +48,7 @@ class Symbol:
     dots: int = 0  # derivatives with respect to time
 
 
+@dataclass(eq=False)
 class LatexNames:
     """What printed names stand for.
 
@@ -58,21 +56,15 @@ class LatexNames:
     in underscores, in the place of the digits, or in case, if there is exactly one.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        abbreviations: Mapping[str, Expression] | None = None,
-        entry: Callable[[str], Expression | None] = lambda name: None,
-        signs: PlusMinus | None = None,
-        *,
-        cosine_first: bool | None = None,
-        foreign: frozenset[str] = frozenset(),
-    ) -> None:
-        self.robot, self.signs, self.entry = robot, signs, entry
-        self._foreign = foreign  # capitals that are other names than the robot's, for the text has both
-        self.cosine_first = cosine_first  # whether Atan2 takes the cosine first; None if either will do
-        self.abbreviations = dict(abbreviations or {})
-        self.own = own_names(robot).union(self.abbreviations)
+    robot: Robot
+    abbreviations: Mapping[str, Expression] = field(default_factory=dict)  # what names of the text itself stand for
+    entry: Callable[[str], Expression | None] = lambda name: None  # the entry of a quantity that a name is
+    signs: PlusMinus | None = None  # names for its plus-minus signs; None where none may occur
+    cosine_first: bool | None = None  # whether Atan2 takes the cosine first; None if either will do
+    foreign: frozenset[str] = frozenset()  # capitals that are other names than the robot's, for the text has both
+
+    def __post_init__(self) -> None:
+        self.own = own_names(self.robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._derived: dict[str, Expression] = {}  # what stands for a derivative in a text
         self._known: dict[tuple[str, int], Expression] = {}
@@ -112,7 +104,7 @@ class LatexNames:
             return entry
         text = text.replace(",", "")
         # c_{2-3}, the cosine of a difference of joint angles
-        opposed = _OPPOSED.fullmatch(text)
+        opposed = re.fullmatch(r"([csCS])((?:theta|th|q)?[0-9]+)((?:[-+](?:theta|th|q)?[0-9]+)+)", text)
         text = text if opposed else text.replace("+", "")
         if text == "pi":
             return Pi()
@@ -163,11 +155,11 @@ class LatexNames:
 
     def _name(self, text: str) -> str:
         """The robot's name, or the token, that is printed like this; the text itself where there is none."""
-        if text in self.own or text in self._foreign:
+        if text in self.own or text in self.foreign:
             return text
         if (match := _JOINT.fullmatch(text)) and (variable := self._variable(match[1], match[2])):
             return variable
-        if match := _CIRCULAR.fullmatch(text):
+        if match := re.fullmatch(r"([csCS])((?:(?:theta|th|q)?[0-9]+)+)", text):
             return match[1].lower() + re.sub("[a-z]", "", match[2])
         for likeness, wanted in enumerate(_alike(text)):
             # a name that the text itself defines, such as A_x, is not another one in small letters

@@ -15,8 +15,8 @@ import sympy
 
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, compared
-from derive.checking.inverse.latex import printed_words
 from derive.checking.inverse.poses import PoseNames
+from derive.checking.inverse.reading import printed_words
 from derive.checking.latex.left import AXES
 from derive.checking.latex.quantities import own_quantity, slope
 from derive.errors import CheckError, Location
@@ -69,13 +69,13 @@ class PoseReading:
 
     def shown(self, group: Settled) -> str:
         """The reading of one kind of names in words."""
-        if group is Settled.POINT:
-            return f"points are read as {self.points.value}"
-        if group is Settled.WRIST:
-            return f"the wrist is read as the origin of frame {self.wrist}"
-        if group is Settled.LABEL:
-            return "entries with the number of a frame are read as those of its own pose in the base"
-        return f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
+        readings = {
+            Settled.POINT: f"points are read as {self.points.value}",
+            Settled.WRIST: f"the wrist is read as the origin of frame {self.wrist}",
+            Settled.LABEL: "entries with the number of a frame are read as those of its own pose in the base",
+        }
+        usual = f"positions are read as the origin of frame {self.position}, rotations from frame {self.reference}"
+        return readings.get(group, usual)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,9 +155,7 @@ class Poses:
         angle = {"(phi)": first.arguments[0]}
         return {MARK + name: substitute(meaning, angle) for name, meaning in self._names.angles.items()}
 
-    def judged(
-        self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool = False
-    ) -> list[Finding | None]:
+    def judged(self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool) -> list[Finding | None]:
         """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain.
 
         Known is the position of the end effector where another formula prints it rightly, and all names of entries are
@@ -249,18 +247,15 @@ class Poses:
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
         # rotations of a wrist of three joints, or of what follows the three joints of the arm
-        places += [
-            (k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) for k, _ in places[: len(places)] if 0 < frame < n
-        ]
+        places += [(k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) if 0 < frame < n for k, _ in places]
         readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END) | self._angles
         for position, reference in places:
             place = whole if position == n else self._model.quantity(f"T[{position}]")
             turn = self._model.quantity(f"T[{reference},{n}]") if reference else whole
             at = self._names.entries.items()
             entries = {name: (place if j == 4 else turn)[i - 1, j - 1] for name, (i, j) in at}
-            readings.append(
-                PoseReading(position, reference, _placed(entries) | others, (position, reference) == (n, 0))
-            )
+            is_usual = (position, reference) == (n, 0)
+            readings.append(PoseReading(position, reference, _placed(entries) | others, is_usual))
         return tuple(readings)
 
     def labels(self, is_of_frame: bool = False) -> dict[str, Expression]:
@@ -274,7 +269,6 @@ class Poses:
         return [k for k in ((n - 2, n - 1, n) if n > WRIST + 1 else (n - 1, n, n - 2)) if k > 0]
 
     def _wrist(self, frame: int) -> dict[str, Expression]:
-        """What the names of the wrist stand for."""
         place = self._model.quantity(f"T[{frame}]")
         return _placed({name: place[k, 3] for name, k in self._names.wrist.items()})
 
@@ -315,7 +309,6 @@ class Poses:
         return _placed(values)
 
     def _point(self, link: int, kind: Points) -> Matrix:
-        """A point of a link in the base."""
         robot, n = self._model.robot, self._model.n
         if kind is Points.CENTRE and robot.links:
             return own_quantity(self._model, f"centre[{min(link, n)}]")

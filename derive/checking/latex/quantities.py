@@ -22,23 +22,9 @@ OF_LINK = (
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
 OWN = (
     *OF_LINK,
-    *(
-        "twist",
-        "rates",
-        "accelerations",
-        "centre",
-        "lagrangian",
-        "gravity",
-        "task",
-        "centre_task",
-        "base",
-        "tool",
-        "end",
-    ),
-    *("J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
+    *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
+    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
 )
-
-
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
 

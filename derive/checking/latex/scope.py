@@ -9,14 +9,14 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import chain, islice, product
 
-from derive.checking.inverse.latex import printed_words
+from derive.checking.inverse.reading import printed_words
 from derive.checking.latex import whole
 from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
 from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
-from derive.checking.latex.names import Symbol, plus_minus
+from derive.checking.latex.names import LatexNames, Symbol, plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
@@ -36,7 +36,6 @@ MAX_PASSES = 12  # how often definitions are gone through that need one that sta
 _LENT = frozenset("uvwhkexyzfFQTKVUP")
 ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 
-_PRIME = re.compile(r"'+|\^\s*\{?\s*\\prime\s*\}?")
 _ARC = re.compile(
     r"\s*(?:\\operatorname\{)?(?:\\text\{)?\\?[aA](?:rc)?(?:tan|cos|sin|TAN)|\s*\\(?:tan|cos|sin)\s*\^\s*\{?-\s*1"
 )
@@ -72,7 +71,7 @@ class Scope:
         plain = cleaned(text, has_time)
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
         self._foreign = whole.other_capitals(self.robot, self.equations, words)
-        self.plain = LatexReader(self.robot, text, start, foreign=self._foreign)
+        self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
         self.poses = Poses(model, plain, columns) if document else None
@@ -104,7 +103,7 @@ class Scope:
         found = {}
         for first, *others in self.equations if self.document else ():
             for side in others:
-                own = _PRIME.sub(lambda m: " " * len(m[0]), side.text)
+                own = re.sub(r"'+|\^\s*\{?\s*\\prime\s*\}?", lambda m: " " * len(m[0]), side.text)
                 with suppress(CheckError):
                     if own != side.text and not first.matrices and first.text.strip() in own:
                         joint, value = self.plain.formula(first), self.plain.formula(replace(side, text=own))
@@ -237,9 +236,8 @@ class Scope:
     def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
         """A product of transforms is a chain in one order of the frames only."""
         usual = self.meanings.reading
-        for lefts in filter(
-            None, (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
-        ):
+        products = (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
+        for lefts in filter(None, products):
             scripts, *others = {left.scripts for left in lefts}
             if others or scripts is None:
                 continue
@@ -257,8 +255,6 @@ class Scope:
         self.meanings.reading = usual
         return [right for target in targets if (right := self.meanings.right(target)) is not None]
 
-    # -- definitions
-
     def _define(self) -> None:
         """Names that sides define; a definition may need another one that stands before or behind it."""
         # by name the formulas that it is given, each with the number of its equation
@@ -268,9 +264,7 @@ class Scope:
         self.names: set[tuple[int, int]] = set()
         self._of_links: dict[str, Expression] = {}
         self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
-        several = [
-            (i, e) for i, e in enumerate(self.equations) if len(e) > 1 and not any(whole.factors(s.text) for s in e)
-        ]
+        several = [(i, e) for i, e in enumerate(self.equations) if e[1:] and not any(whole.factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
         waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._quantities(*some[1:]))
@@ -337,10 +331,9 @@ class Scope:
             meanings[name] = ordered[0][1]
         meanings |= more or {}
         entry = partial(entry_named, self.meanings, self.poses)
-        order = self._cosine_first
-        return LatexReader(
-            self.robot, self.text, self.start, meanings, entry, self._signs, cosine_first=order, foreign=self._foreign
-        )
+        order, foreign = self._cosine_first, self._foreign
+        names = LatexNames(self.robot, meanings, entry, self._signs, cosine_first=order, foreign=foreign)
+        return LatexReader(names, self.text, self.start)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:
         """The name that a side is, where the robot does not know it and it is no quantity; otherwise empty."""
@@ -413,7 +406,6 @@ class Scope:
         return False
 
     def _is_pose(self, left: Left) -> bool:
-        """Whether a left side is a name of a pose."""
         return self.poses is not None and self.poses.placeholder(left.flat) is not None
 
     def is_own(self, left: Left) -> bool:

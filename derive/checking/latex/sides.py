@@ -37,7 +37,6 @@ _LAGRANGE = re.compile(
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
-_LABELLED = re.compile(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?")
 
 
 class SideReading(Comparing):
@@ -81,10 +80,8 @@ class SideReading(Comparing):
 
     def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
         """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
-        is_read = side.error is None and not (
-            isinstance(side.value, Table) and any(e.unknown for e in side.value.entries)
-        )
-        if is_read or side.left is not None or not self.document:
+        is_open = isinstance(side.value, Table) and any(entry.unknown for entry in side.value.entries)
+        if not (side.error or is_open) or side.left is not None or not self.document:
             return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
@@ -145,10 +142,9 @@ class SideReading(Comparing):
             if not self._is_own_name(first, is_first=first is equation[0]):
                 continue
             for side in others:
-                if all(taken_apart(cell.text) for cell in side.cells or (side,)) and (
-                    side.matrices or len(others) == 1
-                ):
-                    continue  # names beside names
+                are_names = all(taken_apart(cell.text) for cell in side.cells or (side,))
+                if are_names and (side.matrices or len(others) == 1):
+                    continue
                 with suppress(CheckError):
                     where = self.plain.location(side.start)
                     value = next(self._matrices.values(side), None) or self.reader.value(side)
@@ -195,9 +191,8 @@ class SideReading(Comparing):
                         note = f"where {letters[0]} is {meant}"
                 if note:
                     (text, *_, other), where = map(self._typed, equation), self.plain.location(equation[0].start)
-                    return (
-                        Finding(text, 0, 0, Role.IDENTITY, other, Verdict(True, False), "", where, note=f", {note}"),
-                    )
+                    found = Finding(text, 0, 0, Role.IDENTITY, other, Verdict(True, False), "", where, note=f", {note}")
+                    return (found,)
         return ()
 
     def identity(self, side: Side, first: Side) -> Side:
@@ -212,9 +207,8 @@ class SideReading(Comparing):
         shape = next((right.value.shape for right in rights), (1, 1))
         if shape == (1, 1) or (is_identity and shape[0] != shape[1]):
             return None
-        return Table(
-            tuple(tuple(Entry(number(int(is_identity and i == j))) for j in range(shape[1])) for i in range(shape[0]))
-        )
+        rows, columns = map(range, shape)
+        return Table(tuple(tuple(Entry(number(int(is_identity and i == j))) for j in columns) for i in rows))
 
     def side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
         """What a side says, or names if it may."""
@@ -299,7 +293,7 @@ class SideReading(Comparing):
 
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
-        match = _LABELLED.fullmatch(left.sub)
+        match = re.fullmatch(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?", left.sub)
         is_labelled = match is not None and (left.primes or left.sup or match["joint"] != left.sub)
         if not self.document or match is None or not is_labelled or left.dots:
             return None
@@ -389,7 +383,6 @@ class SideReading(Comparing):
 
     @property
     def _moving(self) -> set[str]:
-        """Joint variables, velocities and accelerations."""
         return self.joints.keys() | self.rates | self._accelerations
 
     def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
@@ -404,9 +397,8 @@ class SideReading(Comparing):
         if len(pairs) < len(wrong) or not all(compare(self.robot, *pair).equal for pair in pairs):
             return findings
         right, note = Verdict(equal=True, exact=True), ", with all joint variables zero"
-        return tuple(
-            replace(f, verdict=right, note=note, cause="", question=None) if f in wrong else f for f in findings
-        )
+        mended = {f: replace(f, verdict=right, note=note, cause="", question=None) for f in wrong}
+        return tuple(mended.get(f, f) for f in findings)
 
     def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""
@@ -419,9 +411,7 @@ class SideReading(Comparing):
         is_still = all(e is not None and still.issuperset(names(e)) for e in entries)
         is_example = len(entries) > 1 and moves and is_still
         is_of_pose = moves and all(finding.quantity[:1] in "Tp" or finding.quantity == "tau" for finding in findings)
-        is_condition = (
-            side.piece.inline and moves and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
-        )
+        is_condition = side.piece.inline and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
         if self.document and (len(decimals) * 2 > len(entries) or is_example or is_condition):
             what = "a matrix of numbers" if len(entries) > 1 else quoted(self._typed(side.piece))
             raise self._refused(side.piece, f"{what} is a numeric example")

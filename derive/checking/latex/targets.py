@@ -156,12 +156,8 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
     yield from _of_link(left, n)
     if left.head == "omega" and not left.dots and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((4, 5, 6), (6,)))
-    if (
-        left.head == "v"
-        and not left.dots
-        and left.sup in ("", "0")
-        and (point := re.fullmatch(r"([cCG]?)([1-9])", left.sub))
-    ):
+    point = re.fullmatch(r"([cCG]?)([1-9])", left.sub) if left.head == "v" and not left.dots else None
+    if point is not None and left.sup in ("", "0"):
         at = (Target(f"T[0,{point[2]}]", (1, 2, 3), (4,)), Target(f"centre[{point[2]}]"))[bool(point[1]) :]
         yield from (replace(t, rows=rows, by=("t",)) for t in at for rows in ((1, 2, 3), (1, 2)))
     if left.head == "omega" and left.sub in AXES and not left.dots and left.sup + left.before in ("", *_BASE):
@@ -192,13 +188,10 @@ def _of_link(left: Left, n: int) -> Iterator[Target]:
     r"""Motion of a link and forces on it, in the axes of a frame: ``{}^2\dot v_{C_2}``, ``{}^1n_1``, ``{}^2F_{2y}``."""
     match, frame = re.fullmatch(r"([cCgG]?)([0-9]|e|E|ee|EE)([xyz]?)", left.sub), left.sup or left.before or "0"
     kinds = _RECURSION.get((left.head, left.dots, bool(match and match[1])), ())
-    if (
-        match is None
-        or not kinds
-        or not frame.isdigit()
-        or (left.sup and left.before + left.sup != "00" and (left.before or left.head in "vaFN"))
-    ):
-        return  # v_2^2 is a square, or relative to another frame
+    # v_2^2 is a square, or relative to another frame
+    is_other = left.sup and left.before + left.sup != "00" and (left.before or left.head in "vaFN")
+    if match is None or not kinds or not frame.isdigit() or is_other:
+        return
     link = int(match[2]) if match[2].isdigit() else n + 1
     has_end = kinds[0] in ("velocity", "omega", "joint_force", "joint_moment")
     if int(frame) > n + (left.head in "fn") or link > n + has_end or (frame == "0" and left.head != "omega"):
@@ -277,7 +270,6 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
 
 
 def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
-    """Columns and entries."""
     if (match := re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)) and int(match[2]) <= n:
         rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
         if rows:
@@ -397,9 +389,8 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     elif lower:
         yield from (f"A[{frame}]",) if left.head == "A" and frame == reference + 1 else ()
         if reference == 0 and frame == n:
-            yield from (
-                ("T", f"T[0,{n}]", *(["end[0]"] if lower == "tool" else [])) if lower in _END else (f"T[0,{n}]", "T")
-            )
+            whole = ("T", f"T[0,{n}]") if lower in _END else (f"T[0,{n}]", "T")
+            yield from (*whole, "end[0]") if lower == "tool" else whole
             yield f"T[{n}]"
         else:
             yield f"T[{reference},{frame}]"

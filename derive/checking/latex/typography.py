@@ -14,22 +14,18 @@ PRIMED = {1: "\ue001", 2: "\ue002"}  # what stands for one and two primes of a f
 ALTERNATIVE = re.compile(r"\\(?:text|mathrm|mbox|textrm)\s*\{\s*(?:or|oder|ou|oppure|o|\u6216)\s*\}")
 _GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\})*\}"
 _END = r"(?![A-Za-z])"
-_SIZES = "|".join(
-    ("left", "right", "middle", *(f"{big}{side}" for big in ("bigg?", "Bigg?") for side in ("", "[lrm]")))
-)
 _IDLE = (
     "nonumber|notag|displaystyle|textstyle|scriptstyle|scriptscriptstyle|hline|toprule|midrule|bottomrule|limits|nolimits|"
     "strut|mathstrut|space|allowbreak|nobreak|break|null|relax|protect|noindent|centering|par|medskip|bigskip|smallskip|hfill|"
     "normalsize|small|footnotesize|scriptsize|tiny|large|Large|boldmath|thinspace|medspace|thickspace|negthinspace|"
     "negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold|cal|it"
 )
-_COMMENT = re.compile(r"\\\\|\\%|%[^\n]*")
 _INK = re.compile(
     r"(?P<kept>\\\\)"
     rf"|\\(?:label|tag\*?|hspace\*?|vspace\*?|mspace|[hv]?phantom|color|ref|eqref|cite|footnote)\s*{_GROUP}"
     rf"|\\textcolor\s*{_GROUP}"
     rf"|\\(?:left|right|[bB]igg?[lrm]?)\s*\."
-    rf"|\\(?:{_SIZES}){_END}\s?"
+    rf"|\\(?:left|right|middle|[bB]igg?[lrm]?){_END}\s?"
     rf"|\\(?:{_IDLE}){_END}"
     rf"|\\(?:underline|smash|cancel|mathop|mathrel|mathbin|mathord|mathopen|mathclose|mathinner|hbox){_END}"
     r"|\\(?:hskip|kern|mkern|mskip)\s*-?[0-9.]+\s*[a-z]{2}"
@@ -75,7 +71,6 @@ _PRIMES = re.compile(
 # The centre of mass of a link by its abbreviation, x_{com_1}, and a font of an index.
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
 _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
-_DIFFERENCE = re.compile(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])")
 # An entry in brackets behind a rotation, R_{36}(2,3), R_6^3[2,3] or _6^3R[1,2], which programs count from zero, and a
 # bound of cosines, clamp(c_3, -1, 1).
 _ENTRY = re.compile(
@@ -107,7 +102,6 @@ _GRID = re.compile(
 _SIGNED_WORD = re.compile(
     r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*a(?:rc)?(?P<function>cos|sin|tan)\s*\}"
 )
-_FONT_OF_INDEX = re.compile(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)")
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
 _SAME = str.maketrans(
     {
@@ -137,7 +131,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
-    text = _FONT_OF_INDEX.sub(lambda m: blank(m[0]), text)
+    text = re.sub(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)", lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = _WRAPPED.sub(lambda m: blank(m[0]), _CLAMPED.sub(_within, text))
     first = int(all("0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
@@ -146,7 +140,7 @@ def cleaned(text: str, time: bool = True) -> str:
         entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
         text = entries.sub(lambda m: f"{m[1]}{int(m[2]) + 1}{m[3]}{int(m[4]) + 1}", text)
     text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
-    text = _DIFFERENCE.sub(r"\\bm{D\1} ", text)
+    text = re.sub(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])", r"\\bm{D\1} ", text)
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
         text = _LETTERED.sub(lambda m: _marked(m, m["name"] + m["sub"] + m["end"], len(m["dots"])), text)
     if re.search(r"(?:q|theta)(?:_\{?[0-9]\}?)?''", text):
@@ -169,7 +163,7 @@ def cleaned(text: str, time: bool = True) -> str:
 
 def without_comments(text: str) -> str:
     """The text with blanks for comments."""
-    return _COMMENT.sub(lambda m: m[0] if m[0].startswith("\\") else blank(m[0]), text)
+    return re.sub(r"\\\\|\\%|%[^\n]*", lambda m: m[0] if m[0].startswith("\\") else blank(m[0]), text)
 
 
 def blank(text: str) -> str:

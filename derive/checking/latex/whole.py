@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import replace
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
-from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, multiply, names, number
+from derive.robot.expression import Call, Expression, Name, Sum, add, is_constant, multiply, names
 from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
@@ -35,7 +35,6 @@ _ANGLES_TRIED, _ROUNDING = 24, 1e-9  # points at which two formulas are taken fo
 OF_ANGLE = re.compile(
     r"\\?(?P<function>cos|sin|tan)(?![A-Za-z])\s*[({]*\s*(?P<angle>\\?[A-Za-z]+(?:_\{?\w\}?)?)\s*[)}]*"
 )
-_DIVIDED = re.compile(r"tau\[(?P<row>\d)\]/\((?P<by>.+)\)")
 _SCRIPTS = r"(?:[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\?\w+?|')\s*)*"
 _LETTER = r"(?:\\(?:mathbf|boldsymbol|bm|mathrm|mathit)\s*\{\s*[TAHR]\s*\}|\{\s*[TAHR]\s*\}|[TAHR])"
 _TIGHT = _SCRIPTS.replace(r"\s*)*", ")*")  # what is blank behind a letter parts it from the scripts of the next one
@@ -58,6 +57,8 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
+# A name, the number of the equation that defines it, what it stands for, and the side that it is.
+Defined = tuple[str, int, Expression, LatexPiece]
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -89,10 +90,8 @@ def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
         rows = matrix.rows[:3]
         if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
             continue
-        cells = [[taken_apart(cell.text) for cell in row] for row in rows]
-        plain = [
-            x.head if x and x.is_plain and x.sub == a else "" for a, row in zip(AXES, cells, strict=True) for x in row
-        ]
+        cells = [(axis, taken_apart(cell.text)) for axis, row in zip(AXES, rows, strict=True) for cell in row]
+        plain = [left.head if left and left.is_plain and left.sub == axis else "" for axis, left in cells]
         if "" not in plain and plain[:4] == plain[4:8] == plain[8:]:
             return {head: column for column, head in enumerate(plain[:4], 1)}
     return {}
@@ -198,8 +197,8 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
     printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
 
     def is_right(i: int) -> bool:
-        product_ = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
-        return compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), product_).equal
+        torque = add(*(multiply(printed[i, j], rates[j - 1]) for j in places))
+        return compare(model.robot, expression_from_sympy(velocity_torques[i - 1]), torque).equal
 
     other = [i for i in wrong if is_right(i)]
     is_ours = sum(f.verdict.equal and f.right != 0 for f in entries.values()) >= len(entries) / 2
@@ -210,12 +209,9 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
             findings = tuple(replace(f, cause=cause) if f in slips else f for f in findings)
     note = ", another factorisation with the same C qd"
     if len(rows) == model.n and other == wrong:
-        sums = (
-            add(expression_from_sympy(2 * rate[i - 1, j - 1]), multiply(number(-2), add(printed[i, j], printed[j, i])))
-            for i in places
-            for j in places
-        )
-        is_skew = all(compare(model.robot, ZERO, entry).equal for entry in sums)
+        # of N = Bdot - 2 C, which is skew where Bdot = C + C^T
+        pairs = [(rate[i - 1, j - 1], add(printed[i, j], printed[j, i])) for i, j in product(places, repeat=2)]
+        is_skew = all(compare(model.robot, expression_from_sympy(e), both).equal for e, both in pairs)
         note += f"; its N is{'' if is_skew else ' not'} skew-symmetric"
         other = rows
     equal = Verdict(equal=True, exact=True)
@@ -321,7 +317,7 @@ def between(start: int, stop: int, robot: Robot) -> str:
 
 def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
     """Rows of B, C qd and g that are right but for what the text has divided the equation of motion of the row by."""
-    equations = (_DIVIDED.fullmatch(f.quantity) for f in findings if f.verdict.equal)
+    equations = (re.fullmatch(r"tau\[(?P<row>\d)\]/\((?P<by>.+)\)", f.quantity) for f in findings if f.verdict.equal)
     factors = {int(match["row"]): match["by"] for match in equations if match}
 
     def mended(f: Finding) -> Finding:
@@ -333,10 +329,6 @@ def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, 
         return replace(f, verdict=Verdict(True, True), note=note, cause="", question=None) if is_right else f
 
     return tuple(map(mended, findings)) if factors else findings
-
-
-# A name, the number of the equation that defines it, what it stands for, and the side that it is.
-Defined = tuple[str, int, Expression, LatexPiece]
 
 
 def constrains(one: Expression, other: Expression, moving: AbstractSet[str], parameters: AbstractSet[str]) -> bool:
@@ -352,15 +344,12 @@ def constrains(one: Expression, other: Expression, moving: AbstractSet[str], par
 
 def unused(defined: Iterable[Defined], equations: Sequence[Sides], compared: set[int]) -> Iterator[Defined]:
     """Definitions that no formula uses which is compared, neither itself nor by what it defines."""
-    waiting, live = list(defined), compared
+    waiting, live, own = list(defined), compared, dict[Defined, str]()
+    for one in waiting:  # an angle is used by its cosine as well
+        name = one[3].text.strip()
+        own[one] = angle["angle"] if (angle := OF_ANGLE.fullmatch(name)) else name
     while live:
         texts = [text for i in live for side in equations[i] for text in side.texts]
-        used = [one for one in waiting if any(_own(one[3]) in text for text in texts)]
+        used = [one for one in waiting if any(own[one] in text for text in texts)]
         waiting, live = [one for one in waiting if one not in used], {index for _, index, _, _ in used}
     yield from (one for one in waiting if not one[3].inline)
-
-
-def _own(side: LatexPiece) -> str:
-    """The name that a side defines, of an angle by its cosine as well."""
-    angle = OF_ANGLE.fullmatch(side.text.strip())
-    return angle["angle"] if angle else side.text.strip()

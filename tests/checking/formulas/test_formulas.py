@@ -13,7 +13,7 @@ from derive.checking.formulas.branches import ARCS, ONLY_AT_POINTS, branches, ha
 from derive.checking.formulas.diagnosis import Question, diagnose
 from derive.checking.formulas.edits import SlipKind, ordinal
 from derive.checking.formulas.printed import Citation
-from derive.checking.formulas.vector_formula import Vector, names_in, read_vector, value_of
+from derive.checking.methods_file import Vector, names_in, read_vector, value_of
 from derive.errors import CheckError, Location
 from derive.lecture.shorthand import notation_text, read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy

@@ -7,11 +7,10 @@ from functools import cache
 import pytest
 
 from derive.api.robots import load
-from derive.checking.comparison import check_file
+from derive.checking.comparison import POSE_NAMES, check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.block import POSE_NAMES
 from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places

@@ -7,13 +7,13 @@ import pytest
 from derive.api.robots import load
 from derive.checking.comparison import check_file
 from derive.checking.files import corpus_from_bytes
+from derive.checking.formulas.branches import with_atan2
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import Finding, Outcome, judge
 from derive.checking.inverse.check import names_inverse
-from derive.checking.inverse.latex import gives_joints, latex_equations
 from derive.checking.inverse.poses import places
-from derive.checking.inverse.printed import PrintedInverse, determined_joints, free_joints, is_same, with_calls
-from derive.checking.inverse.reading import Vocabulary, assembled, text_equations
+from derive.checking.inverse.printed import PrintedInverse, determined_joints, free_joints, is_same
+from derive.checking.inverse.reading import Vocabulary, assembled, gives_joints, latex_equations, text_equations
 from derive.checking.inverse.repair import Repairer
 from derive.checking.latex.names import plus_minus
 from derive.errors import CheckError, Location
@@ -108,7 +108,7 @@ def test_angles_are_the_same_up_to_full_turns_and_calls_are_exchanged_everywhere
     assert not is_same(1 + math.pi, 1, True)
     x, y = Name("x"), Name("y")
     e = Call("Atan2", (Call("Atan2", (x, y)), y))
-    assert with_calls(e, "Atan2", "atan2", True) == Call("atan2", (y, Call("atan2", (y, x))))
+    assert with_atan2(e, "Atan2", True) == Call("atan2", (y, Call("atan2", (y, x))))
 
 
 def sides(text: str) -> list[list[str]]:

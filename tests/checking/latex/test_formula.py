@@ -26,7 +26,8 @@ WRIST = Robot.load("spherical-wrist")
 
 
 def read_latex(text: str, robot: Robot, abbreviations: Mapping[str, Expression] | None = None) -> Expression:
-    return LatexReader(robot, text, Location("<latex>"), abbreviations).formula(LatexPiece(cleaned(text), 0))
+    reader = LatexReader(LatexNames(robot, abbreviations or {}), text, Location("<latex>"))
+    return reader.formula(LatexPiece(cleaned(text), 0))
 
 
 READ = [

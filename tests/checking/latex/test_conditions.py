@@ -2,7 +2,7 @@
 
 import pytest
 
-from derive.checking.formulas.certainty import AMONG
+from derive.checking.latex.conditions import AMONG
 from derive.robot.robot import Robot
 from tests.checking.test_pages import checked
 
