@@ -18,6 +18,7 @@ from derive.errors import ExpressionError, Location, QuantityError
 from derive.robot.expression import Call, Name
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 rationals = st.builds(Fraction, st.integers(-(10**9), 10**9), st.integers(1, 10**6))
 
@@ -87,9 +88,7 @@ def test_constants_reach_another_process_with_every_bit() -> None:
 
 
 HERE = Location("<test>")
-ARM = Robot.from_text(
-    "name: arm\nconvention: standard\njoints: [{type: revolute, a: a1, alpha: be}, {type: revolute, a: sqrt(8)}]\n"
-)
+ARM = robot_of_rows("R a: a1, alpha: be | R a: sqrt(8)")
 
 
 def test_every_sine_knows_its_cosine_and_comes_before_it() -> None:
@@ -134,8 +133,7 @@ def test_what_expressions_need_is_collected_innermost_first_in_any_order() -> No
 
 
 def test_squares_of_a_small_constant_angle_stay_squares_of_its_sine() -> None:
-    text = "name: arm\ntitle: Arm\nconvention: standard\njoints:\n  - {type: revolute, alpha: pi/100}\n"
-    domain = PolynomialDomain(Robot.from_text(text), rates=False)
+    domain = PolynomialDomain(robot_of_rows("R alpha: pi/100"), rates=False)
     cosine, sine = domain.cosine_sine(domain.robot.joints[0].alpha)
     assert cosine * cosine - 1 == -(sine * sine)
     assert len(sine * sine) == 1

@@ -1,7 +1,6 @@
 """Angle sums and squares: short forms are found, and they are equal to what went in."""
 
 import random
-from fractions import Fraction
 
 import pytest
 import sympy
@@ -9,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from derive.algebra.angles import contracted_groups
-from derive.algebra.contraction import MAX_ENUMERATED, MAX_STARS, contract, paths, trees
+from derive.algebra.contraction import MAX_ENUMERATED, MAX_STARS, paths, trees
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
 from derive.errors import Location
@@ -17,14 +16,10 @@ from derive.lecture.form import LectureForm
 from derive.robot.evaluate import to_float
 from derive.robot.options.style import Contraction
 from derive.robot.parser import parse_expression
-from derive.robot.robot import Robot
 from tests.evaluate import evaluate
+from tests.rows import robot_of_rows
 
-PLANAR = Robot.from_text("""
-name: planar
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2}, {type: revolute, a: a3}]
-""")
+PLANAR = robot_of_rows("R a: a1 | R a: a2 | R a: a3")
 
 
 def written(cell: str, *, sums: bool = True) -> sympy.Expr:
@@ -85,27 +80,25 @@ def test_products_are_built_in_sympys_own_order() -> None:
 @pytest.mark.parametrize(
     ("rows", "groups"),
     [
-        ("[{type: revolute}, {type: revolute}, {type: revolute}]", ((0, 1, 2),)),
-        ("[{type: revolute, alpha: pi/2}, {type: revolute}, {type: revolute}]", ((0,), (1, 2))),
-        ("[{type: revolute}, {type: revolute, alpha: pi}, {type: prismatic}, {type: revolute}]", ((0, 1), (3,))),
-        ("[{type: revolute}, {type: prismatic}, {type: revolute}]", ((0, 2),)),
-        ("[{type: revolute, theta: -q1}, {type: revolute, theta: -q2}]", ((0, 1),)),
-        ("[{type: revolute, theta: -q1}, {type: revolute}]", ((0,), (1,))),
-        ("[{type: revolute, alpha: pi}, {type: revolute, theta: -q2}]", ((0, 1),)),
-        ("[{type: revolute, alpha: al}, {type: prismatic, alpha: -al}, {type: revolute}]", ((0, 2),)),
-        ("[{type: revolute, alpha: al}, {type: revolute}]", ((0,), (1,))),
+        ("R | R | R", ((0, 1, 2),)),
+        ("R alpha: pi/2 | R | R", ((0,), (1, 2))),
+        ("R | R alpha: pi | P | R", ((0, 1), (3,))),
+        ("R | P | R", ((0, 2),)),
+        ("R theta: -q1 | R theta: -q2", ((0, 1),)),
+        ("R theta: -q1 | R", ((0,), (1,))),
+        ("R alpha: pi | R theta: -q2", ((0, 1),)),
+        ("R alpha: al | P alpha: -al | R", ((0, 2),)),
+        ("R alpha: al | R", ((0,), (1,))),
     ],
 )
 def test_groups_are_aligned_parallel_axes(rows: str, groups: tuple[tuple[int, ...], ...]) -> None:
-    robot = Robot.from_text(f"name: r\nconvention: standard\njoints: {rows}\n")
-    assert contracted_groups(robot, Contraction.ALIGNED)[0] == groups
+    assert contracted_groups(robot_of_rows(rows), Contraction.ALIGNED)[0] == groups
 
 
 @pytest.mark.parametrize("n", [6, 20, 64])
 def test_long_parallel_chains_stay_sums_of_angles(n: int) -> None:
     """Every relative angle of a planar chain is one sine or cosine, however many joints lie between."""
-    rows = ", ".join(f"{{type: revolute, a: a{i}}}" for i in range(1, n + 1))
-    domain = PolynomialDomain(Robot.from_text(f"name: planar\nconvention: standard\njoints: [{rows}]\n"))
+    domain = PolynomialDomain(robot_of_rows("|".join(f"R a: a{i}" for i in range(1, n + 1))))
     form = LectureForm(domain)
     c1, s1 = domain.ring.generator("cos q1"), domain.ring.generator("sin q1")
     whole = "+".join(f"q{i}" for i in range(1, n + 1))
@@ -122,9 +115,3 @@ def test_every_basis_spans_all_angles_and_the_own_one_comes_first(size: int, sum
     assert len(set(bases)) == len(bases)
     if size <= MAX_ENUMERATED:
         assert len(bases) == (size + 1) ** (size - 1)  # Cayley's formula
-
-
-def test_one_minus_a_squared_cosine_is_a_squared_sine() -> None:
-    (term,) = contract(1, False, (((0, 0), Fraction(1)), ((0, 2), Fraction(-1))))
-    assert term.coefficient == 1
-    assert [(f.is_sine, f.edge, f.exponent) for f in term.factors] == [(True, (0, 1), 2)]

@@ -34,16 +34,6 @@ def test_numbers_of_symbols_are_typed() -> None:
         export(arm, "urdf", values={"a4": 1})
 
 
-def test_symbols_of_limits_can_be_chosen_too() -> None:
-    arm = derive.Robot.from_text(
-        "{name: arm, convention: standard, joints: [{type: revolute, a: a1, limits: [-w, w]}]}"
-    )
-    text = export(arm, "urdf", values={"a1": 1, "w": 2})
-    assert 'lower="-2" upper="2"' in text
-    with pytest.raises(DeriveError, match="without a number: w"):
-        export(arm, "urdf", values={"a1": 1})
-
-
 def test_a_robot_writes_itself_for_mujoco_with_possible_bodies() -> None:
     pytest.importorskip("clarabel")
     robot = derive.load("puma560-corke")

@@ -43,11 +43,10 @@ def test_the_method_and_the_function_give_the_same_robot(torso: Path) -> None:
     assert robot.n == 3
 
 
-def test_lengths_have_names_on_request(tmp_path: Path) -> None:
-    path, file = tmp_path / "torso.urdf", tmp_path / "named.yaml"
-    path.write_text(urdf(TORSO, name="torso"))
-    named = import_urdf(path, tip="left_hand", symbols=True, inertia="possible", folder=tmp_path)
-    plain = derive.Robot.from_urdf(path, tip="left_hand")
+def test_lengths_have_names_on_request(torso: Path, tmp_path: Path) -> None:
+    file = tmp_path / "named.yaml"
+    named = import_urdf(torso, tip="left_hand", symbols=True, inertia="possible", folder=tmp_path)
+    plain = derive.Robot.from_urdf(torso, tip="left_hand")
     values = dict(named.robot.parameters)
     for i, (joint, row) in enumerate(zip(named.robot.joints, plain.joints, strict=True), 1):
         for key in ("d", "a"):
@@ -187,7 +186,6 @@ def test_what_a_file_promises_is_tested_again(torso: Path, tmp_path: Path) -> No
     path.write_text(text)
     with mock.patch.dict("sys.modules", {"lxml": None}):
         check = verify_import(path)
-    assert check is not None
     assert "lxml" in str(check)
     assert check.found is None
     torso.write_text(torso.read_text().replace("0.3 0 0", "0.31 0 0"))
@@ -209,7 +207,6 @@ def test_an_arm_that_has_become_a_tree_is_not_tested(
     tree = replace(robot, ends=(End("hand", robot.joints[-1].label, robot.tool),))
     monkeypatch.setattr(Robot, "from_text", lambda text, source: tree)
     check = verify_import(path)
-    assert check is not None
     assert check.found is None
     assert "its arm has become a tree, so the promised pose error was not tested" in str(check)
 

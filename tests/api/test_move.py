@@ -9,19 +9,13 @@ import derive
 from derive.api.move import FORMS
 from derive.errors import DeriveError, OutputError
 from derive.motion.output import page
-
-SWING = """\
-robot: {name: p, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
-points: {a: [0], b: [1]}
-path: [a, {to: b, time: 1/5}]
-control: {law: pd, kp: 30, kd: 8}
-"""
+from tests.motion.plans import swing
 
 
 @pytest.fixture
 def plan(tmp_path: Path) -> Path:
     path = tmp_path / "swing.yaml"
-    path.write_text(SWING)
+    path.write_text(swing("1/5", "kp: 30, kd: 8"))
     return path
 
 

@@ -10,16 +10,14 @@ from bench.plain_arm import plain_arm
 from bench.quantities import QUANTITIES, arguments, relative_error
 from bench.robots import COUNTED, Case, load
 from bench.urdf import roll_pitch_yaw
-from derive.robot.robot import Robot
+from tests.exchange.urdfs import turned
+from tests.rows import robot_of_rows
 
-MODIFIED = """
-name: mixed
-convention: modified
-joints:
-  - {type: revolute, d: 0.1}
-  - {type: prismatic, a: 0.2, alpha: pi/3, theta: 0.4}
-  - {type: revolute, a: a3, alpha: -pi/2, d: 0.3}
-  - {type: revolute, a: 0.1, alpha: 0.7, theta: q4 + 0.2}
+ROWS = (
+    "R d: 0.1 | P a: 0.2, alpha: pi/3, theta: 0.4 | R a: a3, alpha: -pi/2, d: 0.3"
+    "| R a: 0.1, alpha: 0.7, theta: q4 + 0.2"
+)
+BODIES = """
 gravity: [1.5, -2, -9]
 links:
   - {mass: 1.1, com: [0.1, 0.2, 0.3], inertia: {xx: 0.4, yy: 0.5, zz: 0.6, xy: 0.01, xz: 0.02, yz: 0.03}}
@@ -30,7 +28,8 @@ links:
 
 
 def mixed() -> Case:
-    return Case("mixed", Robot.from_text(MODIFIED), {"a3": 0.3, "m2": 1.2, "c3": 0.4, "I4": 0.07})
+    robot = robot_of_rows(ROWS, BODIES, name="mixed", convention="modified")
+    return Case("mixed", robot, {"a3": 0.3, "m2": 1.2, "c3": 0.4, "I4": 0.07})
 
 
 @pytest.mark.parametrize("peer", [casadi_by_hand.PLAIN, casadi_by_hand.BASE], ids=lambda peer: peer.name)
@@ -72,13 +71,5 @@ def test_every_robot_of_the_harness_loads(name: str) -> None:
 def test_angles_of_urdf_give_the_placement_back() -> None:
     for joint in plain_arm(mixed()).joints:
         roll, pitch, yaw = roll_pitch_yaw(joint.placement)
-        about = [_turn(0, roll), _turn(1, pitch), _turn(2, yaw)]
-        np.testing.assert_allclose(about[2] @ about[1] @ about[0], joint.placement[:3, :3], atol=1e-15)
-
-
-def _turn(axis: int, angle: float) -> np.ndarray:
-    j, k = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(3)
-    matrix[j, j] = matrix[k, k] = np.cos(angle)
-    matrix[j, k], matrix[k, j] = -np.sin(angle), np.sin(angle)
-    return matrix
+        found = turned(2, yaw) @ turned(1, pitch) @ turned(0, roll)
+        np.testing.assert_allclose(found, joint.placement[:3, :3], atol=1e-15)

@@ -29,13 +29,12 @@ def found(problem: Problem) -> list[Array]:
     return list(solver.solve(problem.poses[:CHECKED]).q)
 
 
-def test_all_solutions_count_turned_and_repeated_ones_once(problem: Problem, found: list[Array]) -> None:
+def test_all_solutions_count_turned_ones_once_and_what_leads_elsewhere_never(
+    problem: Problem, found: list[Array]
+) -> None:
     assert problem.solutions(found) == 8.0
     turned = [np.vstack([rows, rows + np.array([2 * np.pi, 0, 0, 0, 0, -2 * np.pi])]) for rows in found]
     assert problem.solutions(turned) == 8.0
-
-
-def test_what_leads_elsewhere_is_no_solution(problem: Problem, found: list[Array]) -> None:
     wrong = [np.vstack([rows, rows + np.array([0, 0, 0.01, 0, 0, 0]), np.full((1, 6), np.nan)]) for rows in found]
     assert problem.solutions(wrong) == 8.0
 

@@ -10,23 +10,15 @@ from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
 from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.checking.test_pages import checked
+from tests.rows import robot_of_rows
 
-ARM = Robot.from_text("""
-name: three
-convention: standard
-joints:
-  - {type: prismatic, q: x, d: x, alpha: pi/2}
-  - {type: revolute, q: t1, a: l1}
-  - {type: revolute, q: t2, a: l2}
-  - {type: revolute, q: t3, a: l3}
+POINT = "{mass: %s, com: [0, 0, 0]}"
+CART = f"""
 base: [[0, 0, 1, 0], [0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1]]
 gravity: [0, 0, -g]
-links:
-  - {mass: m0}
-  - {mass: m1, com: [0, 0, 0]}
-  - {mass: m2, com: [0, 0, 0]}
-  - {mass: m3, com: [0, 0, 0]}
-""")
+links: [{{mass: m0}}, {POINT % "m1"}, {POINT % "m2"}, {POINT % "m3"}]
+"""
+ARM = robot_of_rows("P q: x, alpha: pi/2 | R q: t1, a: l1 | R q: t2, a: l2 | R q: t3, a: l3", CART)
 
 
 def vanishes(gap: sympy.Matrix) -> bool:
@@ -79,17 +71,10 @@ def test_joints_behind_each_other_with_parallel_axes_may_have_such_angles(name: 
     assert may_count_from_one_direction(Model(Robot.load(name)), r"\cos(\theta_1 - \theta_2)") is has
 
 
-PENDULUM = Robot.from_text("""
-name: pendulum
-convention: standard
-joints:
-  - {type: revolute, q: theta1, theta: theta1 - pi/2, a: l1}
-  - {type: revolute, q: theta2, a: l2}
-gravity: [0, -g, 0]
-links:
-  - {mass: m1, com: [0, 0, 0]}
-  - {mass: m2, com: [0, 0, 0]}
-""")
+PENDULUM = robot_of_rows(
+    "R q: theta1, theta: theta1 - pi/2, a: l1 | R q: theta2, a: l2",
+    f"gravity: [0, -g, 0]\nlinks: [{POINT % 'm1'}, {POINT % 'm2'}]",
+)
 PAGE = r"""
 $$x_2 = l_1 \sin\theta_1 + l_2 \sin\theta_2$$
 $$T = \frac{1}{2}(m_1 + m_2) l_1^2 \dot\theta_1^2 + \frac{1}{2} m_2 l_2^2 \dot\theta_2^2

@@ -16,6 +16,7 @@ from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 from tests.checking.test_files import ARM
+from tests.rows import robot_of_rows
 
 
 def report(tail: str) -> FileReport:
@@ -74,29 +75,16 @@ def test_what_does_not_fit_the_robot_is_refused_at_its_line(item: str, error: ty
 
 def test_the_sign_of_a_velocity_is_a_symbol_in_a_difference() -> None:
     link = "{mass: m1, com: [0, 0, 0], inertia: {zz: J1}, friction: {coulomb: f1}}"
-    text = "name: wheel\nconvention: standard\njoints: [{type: revolute, d: 0, a: 0, alpha: 0}]\ngravity: [0, 0, -g]\n"
-    model = Model(Robot.from_text(f"{text}links: [{link}]\n"))
+    model = Model(robot_of_rows("R", f"gravity: [0, 0, -g]\nlinks: [{link}]"))
     found = check_expression(model, "tau[1]", "J1*qdd1 + 3*f1*sign(qd1)")
     assert [str(term) for term in judge(found).difference] == ["2*f1*sign(qd1)"]
     lacking = judge(check_expression(model, "tau[1]", "J1*qdd1"))
     assert lacking.repair.text == "missing term: f1*sign(qd1)"
 
 
-PLANAR = Robot.from_text("""
-name: arm
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
-gravity: [0, -g, 0]
-links:
-  - {mass: m1, com: [l1 - a1, 0, 0], inertia: {zz: I1}}
-  - {mass: m2, com: [l2 - a2, 0, 0], inertia: {zz: I2}}
-""")
-ELBOW = Robot.from_text("""
-name: elbow
-convention: standard
-joints: [{type: revolute, alpha: pi/2}, {type: revolute, a: a2}, {type: revolute, a: a3, alpha: -pi/2},
-  {type: revolute, d: d4, alpha: pi/2}]
-""")
+LINKS = "[{mass: m1, com: [l1 - a1, 0, 0], inertia: {zz: I1}}, {mass: m2, com: [l2 - a2, 0, 0], inertia: {zz: I2}}]"
+PLANAR = robot_of_rows("R a: a1 | R a: a2", f"gravity: [0, -g, 0]\nlinks: {LINKS}")
+ELBOW = robot_of_rows("R alpha: pi/2 | R a: a2 | R a: a3, alpha: -pi/2 | R d: d4, alpha: pi/2")
 
 
 def example(robot: Robot, quantity: str, text: str) -> Example:

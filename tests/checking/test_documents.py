@@ -23,6 +23,7 @@ from derive.checking.table import robot_of_table
 from derive.cli.main import main
 from derive.errors import CheckError
 from tests.checking.test_pages import ANT
+from tests.rows import robot_of_rows
 
 
 def words(document: Manuscript) -> str:
@@ -277,13 +278,13 @@ Joint & $a_i$ & $\alpha_i$ (deg) & $d_i$ & $\theta_i$ \\ \hline
 
 def text_of(rows: str) -> Robot:
     convention, *joints = rows.split()
-    lines = [f"name: arm\nconvention: {convention.removesuffix(':')}\njoints:"]
+    lines = []
     for row in joints:
         theta, d, a, alpha = row.split(",")
         q = theta.split("-")[0] if theta[0] in "tq" else d
-        kind = "revolute" if theta[0] in "tq" else "prismatic"
-        lines.append(f"  - {{type: {kind}, q: {q}, theta: {theta}, d: {d}, a: {a}, alpha: {alpha}}}")
-    return Robot.from_text("\n".join(lines) + "\n")
+        kind = "R" if theta[0] in "tq" else "P"
+        lines.append(f"{kind} q: {q}, theta: {theta}, d: {d}, a: {a}, alpha: {alpha}")
+    return robot_of_rows("|".join(lines), convention=convention.removesuffix(":"))
 
 
 @pytest.mark.parametrize("table", TABLES, ids=range(len(TABLES)))
@@ -300,10 +301,7 @@ def test_a_printed_table_is_the_robot_that_it_describes(table: str) -> None:
 def test_a_last_row_without_a_variable_is_the_tool() -> None:
     rows = "| i | theta | d | a | alpha |\n|---|---|---|---|---|\n| 1 | theta1 | 0 | a1 | 0 |\n"
     text, _ = robot_of_table(document_of(f"{rows}| 2 | pi/2 | d2 | a2 | -pi/2 |\n", "page", ".md"), "arm")
-    meant = Robot.from_text(
-        "name: arm\nconvention: standard\njoints:\n  - {type: revolute, q: theta1, a: a1}\n"
-        "tool:\n  - [0, 0, -1, 0]\n  - [1, 0, 0, a2]\n  - [0, -1, 0, d2]\n  - [0, 0, 0, 1]\n"
-    )
+    meant = robot_of_rows("R q: theta1, a: a1", "tool: [[0, 0, -1, 0], [1, 0, 0, a2], [0, -1, 0, d2], [0, 0, 0, 1]]")
     assert np.array_equal(Model(Robot.from_text(text)).quantity("T"), Model(meant).quantity("T"))
 
 
@@ -326,9 +324,7 @@ def test_what_is_no_table_is_refused_with_its_place(text: str, message: str) -> 
     assert str(caught.value).startswith("page.md")
 
 
-def test_the_command_writes_the_file_and_lines_choose_the_table(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_writes_the_file_and_lines_choose_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("notes.md").write_text(f"{HEAD}| 1 | q1 | 0 | a1 | 0 |\n\nprose\n\n{HEAD}| 1 | q1 | 0 | a2 | 0 |\n")
     assert main(["new", "arm", "--from-table", "notes.md"]) == 2
@@ -337,7 +333,6 @@ def test_the_command_writes_the_file_and_lines_choose_the_table(
     assert Robot.load("arm.yaml").joints[0].variable == "q1"
     assert "a2" in Path("arm.yaml").read_text()
     assert main(["new", "two", "--from-table", "notes.md", "--joints", "2"]) == 2
-    capsys.readouterr()
 
 
 def test_a_document_with_its_table_is_checked_without_a_robot(

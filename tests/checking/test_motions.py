@@ -8,15 +8,10 @@ import sympy
 from derive.checking.motions import Motions
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
-from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 CART = """
-name: cart
-convention: standard
 base: [[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]]
-joints:
-  - {type: prismatic, q: x, alpha: pi/2}
-  - {type: revolute, q: theta, a: l}
 gravity: [0, -g, 0]
 links: [{mass: M, com: [0, 0, 0]}, {mass: m, com: [0, 0, 0]}]
 """
@@ -32,7 +27,7 @@ class Points(dict[str, float]):
 
 @pytest.fixture(scope="module")
 def motions() -> Motions:
-    return Motions(Model(Robot.from_text(CART)), [Points()])
+    return Motions(Model(robot_of_rows("P q: x, alpha: pi/2 | R q: theta, a: l", CART)), [Points()])
 
 
 def equations() -> list[sympy.Expr]:

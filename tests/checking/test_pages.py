@@ -12,6 +12,7 @@ import yaml
 from derive.api.check import document_printouts, formula_printout
 from derive.checking.comparison import divided
 from derive.checking.documents import document_of
+from derive.checking.formulas.certainty import AMONG
 from derive.checking.formulas.findings import FileReport, Outcome, judge
 from derive.cli.main import main
 from derive.errors import CheckError
@@ -53,6 +54,25 @@ def test_a_solution_with_one_sign_is_right_for_some_branches() -> None:
     assert judge(finding).outcome is Outcome.SOME
     (finding,) = checked(ANT, r"$$\theta_3 = \text{atan2}(s_3 + 1, c_3)$$").findings
     assert judge(finding).outcome is Outcome.WRONG
+
+
+X = "$$x = a_1 c_1 + a_2 c_{12}$$\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong", "told"),
+    [
+        ("$$x = a_1 s_1 + a_2 c_{12}$$", ["p[1]"], 0),  # one change away
+        ("$$x = a_1 c_1 + a_2 c_1 c_2$$", ["p[1]"], 0),  # most of it is that of ours
+        ("$$x = 7 s_2 a_1^2$$", [], 1),  # nothing says that this x is ours
+        (X * AMONG + "$$x = 7 s_2 a_1^2$$", ["p[1]"], 0),  # formulas of its kind are right
+        (r"$$s_1 + 1 = c_2 + a_1 / a_2$$ $$c_1 + 2 = a_1 s_2$$", [], 2),
+        (r"$$s_1 + 1 = c_2 + a_1 / a_2$$", [r"s_1 + 1"], 0),  # both sides of the only identity are those of the text
+    ],
+)
+def test_what_is_far_from_ours_is_wrong_only_among_right_formulas(text: str, wrong: list[str], told: int) -> None:
+    report = checked(Robot.load("planar-2r-perugia"), text)
+    assert ([finding.entry for finding in report.wrong], len(report.unread)) == (wrong, told)
 
 
 COLUMNS = (
@@ -98,7 +118,6 @@ def test_one_matrix_that_is_written_the_other_way_is_a_slip_among_others() -> No
     (slip,) = report.wrong
     repair = judge(slip).repair
     assert report.equal == 32
-    assert repair is not None
     assert repair.text == "the frames exchanged: the matrix is T[2,3]"
 
 

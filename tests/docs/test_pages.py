@@ -79,7 +79,6 @@ def test_links_between_pages_lead_somewhere(page: Path) -> None:
 def test_make_targets_that_a_page_names_exist(page: Path) -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     phony = re.search(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
-    assert phony
     shell = "\n".join(block.body for block in blocks(page) if block.language == "sh")
     named = set(re.findall(r"^make ([a-z-]+)", shell, re.MULTILINE))
     assert named <= set(phony[1].split())

@@ -14,6 +14,7 @@ from derive.robot.names import limit_symbols, robot_symbols
 from derive.robot.robot import Robot
 from tests.exchange.urdfs import HALF, PI, J, body, urdf
 from tests.random_robots import chains
+from tests.rows import robot_of_rows
 
 FEW = ("scara-matlab", "skeleton-modified", "stanford-deluca", "puma560-corke")
 """Slides, parallel axes, reversed variables, a base, both conventions."""
@@ -72,21 +73,17 @@ def uneven(robot: Robot) -> Robot:
 
 
 TABLES = {
-    "spatial": "[{type: revolute, d: 0.3, alpha: 0.7}, {type: prismatic, theta: 0.4, a: 0.2, alpha: pi/2}, "
-    "{type: revolute, a: 0.25, d: 0.1, alpha: -1.1}, {type: revolute, d: 0.1}]",
-    "planar": "[{type: revolute, a: 0.5}, {type: revolute, a: 0.4}, {type: revolute, a: 0.3}]",
-    "upright": "[{type: revolute, d: 0.3, a: 0.2, alpha: pi/2}, {type: revolute, a: 0.4}, {type: prismatic, a: 0.1}]",
+    "spatial": "R d: 0.3, alpha: 0.7 | P theta: 0.4, a: 0.2, alpha: pi/2 | R a: 0.25, d: 0.1, alpha: -1.1 | R d: 0.1",
+    "planar": "R a: 0.5 | R a: 0.4 | R a: 0.3",
+    "upright": "R d: 0.3, a: 0.2, alpha: pi/2 | R a: 0.4 | P a: 0.1",
 }
 
 
 def arm(name: str, convention: str = "standard") -> Robot:
     """An arm of random bodies that exist."""
-    random = np.random.default_rng(len(name))
-    rows = TABLES[name].replace("type: revolute", "type: revolute, theta: Q").replace("prismatic", "prismatic, d: Q")
-    for i in range(1, rows.count("Q") + 1):
-        rows = rows.replace("Q", f"q{i}", 1)
-    lines = [f"name: {name}", f"convention: {convention}", f"joints: {rows}", "gravity: [0, 0, -9.81]", "links:"]
-    for _ in range(rows.count("type")):
+    random, rows = np.random.default_rng(len(name)), TABLES[name]
+    lines = ["gravity: [0, 0, -9.81]", "links:"]
+    for _ in rows.split("|"):
         points = random.integers(-20, 21, size=(6, 3)) / 100
         away = points - points.mean(axis=0)
         second = away.T @ away
@@ -98,7 +95,7 @@ def arm(name: str, convention: str = "standard") -> Robot:
             f"  - {{mass: 6, com: [{', '.join(f'{c:.3f}' for c in points.mean(axis=0))}], "
             f"inertia: {{{cells}}}, armature: 0.1}}"
         )
-    return Robot.from_text("\n".join(lines) + "\n")
+    return robot_of_rows(rows, "\n".join(lines), name=name, convention=convention)
 
 
 def with_links(robot: Robot, *links: tuple[str, str, str]) -> Robot:

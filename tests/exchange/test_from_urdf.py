@@ -22,7 +22,7 @@ from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import numeric, random_chain
-from tests.exchange.urdfs import HALF, PI, J, Reading, body, pose, urdf
+from tests.exchange.urdfs import HALF, PI, J, Reading, body, imported, pose, urdf
 from tests.random_robots import chains
 
 SNAP = Fraction(1, 10**6)
@@ -114,8 +114,7 @@ def test_the_largest_difference_of_a_changed_table_stays_below_the_bound(convent
 def test_a_slide_whose_limits_leave_no_room_is_bound_for_a_metre() -> None:
     """They are taken as none, so the bound must not rest on them."""
     joints = [J("0 0 0.3"), J("0.1 0 0", "1.5705 0 0", type="prismatic", limit='lower="0" upper="0"'), J("0.2 0 0")]
-    read = read_urdf(urdf(joints).encode(), "arm.urdf")
-    bound = import_urdf(read, None, None, ImportOptions(snap=Fraction(1, 1000))).certificate
+    bound = imported(urdf(joints), snap=Fraction(1, 1000)).certificate
     assert 2.9e-4 < bound.position < 0.01
 
 
@@ -146,12 +145,12 @@ ARM = urdf(
 
 @pytest.mark.parametrize("convention", Convention)
 def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> None:
-    imported = import_urdf(read_urdf(ARM.encode(), "arm.urdf"), None, None, ImportOptions(convention=convention))
-    reading, oracle = Reading(ARM, ("j1", "j2", "j4", "j5")), Oracle.of(imported.robot)
+    made = imported(ARM, convention=convention).robot
+    reading, oracle = Reading(ARM, ("j1", "j2", "j4", "j5")), Oracle.of(made)
     random = np.random.default_rng(4)
     for _ in range(5):
         q, qd, qdd = random.uniform(-2, 2, (3, 4))
-        assert np.abs(pose(imported.robot, q) - reading.pose(q, "l6")).max() < 1e-12
+        assert np.abs(pose(made, q) - reading.pose(q, "l6")).max() < 1e-12
         wanted = reading.torque(q, qd, qdd)
         assert np.abs(oracle.evaluate("inverse_dynamics", q, qd, qdd) - wanted).max() < 1e-10
         assert np.abs(oracle.evaluate("inertia_matrix", q) - reading.inertia(q)).max() < 1e-10
@@ -159,10 +158,9 @@ def test_poses_and_dynamics_are_those_of_pinocchio(convention: Convention) -> No
 
 def test_limits_that_bound_nothing_are_none_and_named() -> None:
     limits = ('lower="-inf" upper="inf"', 'lower="0" upper="0"', 'lower="-1e9" upper="2"', 'lower="-2" upper="1"')
-    text = urdf([J("0 0 0.3", limit=limit) for limit in limits])
-    imported = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
-    assert [joint.limits is None for joint in imported.robot.joints] == [True, True, True, False]
-    assert [note for note in imported.notes if "taken as none" in note] == [
+    found = imported(urdf([J("0 0 0.3", limit=limit) for limit in limits]))
+    assert [joint.limits is None for joint in found.robot.joints] == [True, True, True, False]
+    assert [note for note in found.notes if "taken as none" in note] == [
         "joint j1: limits -1e+60 to 1e+60 are taken as none",
         "joint j2: limits 0 to 0 are taken as none",
         "joint j3: limits -1e+09 to 2 are taken as none",
@@ -287,7 +285,7 @@ def test_every_built_in_arm_comes_back(name: str) -> None:
     """With the same poses, in both conventions."""
     robot = numeric(name)
     for convention in Convention:
-        imported = by_normals(robot, convention)
+        found = by_normals(robot, convention)
         q = np.random.default_rng(1).uniform(-1, 1, robot.n)
-        assert np.abs(pose(imported.robot, q) - pose(robot, q)).max() < 1e-12
-        assert imported.certificate.position < 1e-12
+        assert np.abs(pose(found.robot, q) - pose(robot, q)).max() < 1e-12
+        assert found.certificate.position < 1e-12

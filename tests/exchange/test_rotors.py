@@ -17,31 +17,20 @@ from tests.exchange.arms import numeric, random_arm
 from tests.exchange.test_to_mjcf import worst
 from tests.exchange.urdfs import Reading
 from tests.random_robots import swept
+from tests.rows import robot_of_rows
 
 mujoco = pytest.importorskip("mujoco")
 pytest.importorskip("clarabel")
 
 SEEDS = [*range(6), *swept(*range(6, 500))]
 
-TWO = """
-name: two
-convention: standard
-joints: [{type: revolute, theta: q1, a: 0.5}, {type: revolute, theta: q2, a: 0.4}]
-gravity: [0, -9.81, 0]
-links:
-  - {mass: 2, com: [-0.25, 0, 0], inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}}
-  - {mass: 1, com: [-0.2, 0, 0], inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}}
-"""
-
-WRIST = """
-name: wrist
-convention: modified
-joints:
-  - {type: revolute, theta: q1, d: 0.3}
-  - {type: revolute, theta: -q2, a: 0.1, alpha: pi/2}
-  - {type: prismatic, d: q3, theta: 0.3, alpha: 0.7}
-  - {type: revolute, theta: -q4, a: 0.2, alpha: -pi/2}
-  - {type: revolute, theta: q5, d: 0.1, alpha: pi/2}
+SPUN = "inertia: {xx: 0.001, yy: 0.02, zz: 0.021}, motor: {inertia: 0.03, ratio: 50}"
+PAIR = f"[{{mass: 2, com: [-0.25, 0, 0], {SPUN}}}, {{mass: 1, com: [-0.2, 0, 0], {SPUN}}}]"
+TWO = robot_of_rows("R a: 0.5 | R a: 0.4", f"gravity: [0, -9.81, 0]\nlinks: {PAIR}")
+WRIST = robot_of_rows(
+    "R d: 0.3 | R theta: -q2, a: 0.1, alpha: pi/2 | P theta: 0.3, alpha: 0.7 | R theta: -q4, a: 0.2, alpha: -pi/2"
+    "| R d: 0.1, alpha: pi/2",
+    """
 gravity: [0, 0, -9.81]
 links:
   - {mass: 9, com: [0, 0.02, -0.1], inertia: {xx: 0.3, yy: 0.3, zz: 0.2}}
@@ -49,7 +38,9 @@ links:
   - {mass: 4, com: [0, 0.1, 0], inertia: {xx: 0.2, yy: 0.2, zz: 0.2}}
   - {mass: 3, com: [0, 0, 0.1], inertia: {xx: 0.1, yy: 0.1, zz: 0.1}, motor: {mass: 0.2, inertia: 0.0005, ratio: -80}}
   - {mass: 2, com: [0, 0, 0.1], inertia: {xx: 0.1, yy: 0.1, zz: 0.05}, motor: {inertia: 0.0005, ratio: 60}}
-"""
+""",
+    convention="modified",
+)
 
 
 def room(text: str) -> float:
@@ -81,7 +72,7 @@ def test_a_random_arm_is_taken_by_mujoco_and_accelerates_as_ours_or_the_remark_s
     assert np.abs(ours - theirs).max() < 1e-9 * np.abs(ours).max()
 
 
-@pytest.mark.parametrize("robot", [numeric("scara-matlab"), Robot.from_text(TWO)], ids=["scara", "two"])
+@pytest.mark.parametrize("robot", [numeric("scara-matlab"), TWO], ids=["scara", "two"])
 def test_bodies_are_repaired_with_the_rotors_that_they_carry(robot: Robot) -> None:
     assert room(exported(robot, "urdf").text) < 0
     assert room(exported(robot, "urdf", "possible").text) > 0
@@ -89,8 +80,7 @@ def test_bodies_are_repaired_with_the_rotors_that_they_carry(robot: Robot) -> No
 
 @pytest.mark.parametrize("inertia", ["given", "possible"])
 def test_a_rotor_whose_coupling_varies_is_divided_where_both_links_can_be(inertia: str) -> None:
-    robot = Robot.from_text(WRIST)
-    made = exported(robot, "mjcf", inertia)
+    robot, made = WRIST, exported(WRIST, "mjcf", inertia)
     assert "the rotor of q4, q5 is divided between the links beside the joint, and its armature" in made.remarks
     assert max(worst(robot, made.text)) < 1e-12
     heavier = replace(robot.links[4], motor=Motor(inertia=number("0.01"), ratio=number(60)))

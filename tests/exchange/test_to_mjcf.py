@@ -8,12 +8,13 @@ import pytest
 
 from derive.exchange.body_chain import RigidBody
 from derive.exchange.formats import exported
-from derive.exchange.to_xml import LEAST, is_too_thin, mjcf_text
+from derive.exchange.to_xml import LEAST, is_too_thin
 from derive.robot.description import Inertia, Motor
 from derive.robot.expression import ZERO, number
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, SWEEP, dressed, numeric, uneven, with_links
+from tests.rows import robot_of_rows
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -97,30 +98,21 @@ NOTHING, STONE = ("0", "0 0 0", "0 0 0 0 0 0"), ("1.2", "-0.1 0.07 0.02", "0.005
 
 STONES = (STONE,) * 3
 ROWS = (
-    "{type: revolute, theta: q1 + 0.2, d: 0.3, a: 0.2, alpha: 0.7}",
-    "{type: revolute, theta: -q2, d: 0.1, a: 0.15, alpha: pi/2}",
-    "{type: prismatic, theta: 0.4, d: q3, a: 0.1, alpha: -1.1}",
-    "{type: revolute, theta: q4, d: 0.2, a: 0.25, alpha: pi/2}",
-    "{type: revolute, theta: q5, a: 0.2, alpha: 0.3}",
-    "{type: revolute, theta: -q6 + 1, d: -0.1, alpha: 1.2}",
-    "{type: revolute, theta: q7, d: 0.3, a: -0.2}",
-    "{type: prismatic, theta: 1, d: -q8, alpha: 0.4}",
+    *("R theta: q1 + 0.2, d: 0.3, a: 0.2, alpha: 0.7", "R theta: -q2, d: 0.1, a: 0.15, alpha: pi/2"),
+    *("P theta: 0.4, a: 0.1, alpha: -1.1", "R d: 0.2, a: 0.25, alpha: pi/2", "R a: 0.2, alpha: 0.3"),
+    *("R theta: -q6 + 1, d: -0.1, alpha: 1.2", "R d: 0.3, a: -0.2", "P theta: 1, d: -q8, alpha: 0.4"),
 )
 """Skew axes with lengths between them, slides, reversed variables."""
 
 
 def limb(convention: str, *links: tuple[str, str, str], armature: str = "0.02") -> Robot:
     """The first rows with a base, a tool and links."""
-    made = with_links(
-        Robot.from_text(
-            f"name: limb\nconvention: {convention}\ngravity: [1, 2, -9]\n"
-            "base: [[0, -1, 0, 0.3], [1, 0, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]]\n"
-            "tool: [[1, 0, 0, 0], [0, 0, -1, 0.1], [0, 1, 0, 0], [0, 0, 0, 1]]\n"
-            f"joints: [{', '.join(ROWS[: len(links)])}]\n"
-            f"links: [{', '.join(['{}'] * len(links))}]\n"
-        ),
-        *links,
+    more = (
+        "base: [[0, -1, 0, 0.3], [1, 0, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]]\n"
+        "tool: [[1, 0, 0, 0], [0, 0, -1, 0.1], [0, 1, 0, 0], [0, 0, 0, 1]]\n"
+        f"gravity: [1, 2, -9]\nlinks: [{', '.join(['{}'] * len(links))}]\n"
     )
+    made = with_links(robot_of_rows("|".join(ROWS[: len(links)]), more, convention=convention), *links)
     return replace(made, links=tuple(replace(link, armature=number(Fraction(armature))) for link in made.links))
 
 
@@ -214,4 +206,3 @@ def test_bodies_that_mujoco_refuses_are_named_before_and_nothing_is_said_of_thos
     assert "MuJoCo refuses link 1, 3: inconsistent inertia; inertia: possible finds a valid one" in made.remarks
     with pytest.raises(ValueError, match=r"mass|inertia"):
         mujoco.MjModel.from_xml_string(made.text)
-    assert callable(mjcf_text)

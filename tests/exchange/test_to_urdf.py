@@ -13,7 +13,6 @@ from derive.exchange.arm import arm_of
 from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaternion, roll_pitch_yaw
 from derive.exchange.certificate import ball
 from derive.exchange.formats import FORMS, GIVEN, exported
-from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
 from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
 from derive.exchange.read_urdf import read_urdf
 from derive.exchange.robot_of_arm import carried_table
@@ -26,7 +25,8 @@ from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, SWEEP, dressed, numeric, uneven
-from tests.exchange.urdfs import J, Reading, urdf
+from tests.exchange.urdfs import J, Reading, imported, turned, urdf
+from tests.rows import robot_of_rows
 
 
 def matrix(frame: Frame) -> np.ndarray:
@@ -40,10 +40,7 @@ def test_roll_pitch_yaw_and_quaternion_are_the_rotation(x: tuple[int, int, int])
         z = unit(vector((-x[1], x[0], 0) if x[0] or x[1] else (0, 1, 0)))
         frame = Frame.of(vector((0, 0, 0)), first, z)
         (r, p, y), (w, i, j, k) = map(float, roll_pitch_yaw(frame)), map(float, quaternion(frame))
-    about_x = np.array([[1, 0, 0], [0, np.cos(r), -np.sin(r)], [0, np.sin(r), np.cos(r)]])
-    about_y = np.array([[np.cos(p), 0, np.sin(p)], [0, 1, 0], [-np.sin(p), 0, np.cos(p)]])
-    about_z = np.array([[np.cos(y), -np.sin(y), 0], [np.sin(y), np.cos(y), 0], [0, 0, 1]])
-    assert np.abs(about_z @ about_y @ about_x - matrix(frame)).max() < 1e-15
+    assert np.abs(turned(2, y) @ turned(1, p) @ turned(0, r) - matrix(frame)).max() < 1e-15
     cross = np.array([[0, -k, j], [k, 0, -i], [-j, i, 0]])
     assert np.abs(np.eye(3) + 2 * w * cross + 2 * cross @ cross - matrix(frame)).max() < 1e-15
 
@@ -95,16 +92,11 @@ def test_an_unknown_word_gets_one_message(to: str, inertia: str, message: str) -
         exported(Robot.load("kuka-kr5"), to, inertia)
 
 
-ARM = """
-name: arm
-convention: standard
-joints: [{type: revolute, d: h, a: 2*h, alpha: pi/2, limits: [-w, w]}, {type: prismatic, a: b/c}]
-parameters: {h: 0.3, c: 0.5}
-"""
+ARM = robot_of_rows("R d: h, a: 2*h, alpha: pi/2, limits: [-w, w] | P a: b/c", "parameters: {h: 0.3, c: 0.5}")
 
 
 def test_numbers_of_the_file_and_of_the_user_take_the_place_of_all_symbols() -> None:
-    robot = with_numbers(Robot.from_text(ARM), {"b": number("0.25"), "w": number(2), "c": number("0.125")})
+    robot = with_numbers(ARM, {"b": number("0.25"), "w": number(2), "c": number("0.125")})
     assert not robot_symbols(robot)
     assert [robot.joints[0].d, robot.joints[0].a, robot.joints[1].a] == [number("0.3"), number("0.6"), number(2)]
     assert robot.joints[0].limits == (number(-2), number(2))
@@ -112,9 +104,9 @@ def test_numbers_of_the_file_and_of_the_user_take_the_place_of_all_symbols() -> 
 
 def test_symbols_without_numbers_and_cells_without_values_are_refused() -> None:
     with pytest.raises(DeriveError, match=r"arm: symbols without a number: b, w; .*; .*--values b=0\.5,w=0\.5"):
-        with_numbers(Robot.from_text(ARM))
+        with_numbers(ARM)
     with pytest.raises(DeriveError, match="b/c has no finite value"):
-        with_numbers(Robot.from_text(ARM), {"b": number(1), "w": number(1), "c": number(0)})
+        with_numbers(ARM, {"b": number(1), "w": number(1), "c": number(0)})
 
 
 @pytest.mark.parametrize(
@@ -208,10 +200,6 @@ def test_joints_may_be_called_as_those_that_are_fixed() -> None:
     assert Reading(text, called).model.nv == 3
 
 
-def back(text: str, convention: Convention) -> Imported:
-    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, ImportOptions(convention=convention))
-
-
 def cells(robot: Robot) -> list[object]:
     rows = [(j.type, j.variable, j.sign, j.theta, j.d, j.a, j.alpha) for j in robot.joints]
     return [*rows, robot.base, robot.tool]
@@ -221,7 +209,7 @@ def cells(robot: Robot) -> list[object]:
 def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -> None:
     for robot in (numeric(name), uneven(dressed(name, rotors=True, coulomb=True))):
         text = exported(robot, "urdf").text
-        found = back(text, robot.convention)
+        found = imported(text, convention=robot.convention)
         assert cells(found.robot) == cells(robot)
         assert found.certificate.position < 1e-13
         if not robot.links:
@@ -230,42 +218,41 @@ def test_the_table_comes_back_to_the_letter_and_torques_to_rounding(name: str) -
         ours, theirs = (Oracle.of(r).evaluate("inverse_dynamics", *states) for r in (robot, found.robot))
         assert np.abs(ours - theirs).max() < 1e-12 * np.abs(ours).max()
         # What somebody else writes into the URDF goes before what it carries.
-        changed = back(text.replace(' friction="', ' friction="1'), robot.convention).robot
+        changed = imported(text.replace(' friction="', ' friction="1'), convention=robot.convention).robot
         assert not any(isinstance(link.coulomb, tuple) for link in changed.links)
 
 
-SLANTED = """
-name: slanted
-convention: standard
-joints:
-  - {type: revolute, q: q1, theta: q1 + 1.7398639118778688, d: 0.4, a: 0.097873524170258314}
-  - {type: revolute, q: q2, theta: q2 + 2.1154531206566901, d: 0.3, alpha: 0.7}
+SLANTED = robot_of_rows(
+    "R theta: q1 + 1.7398639118778688, d: 0.4, a: 0.097873524170258314 | "
+    "R theta: q2 + 2.1154531206566901, d: 0.3, alpha: 0.7",
+    """
 gravity: [0, 0, -9.81]
 links:
   - {mass: 2.5, com: [0, 0.1, 0.15], inertia: {xx: 0.02, yy: 0.03, zz: 0.04}}
   - {mass: 1.5, com: [-0.07, 0, 0], inertia: {xx: 0.012, yy: 0.012, zz: 0.002, xy: -0.0001}}
-"""
+""",
+)
 
 
 def test_limits_come_back_and_links_without_the_noise_of_turning_them() -> None:
     """An entry of 1e-19 would stand in every equation."""
-    robot = Robot.from_text(SLANTED)
-    assert back(exported(robot, "urdf").text, robot.convention).robot.links == robot.links
+    assert imported(exported(SLANTED, "urdf").text, convention=SLANTED.convention).robot.links == SLANTED.links
     robot = dressed("stanford-deluca")
     ends = (multiply(number("-1/2"), Pi()), number(2))
     for places in ((), (1, 2)):
         joints = tuple(replace(joint, limits=ends if k in places else None) for k, joint in enumerate(robot.joints))
-        found = back(exported(replace(robot, joints=joints), "urdf").text, robot.convention)
+        found = imported(exported(replace(robot, joints=joints), "urdf").text, convention=robot.convention)
         assert [joint.limits for joint in found.robot.joints] == [joint.limits for joint in joints]
     narrower = exported(robot, "urdf").text.replace('lower="-10" upper="10"', 'lower="-9" upper="10"')
-    assert back(narrower, robot.convention).robot.joints[2].limits == (number(-9), number(10))
+    assert imported(narrower, convention=robot.convention).robot.joints[2].limits == (number(-9), number(10))
 
 
 def test_a_table_of_another_arm_or_convention_gives_way_to_common_normals() -> None:
     robot = numeric("kuka-kr5")
     text = exported(robot, "urdf").text
-    assert cells(back(text.replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"', 1), robot.convention).robot) != cells(robot)
-    assert back(text, Convention.MODIFIED).robot.convention is Convention.MODIFIED
+    other = imported(text.replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"', 1), convention=robot.convention)
+    assert cells(other.robot) != cells(robot)
+    assert imported(text, convention=Convention.MODIFIED).robot.convention is Convention.MODIFIED
     read = read_urdf(text.encode(), "arm.urdf")
     with exactly():
         arm = arm_of(read, None, None, Fraction(0))
@@ -292,14 +279,14 @@ links:
 def test_names_speeds_torques_and_the_convention_come_back_and_names_of_a_urdf_stay() -> None:
     robot = Robot.from_text(NAMED)
     text = exported(robot, "urdf").text
-    found = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
+    found = imported(text)
     assert found.robot.joints == robot.joints
     assert (found.robot.convention, found.robot.base, found.robot.tool) == (robot.convention, robot.base, robot.tool)
     assert found.joints == tuple(joint.label for joint in robot.joints)
     assert "the table is the one that the URDF carries with it" in found.notes
-    assert back(text, Convention.STANDARD).robot.convention is Convention.STANDARD
+    assert imported(text, convention=Convention.STANDARD).robot.convention is Convention.STANDARD
     text = urdf([J(name="pan&#10;x"), J("0.3 0 0", "1.57 0 0", name="q2"), J("0 0 1", name="w" * 600)])
-    joints = import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None).robot.joints
+    joints = imported(text).robot.joints
     assert [joint.name for joint in joints] == ["pan\\nx", "", "w" * 500]
     assert [joint.variable for joint in joints] == ["q1", "q2", "q3"]
 

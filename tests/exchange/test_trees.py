@@ -21,20 +21,12 @@ from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot
 from derive.robot.tree import ends
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.urdfs import HALF, Array, J, body, urdf
+from tests.exchange.urdfs import HALF, Array, J, body, turned, urdf
 from tests.random_trees import random_tree
 
 SEEDS = [pytest.param(seed, marks=[] if seed < 4 else pytest.mark.sweep) for seed in range(60)]
 EARTH = (ZERO, ZERO, number("-9.81"))
 Reader = Callable[[Array, Array, Array], tuple[dict[str, Array], Array]]
-
-
-def turned(axis: int, angle: complex) -> Array:
-    """Rotation about x, y or z."""
-    c, s, i, j = np.cos(angle), np.sin(angle), (axis + 1) % 3, (axis + 2) % 3
-    found = np.eye(3, dtype=complex)
-    found[i, i], found[j, j], found[i, j], found[j, i] = c, c, -s, s
-    return found
 
 
 def rates(q: Array, qd: Array, *, local: bool) -> Array:
@@ -46,7 +38,7 @@ def rates(q: Array, qd: Array, *, local: bool) -> Array:
 
 def free(q: Array, *, local: bool) -> tuple[Array, Array]:
     """Place and quaternion x, y, z, w of a free joint, and its velocities by our rates."""
-    rotation = (turned(2, q[3]) @ turned(1, q[4]) @ turned(0, q[5])).real
+    rotation = turned(2, q[3]) @ turned(1, q[4]) @ turned(0, q[5])
     place = np.concatenate([q[:3], pin.Quaternion(rotation).coeffs()])
     return place, np.stack([rates(q, unit, local=local) for unit in np.eye(len(q))], axis=1).real
 

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from derive.errors import DeriveError, RobotFileError
-from derive.exchange.from_urdf import Imported, import_urdf
-from derive.exchange.read_urdf import read_urdf
-from derive.exchange.urdf import READ, look
+from derive.exchange.from_urdf import Imported
+from derive.exchange.urdf import READ
 from derive.verification.oracle.functions import Oracle
-from tests.exchange.urdfs import J, Reading, body, urdf
+from tests.exchange.urdfs import J, Reading, body, imported, urdf
 from tests.random_robots import swept
 
 LINKS = [
@@ -23,10 +22,6 @@ LINKS = [
     J("0 0.2 0", "0 1.2 -0.7", "1 0 0", "continuous", 'effort="9" velocity="3"', body("0.7", "0 0 0.1")),
 ]
 GOOD = urdf(LINKS, top='<material name="grey"/>')
-
-
-def imported(text: str) -> Imported:
-    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None)
 
 
 def differs(text: str, found: Imported) -> bool:
@@ -201,7 +196,6 @@ def test_frames_may_stand_in_each_other_by_the_hundred() -> None:
 def test_every_element_within_one_that_is_read_is_itself_known() -> None:
     inner = {name for _, elements in READ.values() for name in elements}
     assert inner - READ.keys() == {"dh_table"}
-    assert callable(look)
 
 
 def bare(text: str) -> str:

@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
+from derive.exchange.read_urdf import read_urdf
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 
@@ -58,6 +61,18 @@ def _inertial(joint: J) -> str:
     keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     tensor = " ".join(f'{key}="{value}"' for key, value in zip(keys, moments.split(), strict=True))
     return f'<inertial><origin xyz="{xyz}" rpy="{rpy}"/><mass value="{mass}"/><inertia {tensor}/></inertial>'
+
+
+def turned(axis: int, angle: complex) -> Array:
+    """Rotation about x, y or z."""
+    c, s, i, j = np.cos(angle), np.sin(angle), (axis + 1) % 3, (axis + 2) % 3
+    found = np.eye(3, dtype=np.result_type(c))
+    found[i, i], found[j, j], found[i, j], found[j, i] = c, c, -s, s
+    return found
+
+
+def imported(text: str, **options: Any) -> Imported:
+    return import_urdf(read_urdf(text.encode(), "arm.urdf"), None, None, ImportOptions(**options))
 
 
 class Reading:

@@ -13,21 +13,19 @@ from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import Derivation, HandoutOptions, NotationOptions
 from derive.robot.robot import Robot
+from tests.rows import text_of_rows
 
-REACHED = """
-name: arm
-convention: standard
-joints:
-  - {type: revolute, d: 0.4, a: 0.3, alpha: pi/2, limits: [-pi, 0.3]}
-  - {type: revolute, a: a2}
-  - {type: prismatic, q: d3, d: -d3, alpha: -pi/2}
+REACHED = text_of_rows(
+    "R d: 0.4, a: 0.3, alpha: pi/2, limits: [-pi, 0.3] | R a: a2 | P q: d3, d: -d3, alpha: -pi/2",
+    """
 links:
   - {mass: 3, com: [-0.1, 0, 0], inertia: {zz: 0.2}}
   - {mass: m2, com: [-0.1, 0, 0], inertia: {zz: 0.2}}
   - {mass: 1, com: [0, 0.1, 0], inertia: {zz: 0.1}}
 gravity: [0, 0, -9.81]
 parameters: {a2: 0.5, m2: 2}
-"""
+""",
+)
 
 
 def part(robot: Robot | str, name: str, *, steps: bool = False, **options: Any) -> Section:

@@ -19,16 +19,10 @@ from derive.robot.options.handout import PARTS, USUAL_PARTS, Derivation, Handout
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import swept_catalogue
+from tests.rows import robot_of_rows
 
 ROBOTS = ("planar-2r-perugia", "scara-perugia", "stanford-deluca", "kuka-lwr4", "dh-general-laschi")
 ONE_ENTRY = re.compile(r"\(?[A-Za-z\\{}]+\)?_\{\d,?\d\}")
-
-SLIDERS = """
-name: sliders
-convention: standard
-joints: [{type: prismatic, alpha: pi/2}, {type: prismatic}]
-links: [{mass: m1}, {mass: m2}]
-"""
 
 
 def blocks(sheet: Document) -> list[Block]:
@@ -86,7 +80,7 @@ def test_an_exercise_tells_no_answer(name: str) -> None:
 
 def test_what_is_all_zero_is_asked_for_too() -> None:
     """An arm without Christoffel symbols has the questions of one that has some."""
-    _, whole, sheet, answers = sheets(Robot.from_text(SLIDERS))
+    _, whole, sheet, answers = sheets(robot_of_rows("P alpha: pi/2 | P", "links: [{mass: m1}, {mass: m2}]"))
     assert "All are zero." in [block.note for block in blocks(whole) if isinstance(block, SheetFormula)]
     tasks = [question.task for question in questions(sheet)]
     assert "Which Christoffel symbols are not zero? Find them." in tasks
@@ -164,9 +158,7 @@ def test_what_is_left_out_for_the_page_limit_is_not_asked_for() -> None:
 
 
 def test_each_form_is_a_file_of_the_robots_name() -> None:
-    bar = Robot.from_text(
-        "name: bar\nconvention: standard\njoints: [{type: revolute}]\nhandout: {parts: [table, kinematics]}\n"
-    )
+    bar = robot_of_rows("R", "handout: {parts: [table, kinematics]}", name="bar")
     handout = handout_files(bar, bar.handout, [Format.HTML, Format.TEX])
     assert list(handout.files) == ["bar.tex", "bar.html"]
     assert handout.parts == ("table", "kinematics")

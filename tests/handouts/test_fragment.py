@@ -18,14 +18,8 @@ from derive.robot.options.handout import PARTS, InertiaLetter, NotationOptions
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import overfull_boxes, require_latex, run_latex
 from tests.random_robots import swept_catalogue
+from tests.rows import TWO_BARS, robot_of_rows
 
-ARM = """
-name: bar
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
-gravity: [0, -g, 0]
-links: [{mass: m1, com: [-l1, 0, 0], inertia: {zz: I1}}, {mass: m2, com: [-l2, 0, 0], inertia: {zz: I2}}]
-"""
 NAMES = (
     *("T", "T[0,1]", "A[1]", "p", "R", "J", "Jv_com[2]", "B", "B[1,2]", "Bdot", "C", "N", "g", "tau", "tau[1]"),
     *("kinetic", "potential", "christoffel[1,1,2]"),
@@ -34,7 +28,7 @@ NAMES = (
 
 @pytest.fixture(scope="module")
 def bar() -> Robot:
-    return Robot.from_text(ARM)
+    return robot_of_rows("R a: a1 | R a: a2", TWO_BARS, name="bar")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -76,8 +70,7 @@ def test_a_name_with_line_breaks_stays_in_its_comment(bar: Robot) -> None:
 
 
 def test_matrices_wider_than_amsmath_expects_say_so() -> None:
-    joints = ", ".join(["{type: prismatic}"] * 11)
-    robot = Robot.from_text(f"name: snake\nconvention: standard\njoints: [{joints}]\n")
+    robot = robot_of_rows(" | ".join("P" * 11))
     text = fragment_text(robot, robot.handout, "J")
     assert "c@MaxMatrixCols\\endcsname=11" in text
 
@@ -105,7 +98,7 @@ def test_a_width_that_is_none_is_refused(bar: Robot, width: str) -> None:
 def test_what_there_is_not_is_refused_with_what_may_be_meant(bar: Robot) -> None:
     with pytest.raises(TargetError, match="did you mean 'inertia'"):
         fragment_text(bar, bar.handout, "inerta")
-    plain = Robot.from_text("name: bar\nconvention: standard\njoints: [{type: revolute, a: a1}]\n")
+    plain = robot_of_rows("R a: a1")
     with pytest.raises(QuantityError, match="no links"):
         fragment_text(plain, plain.handout, "B")
 

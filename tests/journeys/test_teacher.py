@@ -54,6 +54,7 @@ def test_a_formula_goes_into_notes_of_ones_own(tmp_path: Path) -> None:
     assert "Overfull" not in log.text
 
 
+@pytest.mark.sweep
 def test_a_sheet_keeps_to_its_pages_and_the_exercise_to_the_sheet(tmp_path: Path) -> None:
     require_latex()
     teacher = Person(tmp_path)

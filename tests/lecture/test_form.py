@@ -37,10 +37,10 @@ from derive.robot.expression import Number
 from derive.robot.options.style import NAMED_STYLES, Style
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
-from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 HERE = Location("<test>")
-ARM = Robot.from_text("name: arm\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: revolute, a: a2}]\n")
+ARM = robot_of_rows("R a: a1 | R a: a2")
 INERTIA = "m1*a1**2 + m2*a1**2 + m2*a2**2 + 2*m2*a1*a2*cos(q2) + I2"
 TORQUE = "m1*a1*g*cos(q1) + m2*a1*g*cos(q1) + m2*a2*g*cos(q1 + q2)"
 
@@ -152,8 +152,7 @@ def test_there_and_back_is_the_same_number(text: str) -> None:
 
 def test_users_names_are_symbols_and_constant_angles_stay_as_they_are_written() -> None:
     assert expression_to_sympy(parse_expression("I*E", HERE)) == sympy.Symbol("I") * sympy.Symbol("E")
-    robot = Robot.from_text("name: arm\nconvention: standard\njoints: [{type: revolute, a: a1, alpha: pi/5}]\n")
-    domain = PolynomialDomain(robot)
+    domain = PolynomialDomain(robot_of_rows("R a: a1, alpha: pi/5"))
     shown = {str(factor_to_sympy(domain, factor)) for factor in FactorTable(domain).factors}
     assert {"sin(q1)", "cos(q1)", "a1", "sin(pi/5)", "cos(pi/5)"} <= shown
 

@@ -10,15 +10,11 @@ from derive.lecture.shorthand import read_formula, resolve_tokens
 from derive.robot.expression import Call, Expression, Name, to_text
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
-
-
-def robot(*rows: str, tail: str = "") -> Robot:
-    joints = "\n".join(f"  - {{{row}}}" for row in rows)
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{joints}\n{tail}")
+from tests.rows import robot_of_rows
 
 
 def revolute(*names: str, tail: str = "") -> Robot:
-    return robot(*(f"type: revolute, q: {name}" for name in names), tail=tail)
+    return robot_of_rows("|".join(f"R q: {name}" for name in names), tail)
 
 
 WRIST = revolute("q4", "q5", "q6")
@@ -73,7 +69,7 @@ def test_two_ways_to_read_a_token_are_both_named() -> None:
 
 
 def test_a_name_of_the_robot_wins_over_a_token() -> None:
-    arm = robot("type: revolute, q: q1, a: c1", "type: revolute, q: q2, a: s12")
+    arm = robot_of_rows("R a: c1 | R a: s12")
     assert read_formula("c1", arm) == Name("c1")
     assert read_formula("s12", arm) == Name("s12")
     assert to_text(read_formula("c12", arm)) == "cos(q1 + q2)"

@@ -2,7 +2,6 @@
 
 import random
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -16,31 +15,26 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.mechanics.arms import assert_close
 from tests.random_robots import robot_text, swept, swept_catalogue
+from tests.rows import robot_of_rows
 
 FEW = ("stanford-deluca", "dh-modified-deluca", "planar-2r-perugia", "skeleton-modified")
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
-MOTORS = """\
-name: motors
-convention: {convention}
-joints:
-  - {{type: revolute, d: d1, a: a1, alpha: pi/2}}
-  - {{type: revolute, d: d2, a: a2, alpha: {twist}}}
-  - {{type: {kind}, {fixed}, a: a3, alpha: -pi/2}}
+MOTORS = """
 gravity: [gx, gy, -9.81]
 links:
-  - {{mass: m1, com: [x1, y1, z1], inertia: {{xx: 0.1, yy: 0.2, zz: 0.3, xy: 0.01, xz: 0.02, yz: 0.03}},
-      motor: {{mass: u1, inertia: J1, ratio: 3}}}}
-  - {{mass: {mass}, com: [x2, 0.2, 0], inertia: {{yy: I2}}, motor: {{mass: u2, inertia: J2, ratio: 5}},
-      friction: {{viscous: b2, coulomb: f2}}}}
-  - {{mass: 0.7, com: [0, 0, l3], armature: 0.25, motor: {{mass: u3, inertia: J3, ratio: 7}}}}
+  - {mass: m1, com: [x1, y1, z1], inertia: {xx: 0.1, yy: 0.2, zz: 0.3, xy: 0.01, xz: 0.02, yz: 0.03},
+      motor: {mass: u1, inertia: J1, ratio: 3}}
+  - {mass: MASS, com: [x2, 0.2, 0], inertia: {yy: I2}, motor: {mass: u2, inertia: J2, ratio: 5},
+      friction: {viscous: b2, coulomb: f2}}
+  - {mass: 0.7, com: [0, 0, l3], armature: 0.25, motor: {mass: u3, inertia: J3, ratio: 7}}
 """
 """Rotors with mass at offset joints, everything symbolic."""
 
 
-def motors(convention: str, mass: str = "m2", kind: str = "revolute", twist: str = "beta") -> Robot:
+def motors(convention: str, mass: str = "m2", last: str = "R d: d3") -> Robot:
     """An arm whose rotors stand elsewhere in the other convention."""
-    fixed = "d: d3" if kind == "revolute" else "theta: pi/3, d: q3 + d3"
-    return Robot.from_text(MOTORS.format(convention=convention, mass=mass, kind=kind, fixed=fixed, twist=twist))
+    rows = f"R d: d1, a: a1, alpha: pi/2 | R d: d2, a: a2, alpha: beta | {last}, a: a3, alpha: -pi/2"
+    return robot_of_rows(rows, MOTORS.replace("MASS", mass), name="motors", convention=convention)
 
 
 def in_numbers(robot: Robot, seed: int) -> dict[str, np.ndarray]:
@@ -89,9 +83,10 @@ def test_random_robots_are_the_same_arm_and_come_back(seed: int) -> None:
     assert_same_functions(robot, back, seed)
 
 
-@pytest.mark.parametrize(("convention", "kind"), [*product(("standard", "modified"), ("revolute", "prismatic"))])
-def test_rotors_with_mass_at_offset_joints_keep_the_dynamics(convention: str, kind: str) -> None:
-    robot = motors(convention, kind=kind)
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize("last", ["R d: d3", "P theta: pi/3, d: q3 + d3"])
+def test_rotors_with_mass_at_offset_joints_keep_the_dynamics(convention: str, last: str) -> None:
+    robot = motors(convention, last=last)
     there = convert(robot)
     assert_same_functions(robot, Robot.of(there.result))
     way = "further" if convention == "standard" else "less far"
@@ -138,14 +133,6 @@ def test_any_factor_may_be_taken_out_of_a_tool() -> None:
         assert_same_functions(robot, Robot.of(there.result))
 
 
-TOOL = """\
-name: tool
-convention: modified
-joints: [{{type: revolute}}]
-tool: [[1, 0, 0, {x}], [0, {c}, -({s}), 0], [0, {s}, {c}, 0], [0, 0, 0, 1]]
-"""
-
-
 @pytest.mark.parametrize(
     ("x", "c", "s", "alpha"),
     [
@@ -160,7 +147,8 @@ tool: [[1, 0, 0, {x}], [0, {c}, -({s}), 0], [0, {s}, {c}, 0], [0, 0, 0, 1]]
     ],
 )
 def test_a_tool_that_is_a_factor_becomes_the_last_row(x: str, c: str, s: str, alpha: str) -> None:
-    robot = Robot.from_text(TOOL.format(x=x, c=c, s=s))
+    tool = f"tool: [[1, 0, 0, {x}], [0, {c}, -({s}), 0], [0, {s}, {c}, 0], [0, 0, 0, 1]]"
+    robot = robot_of_rows("R", tool, convention="modified")
     there = convert(robot)
     (row,) = there.result.joints
     assert to_text(row.alpha) == alpha

@@ -10,6 +10,7 @@ from derive.mechanics import exact_dynamics as dynamics
 from derive.model.entries import Entries, ModelEntries, expanded_terms, of_matrix
 from derive.model.model import Model
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 NAMES = ["planar-2r-perugia", "scara-perugia"]
 
@@ -57,11 +58,10 @@ def test_derivatives_of_the_inertia_matrix_are_sums_of_christoffel_symbols(name:
 
 
 def test_gravity_is_an_acceleration_of_the_base_in_its_own_axes() -> None:
-    text = "name: arm\nconvention: standard\njoints: [{type: revolute}]\nlinks: [{mass: 1}]\ngravity: [0, 0, -g]\n"
-    turned = text + "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n"
-    g = sympy.Symbol("g")
-    assert ModelEntries(Model(Robot.from_text(text))).base_acceleration == (0, 0, g)
-    assert ModelEntries(Model(Robot.from_text(turned))).base_acceleration == (0, g, 0)
+    g, turned = sympy.Symbol("g"), "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]"
+    for base, wanted in (("", (0, 0, g)), (turned, (0, g, 0))):
+        robot = robot_of_rows("R", f"links: [{{mass: 1}}]\ngravity: [0, 0, -g]\n{base}")
+        assert ModelEntries(Model(robot)).base_acceleration == wanted
 
 
 def test_what_exceeds_the_budget_of_the_model_is_not_derived_and_skew_symmetry_not_stated_unchecked(
@@ -107,9 +107,8 @@ def test_entries_of_links_and_rotors_are_those_of_the_model() -> None:
 
 
 def test_a_long_arm_is_counted_without_being_written() -> None:
-    rows = "".join(f"  - {{type: revolute, a: a{i}, alpha: pi/{2 + i % 2}}}\n" for i in range(1, 31))
-    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}")
-    entries = ModelEntries(Model(robot))
+    rows = "|".join(f"R a: a{i}, alpha: pi/{2 + i % 2}" for i in range(1, 31))
+    entries = ModelEntries(Model(robot_of_rows(rows)))
     assert not entries.T.is_short(10**6)
     assert [entries.T.entry(4, j) for j in range(1, 5)] == [0, 0, 0, 1]
     assert entries.J.terms(6, 1) == 1

@@ -17,6 +17,7 @@ from derive.model.equality import Verdict, compare, scalar_quantity, verdict
 from derive.model.model import Model
 from derive.robot.expression import Call, Power
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 SCARA = Model(Robot.load("scara-perugia"))
 PLANAR = Model(Robot.load("planar-2r-perugia"))
@@ -71,30 +72,27 @@ def test_a_root_of_a_square_is_an_absolute_value() -> None:
     assert compare(SCARA.robot, Power(sine, 2), Power(root, 2)).exact
 
 
-def test_roots_that_algebra_cannot_compare_are_compared_at_points() -> None:
-    robot = SCARA.robot
-    left = read_formula("sqrt((a1*c1 + a2*c12)**2 + (a1*s1 + a2*s12)**2)", robot)
-    right = read_formula("sqrt(a1**2 + a2**2 + 2*a1*a2*c2)*sqrt(2)/sqrt(2)", robot)
-    found = compare(robot, left, right)
-    assert found.equal
-    wrong = compare(robot, left, read_formula("sqrt(a1**2 + a2**2 - 2*a1*a2*c2)", robot))
-    assert not wrong.equal
-    assert wrong.counter_example is not None
+REACH = "sqrt((a1*c1 + a2*c12)**2 + (a1*s1 + a2*s12)**2)"
 
 
-def test_the_two_argument_arctangent_is_compared_at_points() -> None:
-    robot = SCARA.robot
-    angle = read_formula("atan2(s1, c1)", robot)
-    assert compare(robot, angle, read_formula("atan2(2*s1, 2*c1)", robot)) == Verdict(equal=True, exact=False)
-    assert compare(robot, angle, read_formula("atan2(sin(q1), cos(q1))", robot)).exact
-    assert not compare(robot, angle, read_formula("atan2(c1, s1)", robot)).equal
+@pytest.mark.parametrize(
+    ("left", "right", "equal", "exact"),
+    [
+        (REACH, "sqrt(a1**2 + a2**2 + 2*a1*a2*c2)*sqrt(2)/sqrt(2)", True, False),
+        (REACH, "sqrt(a1**2 + a2**2 - 2*a1*a2*c2)", False, False),
+        ("atan2(s1, c1)", "atan2(2*s1, 2*c1)", True, False),
+        ("atan2(s1, c1)", "atan2(sin(q1), cos(q1))", True, True),
+        ("atan2(s1, c1)", "atan2(c1, s1)", False, False),
+    ],
+)
+def test_what_algebra_cannot_compare_is_compared_at_points(left: str, right: str, equal: bool, exact: bool) -> None:
+    found = compare(SCARA.robot, *(read_formula(text, SCARA.robot) for text in (left, right)))
+    assert (found.equal, found.exact, found.counter_example is None) == (equal, exact, equal)
 
 
 def test_friction_with_a_sign_is_compared_exactly() -> None:
-    robot = Robot.from_text(
-        "name: a\nconvention: standard\njoints: [{type: revolute}]\n"
-        "links: [{mass: m, friction: {viscous: b, coulomb: f}}]\ngravity: [0, 0, -g]\n"
-    )
+    link = "{mass: m, friction: {viscous: b, coulomb: f}}"
+    robot = robot_of_rows("R", f"links: [{link}]\ngravity: [0, 0, -g]")
     assert verdict(Model(robot), "tau[1]", "f*sign(qd1) + b*qd1").exact
     assert not verdict(Model(robot), "tau[1]", "b*qd1 - f*sign(qd1)").equal
 

@@ -28,6 +28,7 @@ from derive.verification.oracle.lagrange import link_jacobians, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
 from tests.random_robots import chains, robot_text
+from tests.rows import robot_of_rows
 
 
 class Numbers:
@@ -135,20 +136,13 @@ def test_analytic_jacobians_are_the_derivatives_of_the_angles(seed: int, n: int)
             np.testing.assert_allclose(jacobian[3:, k], change / (2 * step), atol=1e-5)
 
 
-PLANAR = """
-name: arm
-convention: {convention}
-units: {{angle: {unit}}}
-joints:
-  - {{type: revolute, theta: {0}, alpha: {right}, d: d1}}
-  - {{type: revolute, theta: {1}, a: a2}}
-  - {{type: revolute, theta: {2}, a: a3}}
-"""
 WITH_LINKS = "links: [{mass: m1}, {mass: m2, com: [-l2, 0, 0]}, {mass: m3, com: [-l3, 0, 0]}]\n"
 
 
 def _robot(*angles: str, convention: str = "standard", unit: str = "rad", right: str = "pi/2", more: str = "") -> Robot:
-    return Robot.from_text(PLANAR.format(*angles, convention=convention, unit=unit, right=right) + more)
+    first, second, third = angles
+    rows = f"R theta: {first}, alpha: {right}, d: d1 | R theta: {second}, a: a2 | R theta: {third}, a: a3"
+    return robot_of_rows(rows, f"units: {{angle: {unit}}}\n{more}", convention=convention)
 
 
 def _shown(robot: Robot, name: str) -> str:
@@ -253,9 +247,7 @@ def test_euler_angles_of_short_arms_give_the_rotation_without_the_root_of_a_squa
 
 
 def test_roll_pitch_yaw_with_the_pitch_fixed_at_a_right_angle_give_the_rotation() -> None:
-    base = "[[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]"
-    text = f"name: up\nconvention: standard\nbase: {base}\njoints: [{{type: prismatic}}]\n"
-    model = Model(Robot.from_text(text))
+    model = Model(robot_of_rows("P", "base: [[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]"))
     roll, pitch, yaw = (float(sympy.N(x)) for x in model.rpy)
     product = rotation("z", yaw) @ rotation("y", pitch) @ rotation("x", roll)
     np.testing.assert_allclose(product, np.array(model.R.tolist(), dtype=float), atol=1e-12)

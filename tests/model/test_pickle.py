@@ -10,21 +10,18 @@ import pytest
 
 import derive
 from derive.model.quantities import DESCRIBED, REGISTRY
-from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
-ARM = """\
-name: bent-arm
-convention: modified
-joints:
-  - {type: revolute, d: d1}
-  - {type: revolute, alpha: pi/2, limits: [-pi/2, pi/2]}
-  - {type: prismatic, alpha: -pi/2, a: a2}
+BODIES = """
 links:
   - {mass: m1, com: [0, l1, 0], inertia: {zz: I1}}
   - {mass: m2, com: [l2, 0, 0], motor: {inertia: 1e-4, ratio: 50}}
   - {mass: 2.5, armature: 0.1, friction: {viscous: b, coulomb: f}}
 parameters: {a2: 0.5}
 """
+ARM = robot_of_rows(
+    "R d: d1 | R alpha: pi/2, limits: [-pi/2, pi/2] | P alpha: -pi/2, a: a2", BODIES, convention="modified"
+)
 PLAN = {
     "robot": "scara-matlab",
     "points": {"a": [0, 0, 1, 0], "b": [1, 0.5, 2, 0.3]},
@@ -47,7 +44,7 @@ def computed(model: derive.Model) -> dict[str, Any]:
 
 @pytest.fixture(scope="module", params=[False, True], ids=["plain", "assumptions"])
 def model(request: pytest.FixtureRequest) -> derive.Model:
-    made = derive.Model(Robot.from_text(ARM), "by-geometry", assumptions=request.param)
+    made = derive.Model(ARM, "by-geometry", assumptions=request.param)
     computed(made)
     for name in (*DESCRIBED, "singularities"):
         getattr(made, name)
@@ -85,8 +82,8 @@ def test_a_copy_of_a_motion_is_the_same_motion(copied: Callable[[Any], Any]) -> 
 
 def test_a_long_arm_is_copied_without_its_nested_formulas() -> None:
     """SymPy compares them for minutes."""
-    rows = "\n".join(f"  - {{type: revolute, a: a{i}, d: d{i}, alpha: {'pi/2' if i % 2 else 0.3}}}" for i in range(10))
-    model = derive.Model(Robot.from_text(f"name: snake\nconvention: standard\njoints:\n{rows}\n"))
+    rows = "|".join(f"R a: a{i}, d: d{i}, alpha: {'pi/2' if i % 2 else 0.3}" for i in range(10))
+    model = derive.Model(robot_of_rows(rows))
     assert model.T.shape == (4, 4)
     for copied in COPIES.values():
         other = copied(model)

@@ -11,16 +11,15 @@ from derive.model.quantity_names import evaluate, parse
 from derive.notebook import Assumptions, plain
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 
 @pytest.fixture(scope="module")
 def model() -> Model:
     """Four joints with axes in all directions, and links."""
-    joints = ["a: a1, alpha: pi/2", "a: a2", "d: d3, alpha: -pi/2", "alpha: pi/2"]
-    link = "{mass: m, com: [0, 0, l], inertia: {zz: I}}"
-    rows = ", ".join(f"{{type: revolute, {cells}}}" for cells in joints)
-    text = f"name: arm\nconvention: standard\njoints: [{rows}]\ngravity: [0, 0, -g]\n"
-    return Model(Robot.from_text(f"{text}links: [{', '.join(4 * [link])}]\n"))
+    rows = "R a: a1, alpha: pi/2 | R a: a2 | R d: d3, alpha: -pi/2 | R alpha: pi/2"
+    links = "links:\n" + "  - {mass: m, com: [0, 0, l], inertia: {zz: I}}\n" * 4
+    return Model(robot_of_rows(rows, f"gravity: [0, 0, -g]\n{links}"))
 
 
 @pytest.mark.parametrize("quantity", REGISTRY.values(), ids=REGISTRY.keys())
@@ -194,10 +193,7 @@ def test_an_unknown_style_or_contraction_is_refused_with_the_known_ones(option: 
         Model(Robot.load("planar-3r"), **{option: "roman"})
 
 
-ARM = """\
-name: two-bars
-convention: standard
-joints: [{type: revolute, a: a1, alpha: pi/2}, {type: prismatic, a: a2, d: q2 + d2}]
+BODIES = """
 gravity: [0, 0, -g]
 links:
   - {mass: m1, com: [l1, 0, 0], inertia: {yy: I1}, motor: {mass: mm1, inertia: 1e-4, ratio: k}}
@@ -210,7 +206,7 @@ inverse: {task: [x, y]}
 
 @pytest.fixture(scope="module")
 def models() -> tuple[derive.Model, derive.Model]:
-    robot = Robot.from_text(ARM)
+    robot = robot_of_rows("R a: a1, alpha: pi/2 | P a: a2, d: q2 + d2", BODIES)
     return derive.Model(robot), derive.Model(robot, assumptions=True)
 
 

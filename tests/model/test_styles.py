@@ -14,39 +14,20 @@ from derive.model.equality import Verdict, verdict
 from derive.model.model import Model
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
-ELBOW = Robot.from_text("""
-name: elbow
-convention: standard
-joints: [{type: revolute, alpha: pi/2, d: d1}, {type: revolute, a: a2}, {type: revolute, a: a3}]
+BODIES = """
 links:
   - {mass: m1, inertia: {zz: Iz1, yy: Iz1}}
   - {mass: m2, com: [r2 - a2, 0, 0], inertia: {xx: Ix2, yy: Iy2, zz: Iz2}}
   - {mass: m3, com: [r3 - a3, 0, 0], inertia: {xx: Ix3, yy: Iy3, zz: Iz3}}
-""")
-WRIST = Robot.from_text("""
-name: wrist
-convention: standard
-joints:
-  - {type: revolute, alpha: -pi/2}
-  - {type: revolute, alpha: pi/2, d: d2}
-  - {type: prismatic}
-  - {type: revolute, alpha: -pi/2}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, d: d6}
-""")
-PLANAR = Robot.from_text("""
-name: planar
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
-gravity: [0, -g, 0]
-links: [{mass: m1}, {mass: m2}]
-""")
-SCARA = Robot.from_text("""
-name: scara
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2, alpha: pi}, {type: prismatic}, {type: revolute}]
-""")
+"""
+ELBOW = robot_of_rows("R alpha: pi/2, d: d1 | R a: a2 | R a: a3", BODIES, name="elbow")
+WRIST = robot_of_rows(
+    "R alpha: -pi/2 | R alpha: pi/2, d: d2 | P | R alpha: -pi/2 | R alpha: pi/2 | R d: d6", name="wrist"
+)
+PLANAR = robot_of_rows("R a: a1 | R a: a2", "gravity: [0, -g, 0]\nlinks: [{mass: m1}, {mass: m2}]", name="planar")
+SCARA = robot_of_rows("R a: a1 | R a: a2, alpha: pi | P | R", name="scara")
 QUANTITIES = {
     "elbow": ("T[][1,4]", "B[1,1]", "B[2,3]", "C[1,2]", "g[2]", "tau[2]", "kinetic", "potential", "J[1,2]"),
     "wrist": ("T[][1,1]", "T[][1,4]", "J[2,5]", "T[][3,4]"),

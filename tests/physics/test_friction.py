@@ -16,15 +16,12 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.random_robots import configurations, random_robot, seeds
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import numpy_model
 from tests.verification.oracle.pinocchio_reference import reference
 
-ARM = """
-name: arm
-convention: standard
-joints: [{type: prismatic}, {type: prismatic, alpha: pi/2}]
-links: [{mass: 1, armature: 1, friction: {viscous: b, coulomb: [p, m]}}, {mass: 1, friction: {coulomb: [0.5, 0]}}]
-"""
+BODIES = "{mass: 1, armature: 1, friction: {viscous: b, coulomb: [p, m]}}, {mass: 1, friction: {coulomb: [0.5, 0]}}"
+ARM = robot_of_rows("P | P alpha: pi/2", f"links: [{BODIES}]")
 
 
 @pytest.mark.parametrize("seed", seeds(24, usual=6))
@@ -52,7 +49,7 @@ def test_torques_are_pinocchios_with_the_friction_of_the_way_in_which_each_joint
 
 @pytest.mark.parametrize(("rate", "friction"), [(2, "2*b + p"), (-2, "-2*b - m"), (0, "0")])
 def test_closed_forms_are_the_regressor_times_the_parameters(rate: int, friction: str) -> None:
-    model = Model(Robot.from_text(ARM))
+    model = Model(ARM)
     at = dict.fromkeys(model.qd, rate) | dict.fromkeys((*model.q, *model.qdd), 1)
     found = [str(sympy.expand(entry)) for entry in model.friction.subs(at)]
     assert found == [friction, "1/2" if rate > 0 else "0"]
@@ -62,7 +59,7 @@ def test_closed_forms_are_the_regressor_times_the_parameters(rate: int, friction
 
 
 def test_base_parameters_are_told_apart_where_gravity_loads_a_slide_as_constantly_as_friction_does() -> None:
-    robot, values = Robot.from_text(ARM), {"b": 0.1, "p": 0.7, "m": 0.2, "g": 9.81}
+    robot, values = ARM, {"b": 0.1, "p": 0.7, "m": 0.2, "g": 9.81}
     found = Oracle.of(robot, values, base_set(robot).parameters).evaluate("base_parameters")
     wanted = numpy_model(robot, build_program(robot, Effort.QUICK)).base_parameters(params=values)
     assert found == pytest.approx(wanted, abs=1e-12)

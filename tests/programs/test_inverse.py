@@ -27,6 +27,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.frames import NumericArm, forward_kinematics, numeric_arm
 from tests.inverse.arms import PUBLISHED, arm_of
 from tests.random_robots import swept
+from tests.rows import robot_of_rows
 from tests.targets.searched_arms import GENERAL, LOOSE, PARAMETERS, robot_of, search_of
 from tests.targets.test_inverse import model_of
 
@@ -145,17 +146,17 @@ def test_arms_with_fewer_joints_refuse_poses_beside_their_own() -> None:
 
 
 def test_why_there_is_no_function_is_said() -> None:
-    text = "name: loose\nconvention: standard\njoints:\n" + "  - {type: revolute, a: 1}\n" * 3
-    long = text + "  - {type: revolute, a: 1, alpha: 1}\n" * 8
-    inverse, reason = solved(Trace(Robot.from_text(long)))
+    rows = "|".join(["R a: 1"] * 3 + ["R a: 1, alpha: 1"] * 8)
+    inverse, reason = solved(Trace(robot_of_rows(rows)))
     assert inverse is None
     assert reason == "the arm has more than 10 joints; the task fixes 6 of 11 joints, so the others are to be `given`"
-    given = Robot.from_text(f"{long}inverse: {{given: [q1, q2, q3, q4, q5]}}\n")
-    search, reason = solved(Trace(given))
+    search, reason = solved(Trace(robot_of_rows(rows, "inverse: {given: [q1, q2, q3, q4, q5]}")))
     assert isinstance(search, InverseSearch)
     assert (search.eliminations, search.given, reason) == ((), (0, 1, 2, 3, 4), "")
-    crooked = "base: [[1, 0, 0, 0], [0, 0.9999998, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
-    assert solved(Trace(Robot.from_text(text + crooked)))[1].startswith("base or tool is a rotation only")
+    crooked = "base: [[1, 0, 0, 0], [0, 0.9999998, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
+    assert solved(Trace(robot_of_rows("R a: 1 | R a: 1 | R a: 1", crooked)))[1].startswith(
+        "base or tool is a rotation only"
+    )
 
 
 def test_masks_fold_what_logic_knows() -> None:

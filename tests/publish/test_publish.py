@@ -42,10 +42,16 @@ def alone(target: Path) -> bool:
     return os.listdir(target.parent) == [target.name]
 
 
-def test_files_of_the_old_build_go(target: Path) -> None:
+def test_an_empty_folder_is_taken_and_files_of_the_old_build_go_with_their_caches(target: Path) -> None:
+    """A cache could outlive the module it was made from."""
+    target.mkdir(parents=True)
     put(target, "1", "b.py")
+    assert contents(target) == files("1", "b.py")
+    (target / "__pycache__").mkdir()
+    (target / "__pycache__" / "a.pyc").write_bytes(b"")
     put(target, "2")
     assert contents(target) == files("2")
+    assert not (target / "__pycache__").exists()
     assert alone(target)
 
 
@@ -61,16 +67,6 @@ def test_files_of_the_user_stay(target: Path) -> None:
     assert (target / "plots" / "deep" / "p.svg").read_text() == "mine"
     assert os.readlink(target / "link") == "nowhere"
     assert alone(target)
-
-
-def test_python_caches_of_the_old_modules_go(target: Path) -> None:
-    """A cache could outlive the module it was made from."""
-    put(target, "1")
-    (target / "__pycache__").mkdir()
-    (target / "__pycache__" / "a.pyc").write_bytes(b"")
-    put(target, "2")
-    assert contents(target) == files("2")
-    assert not (target / "__pycache__").exists()
 
 
 def test_the_check_sees_the_finished_folder_and_may_stop_the_build(target: Path) -> None:
@@ -119,7 +115,7 @@ def test_folders_of_others_are_refused(target: Path) -> None:
     assert alone(target)
 
 
-def test_links_and_files_in_the_place_of_the_folder_are_refused(target: Path, tmp_path: Path) -> None:
+def test_links_and_files_in_the_place_of_the_folder_or_of_its_parent_are_refused(target: Path, tmp_path: Path) -> None:
     elsewhere = tmp_path / "elsewhere"
     put(elsewhere, "1")
     target.parent.mkdir()
@@ -131,6 +127,8 @@ def test_links_and_files_in_the_place_of_the_folder_are_refused(target: Path, tm
     target.write_text("a file")
     with pytest.raises(OutputError, match="not a folder"):
         put(target, "2")
+    with pytest.raises(OutputError):
+        put(target / "arm", "2")
     assert target.read_text() == "a file"
 
 
@@ -141,19 +139,6 @@ def test_a_file_of_the_user_under_a_name_to_be_written_is_refused(target: Path) 
         put(target, "2", "b.py")
     assert (target / "b.py").read_text() == "mine"
     assert alone(target)
-
-
-def test_an_empty_folder_is_taken(target: Path) -> None:
-    target.mkdir(parents=True)
-    put(target, "1")
-    assert contents(target) == files("1")
-    assert alone(target)
-
-
-def test_a_file_as_parent_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").write_text("")
-    with pytest.raises(OutputError):
-        put(tmp_path / "out" / "arm", "1")
 
 
 def test_temporary_folders_of_the_dead_are_removed_and_those_of_the_living_stay(target: Path) -> None:

@@ -36,9 +36,7 @@ def test_everything_optional_has_its_documented_default() -> None:
 
 
 def test_a_full_row_is_read_cell_by_cell() -> None:
-    joint = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints[
-        0
-    ]
+    [joint] = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints
     assert (joint.variable, joint.sign) == ("th", -1)
     cells = (joint.theta, joint.d, joint.a, joint.alpha, *(joint.limits or ()))
     assert [to_text(cell) for cell in cells] == ["pi/2", "d1 + 1", "2159/5000", "al", "-pi", "x"]
@@ -210,6 +208,7 @@ PAIRS = [
     (("{type: revolute}", "{type: revolute, a: q1}"), "joint variable 'q1' in the cell a"),
     (("{type: revolute, q: x}", "{type: revolute, q: x}"), "belongs to row 1 already"),
     (("{type: revolute, q: q2}", "{type: revolute}"), "belongs to row 1 already"),
+    (("{type: revolute, q: qd1}", "{type: revolute, q: q1}"), "is called 'qd1'"),
 ]
 
 
@@ -219,11 +218,6 @@ def test_contradictory_rows_are_refused_at_their_line(rows: tuple[str, ...], wor
         arm(*rows)
     assert caught.value.location.line == 3 + len(rows)
     assert words in str(caught.value)
-
-
-def test_derived_names_of_two_joints_may_not_meet() -> None:
-    with pytest.raises(RobotFileError, match="is called 'qd1'"):
-        arm("{type: revolute, q: q1}", "{type: revolute, q: qd1}")
 
 
 def test_sixty_four_joints_load_and_sixty_five_do_not() -> None:

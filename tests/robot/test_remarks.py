@@ -149,14 +149,6 @@ def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None
         assert of_tensor(inertia) == []
 
 
-def test_built_in_robots_are_remarked_on_like_files() -> None:
-    copy = Robot.from_text(robot_file_bytes("puma560-corke").decode(), "my.yaml")
-    for (remark,) in (Robot.load("puma560-corke").remarks, copy.remarks):
-        assert "links entry 3, inertia: physically inconsistent: " in remark.found
-        assert "by 0.0075 kg m^2" in remark.found
-        assert remark.is_of_bodies
-
-
 @given(st.lists(st.integers(-9, 9), min_size=6, max_size=6))
 def test_the_amount_is_that_of_the_principal_moments(cells: list[int]) -> None:
     xx, yy, zz, xy, xz, yz = cells

@@ -13,11 +13,11 @@ from derive.robot.load import description_from_bytes
 from derive.robot.options.handout import HandoutOptions
 from derive.robot.presentation import read_handout
 from derive.robot.reading.document import read_document
-from derive.robot.robot import Robot
 from derive.robot.table import ROTATION_TOLERANCE
 from derive.robot.units import located_expressions
 from derive.robot.validate import validate
 from tests.random_robots import random_robot
+from tests.rows import robot_of_rows
 
 HEAD = "name: arm\nconvention: standard\njoints: [{type: revolute}]\n"
 
@@ -63,9 +63,8 @@ def test_without_a_block_the_handout_has_its_defaults() -> None:
     ],
 )
 def test_a_name_of_a_joint_is_a_line_of_its_own(names: tuple[str, str], found: str) -> None:
-    rows = "\n".join(f"  - {{type: revolute, a: 1, {name}}}" for name in names)
     with pytest.raises(RobotFileError, match=re.escape(found)):
-        Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\n")
+        robot_of_rows("|".join(f"R a: 1, {name}" for name in names))
 
 
 TEXT = b"name: r\nconvention: standard\njoints: [{type: revolute, a: a1, limits: [-1, 1]}]\nfigure: {q: [1]}\n"

@@ -10,6 +10,7 @@ from derive.robot.robot import Robot
 from derive.robot.task_rows import PARTS, task_rows
 from derive.verification.oracle import frames
 from tests.random_robots import chains, random_robot
+from tests.rows import robot_of_rows
 
 NATURAL = {
     "planar-2r-perugia": (0, 1),
@@ -44,15 +45,12 @@ WRISTS = {("0", ""): (0, 1, 2), ("pi/2", ""): (3, 4, 5), ("0", "al"): (3, 4, 5),
 
 @pytest.mark.parametrize(("twist", "runtime"), WRISTS)
 def test_a_wrist_is_one_for_all_parameters(twist: str, runtime: str) -> None:
-    joints = "joints: [{type: revolute, alpha: al}, {type: revolute, a: a2, alpha: pi/2}, {type: revolute}]"
-    text = f"name: arm\nconvention: standard\n{joints}\nparameters: {{al: {twist}, a2: 0}}\nruntime: [{runtime}]\n"
-    assert task_rows(Robot.from_text(text)) == WRISTS[twist, runtime]
+    more = f"parameters: {{al: {twist}, a2: 0}}\nruntime: [{runtime}]"
+    assert task_rows(robot_of_rows("R alpha: al | R a: a2, alpha: pi/2 | R", more)) == WRISTS[twist, runtime]
 
 
 @pytest.mark.parametrize(
     ("task", "rows"), [("[x, phi]", (0, 5)), ("position", (0, 1, 2)), ("[x, approach]", (0, 3, 4, 5))]
 )
 def test_a_task_of_the_file_names_its_rows(task: str, rows: tuple[int, ...]) -> None:
-    joints = "joints: [{type: revolute, alpha: pi/2}, {type: revolute, a: 1}, {type: prismatic}]"
-    text = f"name: arm\nconvention: standard\n{joints}\ninverse: {{task: {task}}}\n"
-    assert task_rows(Robot.from_text(text)) == rows
+    assert task_rows(robot_of_rows("R alpha: pi/2 | R a: 1 | P", f"inverse: {{task: {task}}}")) == rows

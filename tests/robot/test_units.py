@@ -54,23 +54,29 @@ def test_plain_numbers_are_degrees_in_angle_cells_and_millimetres_in_length_cell
     assert to_text(getattr(robot(f"{{type: revolute, {key}: {cell}}}").joints[0], key)) == converted
 
 
-def test_the_offset_of_a_variable_is_in_degrees_and_the_variable_in_radians() -> None:
-    joint = robot("{type: revolute, q: q1, theta: -q1 + 90}").joints[0]
-    assert joint.sign == -1
-    assert to_text(joint.theta) == "pi/2"
+@pytest.mark.parametrize(
+    ("row", "sign", "theta", "d"),
+    [
+        ("revolute, theta: -q1 + 90", -1, "pi/2", "0"),
+        ("prismatic, d: q1 + 100, theta: beta + 90", 1, "beta + pi/2", "1/10"),
+    ],
+)
+def test_the_offset_of_an_angle_is_in_degrees_and_of_a_length_in_millimetres(
+    row: str, sign: int, theta: str, d: str
+) -> None:
+    joint = robot(f"{{type: {row}}}").joints[0]
+    assert (joint.sign, to_text(joint.theta), to_text(joint.d)) == (sign, theta, d)
 
 
-@pytest.mark.parametrize("key", ["alpha", "theta"])
-@pytest.mark.parametrize("cell", ["pi/2", "beta + pi", "2*pi/3"])
-def test_pi_in_an_angle_cell_in_degrees_is_refused_with_a_hint(key: str, cell: str) -> None:
-    cell = f"q1 + {cell}" if key == "theta" else cell
+ANGLES = ("pi/2", "beta + pi", "2*pi/3")
+
+
+@pytest.mark.parametrize(
+    "cell", [*(f"alpha: {angle}" for angle in ANGLES), *(f"theta: q1 + {a}" for a in ANGLES), "limits: [-90, pi]"]
+)
+def test_pi_in_an_angle_cell_in_degrees_is_refused_with_a_hint(cell: str) -> None:
     with pytest.raises(RobotFileError, match=r":5:\d+: joints row 1, .*pi in an angle cell.*write 90 for pi/2"):
-        robot(f"{{type: revolute, {key}: {cell}}}")
-
-
-def test_pi_in_limits_in_degrees_is_refused() -> None:
-    with pytest.raises(RobotFileError, match="limits entry 2: pi in an angle cell"):
-        robot("{type: revolute, limits: [-90, pi]}")
+        robot(f"{{type: revolute, {cell}}}")
 
 
 def test_limits_follow_the_type_of_the_joint() -> None:
@@ -78,12 +84,6 @@ def test_limits_follow_the_type_of_the_joint() -> None:
     prismatic = robot("{type: prismatic, limits: [-180, 90]}").joints[0]
     assert [value(limit) for limit in revolute.limits or ()] == pytest.approx([-math.pi, math.pi / 2])
     assert [value(limit) for limit in prismatic.limits or ()] == pytest.approx([-0.18, 0.09])
-
-
-def test_a_prismatic_joints_offset_is_a_length_and_its_theta_an_angle() -> None:
-    joint = robot("{type: prismatic, d: q1 + 100, theta: beta + 90}").joints[0]
-    assert to_text(joint.d) == "1/10"
-    assert to_text(joint.theta) == "beta + pi/2"
 
 
 def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_si() -> None:

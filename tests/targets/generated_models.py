@@ -26,6 +26,7 @@ from derive.targets.octave import render_octave
 from derive.targets.target import Source
 from derive.verification.c_model import CModel, load_c_model
 from derive.verification.octave_model import find_octave
+from tests.rows import text_of_rows
 
 PLANAR = """
 name: planar
@@ -40,7 +41,7 @@ parameters: {a1: 0.5, a2: 0.4}
 inverse: {task: [z, phi]}
 """
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
-ONE_JOINT = "name: one\nconvention: standard\njoints: [{type: revolute, a: 0.5}]\n"
+ONE_JOINT = text_of_rows("R a: 0.5", name="one")
 
 
 @lru_cache(maxsize=64)

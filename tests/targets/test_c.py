@@ -19,6 +19,7 @@ from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.escape import c_prefix
 from derive.verification.c_model import CModel
 from tests.random_robots import random_robot, seeds
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import (
     ONE_JOINT,
     PARAMETERS,
@@ -172,5 +173,4 @@ def planar_model() -> CModel:
 def sines() -> CModel:
     graph = Graph()
     x, y = (Value(graph, graph.input("q", i)) for i in range(2))
-    two = Robot.from_text("name: two\nconvention: standard\njoints: [{type: revolute}, {type: revolute}]\n")
-    return c_model(two, small_program(graph, [x.sin(), y.cos()]))
+    return c_model(robot_of_rows("R | R"), small_program(graph, [x.sin(), y.cos()]))

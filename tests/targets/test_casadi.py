@@ -67,7 +67,6 @@ def test_the_export_is_the_same_every_time_and_names_no_folder() -> None:
 @needs_compiler
 def test_a_build_compiles_and_verifies_the_export(tmp_path: Path) -> None:
     report = build_robot(planar(), tmp_path, ["casadi-c"], only=True).report
-    assert report is not None
     assert {row.target for row in report.rows} == {"casadi-c"}
     assert report.worst < 1e-12
 

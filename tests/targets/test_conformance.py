@@ -24,6 +24,7 @@ from derive.verification.verify import trials
 from tests.inverse.arms import arm_of, random_arm
 from tests.random_robots import random_robot, sampled, seeds
 from tests.random_trees import random_tree
+from tests.rows import robot_of_rows
 from tests.targets.languages import languages, nearest, running
 from tests.targets.test_inverse import PARAMETERS, STUCK, UR5, elbow, model_of, program_of
 
@@ -78,16 +79,9 @@ def full_program(robot: Robot) -> Program:
 
 
 OFFSET_SHOULDER = "R 0 0 0.3 0; R -90 0 0.1 0; R 0 0.4 0 0; R -90 0 0.4 0; R 90 0 0 0; R -90 0 0 0"
-PLANAR = """
-name: planar
-convention: standard
-joints:
-  - {type: revolute, a: 0.5}
-  - {type: revolute, a: 0.4, theta: pi/3 - q2}
-  - {type: revolute, a: 0.4}
-  - {type: revolute, a: 0.2}
-inverse: {task: [x, y, phi], given: [q2]}
-"""
+PLANAR = robot_of_rows(
+    "R a: 0.5 | R a: 0.4, theta: pi/3 - q2 | R a: 0.4 | R a: 0.2", "inverse: {task: [x, y, phi], given: [q2]}"
+)
 """The angle of a joint in the middle is an argument."""
 
 ARMS = {
@@ -95,7 +89,7 @@ ARMS = {
     "puma": Robot.load("puma560-corke"),
     "ur5": UR5,
     "offset-shoulder": arm_of("modified", OFFSET_SHOULDER),
-    "planar": Robot.from_text(PLANAR),
+    "planar": PLANAR,
 }
 USUAL = 12  # random configurations before the special ones
 

@@ -20,20 +20,12 @@ from derive.robot.robot import Robot
 from derive.targets.casadi import render_casadi
 from derive.targets.readme import render as render_readme
 from tests.inverse.arms import arm_of
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import needs_compiler, numpy_model, source_of
 from tests.targets.languages import running
 
 NAMES = {"forward_kinematics"}
 TOLERANCE = 1e-9
-TEXT = """
-name: elbow
-convention: standard
-joints:
-  - {type: revolute, d: 0.3, alpha: pi/2, limits: [-2, 2]}
-  - {type: revolute, a: a2}
-  - {type: revolute, a: 0.4}
-  - {type: prismatic, alpha: -pi/2, limits: [-1, 1]}
-"""
 PARAMETERS = {"a2": 0.5}
 
 
@@ -43,7 +35,8 @@ def program_of(robot: Robot) -> Program:
 
 
 def elbow() -> Robot:
-    return Robot.from_text(TEXT)
+    rows = "R d: 0.3, alpha: pi/2, limits: [-2, 2] | R a: a2 | R a: 0.4 | P alpha: -pi/2, limits: [-1, 1]"
+    return robot_of_rows(rows, name="elbow")
 
 
 @cache

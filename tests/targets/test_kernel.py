@@ -17,8 +17,8 @@ from derive.programs.program import Program
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import Op
 from derive.programs.tape.value import Value
-from derive.robot.robot import Robot
 from derive.targets.kernel import JAVASCRIPT, PYTHON, C, CodePiece, Language, wrapped, write_kernel
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import c_model, needs_compiler, numpy_model, planar, small_program, source_of
 from tests.targets.languages import languages, running
 
@@ -80,7 +80,7 @@ EXPRESSIONS: dict[str, tuple[Build, Check]] = {
     "absolute": (lambda x, y: abs(-x) + abs(y) * abs(abs(x)), lambda x, y: abs(x) + abs(y * x)),
     "shared value": (lambda x, y: (x + y).sin() * (x + y) + (x + y), lambda x, y: (math.sin(x + y) + 1) * (x + y)),
 }
-TWO = Robot.from_text("name: two\nconvention: standard\njoints: [{type: revolute}, {type: revolute}]\n")
+TWO = robot_of_rows("R | R", name="two")
 POINTS = [(0.3, 0.7), (-1.2, 0.4), (2.5, -0.6), (-0.1, -3.0)]
 
 

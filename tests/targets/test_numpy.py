@@ -19,8 +19,8 @@ from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
-from derive.robot.robot import Robot
 from derive.targets.numpy import render_numpy
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import (
     FUNCTIONS,
     IDENTIFICATION,
@@ -296,10 +296,9 @@ def test_lines_are_clean_and_numpy_and_the_standard_library_are_imported_alone()
 
 @pytest.mark.parametrize("scale", [1e-8, 1.0, 1e3, 1e6])
 def test_sines_and_cosines_of_batches_are_exact_to_four_ulps(scale: float) -> None:
-    robot = Robot.from_text("name: bar\nconvention: standard\njoints:\n  - {type: revolute}\n")
     turns = np.pi / 2 * np.random.default_rng(0).integers(-3, 4, 5000)
     q = np.random.default_rng(1).uniform(-scale, scale, 5000) + turns
-    found = numpy_model(robot).forward_kinematics(q[:, None])
+    found = numpy_model(robot_of_rows("R")).forward_kinematics(q[:, None])
     assert np.abs(found[:, 0, 0] - np.cos(q)).max() < 4.5e-16
     assert np.abs(found[:, 1, 0] - np.sin(q)).max() < 4.5e-16
     small = np.abs(q) < 1e-3
@@ -329,8 +328,7 @@ def test_functions_of_nothing_are_constants() -> None:
 
 @pytest.mark.sweep
 def test_code_stays_compact() -> None:
-    joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
-    robot = Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n")
+    robot = robot_of_rows("|".join(["R a: 0.3, d: 0.1, alpha: pi/2"] * 64))
     text = render_numpy(source_of(robot))["model_numpy.py"]
     assert len(text) < 320_000
     assert load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)

@@ -12,6 +12,7 @@ from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.octave import TARGET, package_folder, render_octave
 from derive.verification.octave_model import OctaveModel
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import needs_octave, planar, source_of
 from tests.targets.languages import running
 
@@ -78,10 +79,8 @@ def test_texts_are_matlab_too(name: str) -> None:
 
 
 def test_a_robot_without_formulas_says_why_it_has_no_inverse_kinematics() -> None:
-    robot = Robot.from_text(
-        "name: skew-arm\nconvention: standard\njoints:\n"
-        + "".join(f"  - {{type: revolute, a: 0.{k}, alpha: 0.{k + 3}, d: 0.{9 - k}}}\n" for k in range(1, 7))
-    )
+    rows = "|".join(f"R a: 0.{k}, alpha: 0.{k + 3}, d: 0.{9 - k}" for k in range(1, 7))
+    robot = robot_of_rows(rows, name="skew-arm")
     texts = render_octave(source_of(robot, build_program(robot, Effort.QUICK, inverse=True)))
     assert "+skew_arm/inverse_kinematics.m" not in texts
     assert "Inverse kinematics: there is no function, since " in texts["+skew_arm/Contents.m"]
@@ -89,8 +88,7 @@ def test_a_robot_without_formulas_says_why_it_has_no_inverse_kinematics() -> Non
 
 @needs_octave
 def test_a_forgotten_argument_is_named_before_parameters_that_are_missing_then() -> None:
-    rows = "".join(f"  - {{type: revolute, a: {length}}}\n" for length in ("a1", "a2", "0.2"))
-    robot = Robot.from_text(f"name: three-bars\nconvention: standard\njoints:\n{rows}inverse: {{task: [x, y]}}\n")
+    robot = robot_of_rows("R a: a1 | R a: a2 | R a: 0.2", "inverse: {task: [x, y]}")
     program = build_program(robot, Effort.QUICK, inverse=True)
     message = r"inverse_kinematics: given must be 1 x 1 or 1 x N; got \[2 1\]"
     with running("octave", robot, program) as model, pytest.raises(VerificationError, match=message):

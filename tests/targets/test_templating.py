@@ -19,6 +19,7 @@ from derive.targets.numpy import render_numpy
 from derive.targets.readme import FILES
 from derive.targets.templating import environment, robot_argument, template_folder
 from tests.random_robots import sampled
+from tests.rows import text_of_rows
 from tests.targets.embedded import is_fresh, templates
 from tests.targets.generated_models import source_of
 from tests.targets.searched_arms import GENERAL, program_of, robot_of
@@ -107,7 +108,6 @@ def test_the_example_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     build_robot(Robot.load(name), tmp_path, verified=False, effort=Effort.QUICK)
     text = (tmp_path / name.replace("-", "_") / "README.md").read_text()
     match = re.search(r"```python\n(.*?)```", text, re.DOTALL)
-    assert match is not None
     monkeypatch.syspath_prepend(tmp_path)
     scope: dict[str, object] = {}
     exec(match.group(1), scope)
@@ -141,16 +141,14 @@ def test_no_tag_is_left() -> None:
     assert not re.search(r"\{\{|\{%|%\}|\}\}", page(Robot.load("puma560-corke")))
 
 
-ROD = """\
-name: rod
-convention: standard
-joints:
-  - {type: revolute, a: a1}
-links:
-  - {mass: 1.23456, com: [-0.2159, 0, 0], inertia: {zz: 0.019}}
+ROD = text_of_rows(
+    "R a: a1",
+    """
+links: [{mass: 1.23456, com: [-0.2159, 0, 0], inertia: {zz: 0.019}}]
 gravity: [0, -g, 0]
 parameters: {a1: 0.4318123456789, g: 9.80665}
-"""
+""",
+)
 
 
 def test_numbers_are_shown_in_decimals_of_six_digits_and_the_page_says_so() -> None:

@@ -9,6 +9,7 @@ from derive.api.build import build, stale, verify
 from derive.robot.robot import Robot
 from tests.random_robots import swept
 from tests.robot.test_trees import BODY, TORSO
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import arguments, needs_compiler, numpy_model
 
 OF_ENDS = (
@@ -50,6 +51,5 @@ def test_trees_are_built_verified_and_fresh(text: str, tmp_path: Path) -> None:
 
 
 def test_a_joint_that_nothing_loads_has_base_parameters_that_are_zero(tmp_path: Path) -> None:
-    arm = "name: arm\nconvention: standard\njoints:\n" + "".join(f"  - {{type: revolute, a: {a}}}\n" for a in (0, 1, 0))
-    loads = "gravity: [0, 0, -g]\nlinks: [{mass: m1}, {mass: m2}, {mass: m3}]\n"
-    assert build(Robot.from_text(arm + loads), tmp_path, targets=["numpy"], only=True).report.worst < 1e-9
+    robot = robot_of_rows("R | R a: 1 | R", "gravity: [0, 0, -g]\nlinks: [{mass: m1}, {mass: m2}, {mass: m3}]")
+    assert build(robot, tmp_path, targets=["numpy"], only=True).report.worst < 1e-9

@@ -34,12 +34,18 @@ commands = st.sampled_from(["\\input{x}", '"""', "*/", "??/", "{{x}}", "<script>
 hostile = st.builds(lambda parts: "".join(parts), st.lists(texts | commands, max_size=5))
 
 
-@given(hostile)
-def test_python_strings_read_back(text: str) -> None:
-    literal = escape.python_string(text)
-    assert ast.literal_eval(literal) == text
+@pytest.mark.parametrize(
+    ("written", "read", "never"),
+    [(escape.python_string, ast.literal_eval, "\n"), (escape.javascript_string, json.loads, "<>\n")],
+)
+@given(text=hostile)
+def test_strings_of_programs_read_back(
+    written: Callable[[str], str], read: Callable[[str], object], never: str, text: str
+) -> None:
+    literal = written(text)
+    assert read(literal) == text
     assert literal.isascii()
-    assert "\n" not in literal
+    assert not set(literal) & set(never)
 
 
 @given(hostile)
@@ -48,14 +54,6 @@ def test_docstrings_hold_one_line_of_text(text: str) -> None:
     tree = ast.parse(source)
     assert len(tree.body) == 2
     assert ast.literal_eval(tree.body[0].value) == escape.one_line(text)
-
-
-@given(hostile)
-def test_javascript_strings_are_json_without_tags(text: str) -> None:
-    literal = escape.javascript_string(text)
-    assert json.loads(literal) == text
-    assert literal.isascii()
-    assert not set(literal) & set("<>\n")
 
 
 @pytest.mark.parametrize(

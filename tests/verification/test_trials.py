@@ -28,15 +28,11 @@ from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import Parameters, SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE, Bounds, regressor_size, relative_errors
 from derive.verification.verify import BLOCK_ROWS, trials, verify
+from tests.rows import robot_of_rows, text_of_rows
 from tests.targets.generated_models import needs_compiler, needs_octave, numpy_model, write_package
 
-ARM = """
-name: arm
-convention: standard
-joints: [{type: revolute, a: a1}, {type: prismatic, alpha: pi/2}]
-links: [{mass: m1, com: [-1/2, 0, 0], inertia: {zz: 2}}, {mass: 3, com: [0, 0, 1/5]}]
-gravity: [0, -9.81, 0]
-"""
+LINKS = "[{mass: m1, com: [-1/2, 0, 0], inertia: {zz: 2}}, {mass: 3, com: [0, 0, 1/5]}]"
+ARM = text_of_rows("R a: a1 | P alpha: pi/2", f"links: {LINKS}\ngravity: [0, -9.81, 0]")
 
 
 class Perfect:
@@ -131,7 +127,6 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
             continue
         limits = Bounds(oracle, arguments[0])
         if FUNCTIONS[function].identifies:
-            assert oracle.identification is not None
             size = regressor_size(limits, oracle.identification, function, arguments[1:])
         else:
             size = limits.natural_size(function, arguments)
@@ -155,7 +150,7 @@ def test_errors_are_relative_exact_zeros_and_infinite_where_there_is_no_number()
     assert relative_errors(difference, scale).tolist() == [0.0, 0.0, 0.5, np.inf, np.inf]
 
 
-TEXT = "name: two-bars\nconvention: standard\njoints: [{type: revolute, a: a1}, {type: prismatic, alpha: pi/2}]\n"
+TWO_BARS = robot_of_rows("R a: a1 | P alpha: pi/2", name="two-bars")
 
 
 def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path) -> None:
@@ -168,22 +163,21 @@ def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path) -> None:
 
 @needs_octave
 def test_a_wrong_function_fails_the_verification(tmp_path: Path) -> None:
-    robot = Robot.from_text(TEXT)
-    write_package(tmp_path, robot)
-    assert {row.target for row in verify(robot, tmp_path, samples=3).rows} == {"octave"}
+    write_package(tmp_path, TWO_BARS)
+    assert {row.target for row in verify(TWO_BARS, tmp_path, samples=3).rows} == {"octave"}
     file = tmp_path / "+two_bars" / "jacobian.m"
     right = file.read_text()
     file.write_text(right.replace("J = reshape([\n", "J = 1.5*reshape([\n"))
     with pytest.raises(VerificationError, match=r"jacobian of \+two_bars differs: entry"):
-        verify(robot, tmp_path, samples=3)
+        verify(TWO_BARS, tmp_path, samples=3)
     file.write_text("function J = jacobian(q\n")
     with pytest.raises(VerificationError, match=r"jacobian of \+two_bars raises VerificationError: .*parse error"):
-        verify(robot, tmp_path, samples=3)
+        verify(TWO_BARS, tmp_path, samples=3)
 
 
 @needs_octave
 def test_an_octave_that_ends_is_one_message(tmp_path: Path) -> None:
-    write_package(tmp_path, Robot.from_text(TEXT))
+    write_package(tmp_path, TWO_BARS)
     with running_octave(tmp_path, find_octave()) as (model,):
         model.process.kill()
         with pytest.raises(VerificationError, match=r"Octave ended while it ran \+two_bars"):
@@ -191,11 +185,10 @@ def test_an_octave_that_ends_is_one_message(tmp_path: Path) -> None:
 
 
 def test_without_octave_the_report_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    robot = Robot.from_text(TEXT)
-    write_package(tmp_path, robot)
+    write_package(tmp_path, TWO_BARS)
     monkeypatch.setattr(module, "find_octave", lambda: None)
     (tmp_path / "MANIFEST.json").write_text('{"files": {"+two_bars/jacobian.m": ""}}')
-    report = verify(robot, tmp_path, samples=3)
+    report = verify(TWO_BARS, tmp_path, samples=3)
     assert octave_package(tmp_path) == "+two_bars"
     assert report.reasons == ("+two_bars: not verified, there is no Octave",)
     with running_octave(tmp_path, None) as found:
@@ -203,7 +196,7 @@ def test_without_octave_the_report_says_so(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_names_and_numbers_are_those_of_the_header() -> None:
-    robot = Robot.from_text("name: one\nconvention: standard\njoints: [{type: revolute, a: a1, d: d1}]\n")
+    robot = robot_of_rows("R a: a1, d: d1")
     program = build_program(robot, Effort.QUICK)
     model = CModel(ctypes.CDLL(None), render_c(Source(robot, program, "0.0.0"))["model.h"])
     shapes = {function.name: function.shape for function in program}
@@ -219,22 +212,13 @@ def test_code_that_does_not_compile_is_one_message(tmp_path: Path) -> None:
 
 
 Change = Callable[[Array, Array], tuple[Array, Array]]
-PLANAR = Robot.from_text(
-    "name: planar\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
-    "inverse: {task: [x, y]}\n"
-)
-
-
-NAMED = Robot.from_text(
-    "name: named\nconvention: standard\njoints:\n  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}\n"
-    "  - {type: revolute, a: 0.2, name: wrist}\ninverse: {task: [x, y], given: [q3]}\n"
-)
+PLANAR = robot_of_rows("R a: 0.5 | R a: 0.4", "inverse: {task: [x, y]}")
+NAMED = robot_of_rows("R a: 0.5 | R a: 0.4 | R a: 0.2, name: wrist", "inverse: {task: [x, y], given: [q3]}")
 
 
 @cache
 def right_model(robot: Robot = PLANAR) -> NumpyModel:
     program = build_program(robot, Effort.QUICK, names={"forward_kinematics"}, inverse=True)
-    assert program.inverse is not None
     assert program.inverse.branches == 2
     return NumpyModel(numpy_model(robot, program))
 

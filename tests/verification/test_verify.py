@@ -23,6 +23,7 @@ from derive.verification.samples import SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE
 from derive.verification.verify import verify
 from tests.random_robots import random_robot, seeds
+from tests.rows import text_of_rows
 
 HEAD = """
 from functools import cache
@@ -259,13 +260,9 @@ def jacobian(q, params=None):
 
 def test_rounding_in_the_oracle_is_not_taken_for_inertia(tmp_path: Path) -> None:
     """The last link is a point on its own axis, on which the oracle's levers are rounding and not zero."""
-    text = """
-name: point-on-axis
-convention: standard
-joints: [{type: revolute, a: 0.371752901208, alpha: pi/3}, {type: revolute, d: -0.290053837538}]
-gravity: [0, 0, -9.81]
-links: [{mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}, {mass: 0.5}]
-"""
+    links = "links: [{mass: 0.1, com: [0, 0.1, 0.2], inertia: {yy: 0.02, zz: 0.01}}, {mass: 0.5}]"
+    rows = "R a: 0.371752901208, alpha: pi/3 | R d: -0.290053837538"
+    text = text_of_rows(rows, f"gravity: [0, 0, -9.81]\n{links}")
     robot = write_stand_in(tmp_path, text, altered("forward_dynamics", "value = value + np.inf"))
     (row,) = (row for row in verify(robot, tmp_path).rows if row.function == "forward_dynamics")
     assert row.samples == 0

@@ -94,7 +94,7 @@ def test_joints_that_do_not_move_the_point_are_left_out_and_ranges_that_are_not_
     assert point("scara-perugia").moving == (0, 1, 2)
     assert plane("scara-perugia", Picture.TOP).joints == (0, 1)
     assert plane("scara-perugia", Picture.SECTION).joints == (1, 2)
-    ranges = point("[{type: revolute, a: 2, limits: [0, 1]}, {type: prismatic}]").ranges
+    ranges = point("R a: 2, limits: [0, 1] | P").ranges
     assert [(way.lower, way.upper, way.assumed) for way in ranges] == [(0.0, 1.0, False), (0.0, 2.0, True)]
     assert ranges[1].interval == "from 0 to 2 m"
 

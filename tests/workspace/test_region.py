@@ -23,6 +23,7 @@ from derive.workspace.region import (
 )
 from derive.workspace.views import Workspace, find_workspace, find_wrist
 from tests.random_robots import swept, swept_catalogue
+from tests.rows import robot_of_rows
 from tests.workspace.arms import arm, limited_joints, plane, point
 
 shapely = pytest.importorskip("shapely")
@@ -174,8 +175,7 @@ def test_arms_with_limits_have_one_area_in_both_ways(seed: int) -> None:
 def test_a_redundant_planar_arm_covers_its_disc(link: str, count: int, parts: int, least: float) -> None:
     """Ten links in a line are as good as never sampled; the search goes on beyond the grid around the samples."""
     reach = count * float(link[3:].split(",")[0])
-    joints = ", ".join(f"{{type: revolute, {link}}}" for _ in range(count))
-    area = refined_area(plane(f"[{joints}]", Picture.TOP), parts)
+    area = refined_area(plane("|".join([f"R {link}"] * count), Picture.TOP), parts)
     assert area.region.bounds[2] == pytest.approx(reach, abs=5e-4 * reach)
     assert 1.01 * math.pi * reach**2 > area.region.area > least * math.pi * reach**2
 
@@ -222,7 +222,7 @@ def test_postures_are_those_within_the_limits_and_none_reaches_beyond_the_arm() 
     assert not found.has_formulas
     q = seen.point.random(200, seen.joints, seed=2)
     assert (found.number(seen, seen.places(q)) == 1).all()  # the elbow bends to one side
-    free = plane("[{type: revolute, a: 1}, {type: revolute, a: 0.5}]", Picture.TOP)
+    free = plane("R a: 1 | R a: 0.5", Picture.TOP)
     assert (Postures.of(free.point).number(free, seen.places(q)) == 2).all()
     seen = plane("holed", Picture.TOP)
     assert Postures.of(seen.point).number(seen, np.array([[0.1, 1.0, 1.9], [0.0, 0.0, 0.0]])).tolist() == [0, 2, 0]
@@ -231,8 +231,7 @@ def test_postures_are_those_within_the_limits_and_none_reaches_beyond_the_arm() 
 def test_arms_of_many_joints_are_not_asked_and_hands_that_slide_are_no_wrists() -> None:
     assert Postures.of(point("kuka-lwr4")) is None
     assert find_wrist(point("anthropomorphic-arm")) is None  # its last axes do not meet
-    slides = "[{type: revolute, a: 1}, {type: revolute, alpha: pi/2}, {type: prismatic, limits: [0.2, 1]}]"
-    assert find_wrist(point(slides)) is None
+    assert find_wrist(point("R a: 1 | R alpha: pi/2 | P limits: [0.2, 1]")) is None
 
 
 Limits = tuple[float, float]
@@ -254,10 +253,10 @@ def turns_everywhere(*ways: Limits) -> bool:
 @pytest.mark.parametrize("ways", [*product((FULL, HALF, LESS), (FULL, BEYOND, LESS), (FULL, HALF))])
 def test_a_wrist_is_complete_if_brute_force_finds_every_orientation(ways: tuple[Limits, Limits, Limits]) -> None:
     cells = [
-        f"{{type: revolute, alpha: {alpha}, limits: [{low}, {high}]}}"
+        f"R alpha: {alpha}, limits: [{low}, {high}]"
         for alpha, (low, high) in zip(("-pi/2", "pi/2", "0"), ways, strict=True)
     ]
-    found = find_wrist(point(f"[{{type: revolute, a: 1}}, {', '.join(cells)}]"))
+    found = find_wrist(point("|".join(["R a: 1", *cells])))
     assert found.complete == turns_everywhere(*ways)
 
 
@@ -270,8 +269,8 @@ def test_limits_of_a_wrist_that_are_assumed_are_told() -> None:
 )
 def test_places_are_dexterous_if_all_orientations_are_reached(limits: tuple[Limits, Limits]) -> None:
     """The pose of a planar arm in closed form: both elbows, within the limits."""
-    rows = [f"{{type: revolute, a: {a}, limits: [{w[0]}, {w[1]}]}}" for a, w in zip((1, 0.8), limits, strict=True)]
-    (view,) = find_workspace(RobotPoses(arm(f"[{', '.join(rows)}, {{type: revolute, a: 0.15}}]"))).views
+    rows = [f"R a: {a}, limits: [{w[0]}, {w[1]}]" for a, w in zip((1, 0.8), limits, strict=True)]
+    (view,) = find_workspace(RobotPoses(robot_of_rows("|".join([*rows, "R a: 0.15"])))).views
     x, y = np.random.default_rng(5).uniform(-2.0, 2.0, (2, 4_000, 1))
     hand = np.linspace(0.0, TURN, 180, endpoint=False)
     u, v = x - 0.15 * np.cos(hand), y - 0.15 * np.sin(hand)

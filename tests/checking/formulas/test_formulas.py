@@ -244,7 +244,6 @@ def test_every_mutant_is_found_and_nine_of_ten_are_repaired(count: int) -> None:
 
 def item(text: str) -> YamlMapping:
     node = read_tree(text.encode(), "notes.yaml")
-    assert node is not None
     return reading.mapping(node, "an item")
 
 

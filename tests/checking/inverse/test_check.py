@@ -11,7 +11,7 @@ from derive.checking.comparison import POSE_NAMES, check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
 from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import KINDS, check_inverse, inverse_text, shown
+from derive.checking.inverse.check import check_inverse, inverse_text, shown
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places
 from derive.checking.inverse.printed import PrintedInverse
@@ -199,7 +199,6 @@ def test_a_slip_in_a_primed_line_is_named(old: str, new: str, said: str) -> None
 def test_primes_are_second_solutions_of_joints_and_signs_are_written_as_in_notes() -> None:
     with pytest.raises(CheckError, match="prime"):
         checked("spherical-wrist", "D' = r33; theta5 = +-acos(r33)")
-    assert KINDS
     assert shown("a + ±1*sqrt(b)") == "a +- sqrt(b)"
     assert shown("±1*sqrt(b)") == "+-sqrt(b)"
 

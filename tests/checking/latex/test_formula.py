@@ -20,6 +20,7 @@ from derive.robot.expression import Call, Expression, Name, Pi, add, multiply, n
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from tests.lectures.results import ROBOT_FILES, corpus_file, document
+from tests.rows import robot_of_rows
 
 SCARA = Robot.load("scara-perugia-zup")
 WRIST = Robot.load("spherical-wrist")
@@ -108,9 +109,9 @@ def test_labels_are_those_of_the_joint_variables_and_other_names_unknown() -> No
 
 
 def test_names_are_matched_loosely_only_where_that_is_clear_and_greek_angles_may_stand_in_an_index() -> None:
-    robot = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1, d: l_1, alpha: Izz1}]\n")
+    robot = robot_of_rows("R a: L_1, d: l_1, alpha: Izz1")
     assert read_latex("L_1 + l_1 + I_{1zz}", robot) == read_formula("L_1 + l_1 + Izz1", robot)
-    clear = Robot.from_text("name: x\nconvention: standard\njoints: [{type: revolute, a: L_1}]\n")
+    clear = robot_of_rows("R a: L_1")
     assert read_latex("l_1", clear) == read_formula("L_1", clear)
     robot = Robot.load("dh-general-usp")
     angle = next(name for name in robot_symbols(robot) if name.startswith("alpha"))
@@ -182,10 +183,7 @@ def test_the_printed_latex_says_what_the_plain_strings_say() -> None:
     assert different == [], different
 
 
-ARM = Robot.from_text(
-    "name: arm\nconvention: standard\njoints:\n  - {type: revolute, a: l_1, alpha: alpha1}\n"
-    "  - {type: revolute, a: ml1}\n  - {type: prismatic}\n"
-)
+ARM = robot_of_rows("R a: l_1, alpha: alpha1 | R a: ml1 | P")
 
 
 def meaning(text: str, dots: int = 0) -> Expression:
@@ -215,12 +213,10 @@ def test_a_printed_name_stands_for_one_thing(text: str, expected: Expression) ->
 def test_dots_are_rates_and_two_ways_to_read_a_name_are_one_too_many() -> None:
     assert meaning("theta1", 1) == Name("qd1")
     assert meaning("q3", 2) == Name("qdd3")
-    robot = Robot.from_text("name: r\nconvention: standard\njoints: [{type: revolute, a: m_1, d: m_1_}]\n")
     with pytest.raises(CheckError, match="two ways"):
-        LatexNames(robot).meaning(Symbol("m1", 0))
+        LatexNames(robot_of_rows("R a: m_1, d: m_1_")).meaning(Symbol("m1", 0))
     assert LatexNames(ARM).circular(Symbol("c", 0)) == "cos"
-    with_c = Robot.from_text("name: r\nconvention: standard\njoints: [{type: revolute, a: c}]\n")
-    assert LatexNames(with_c).circular(Symbol("c", 0)) == ""
+    assert LatexNames(robot_of_rows("R a: c")).circular(Symbol("c", 0)) == ""
 
 
 @pytest.mark.parametrize(("text", "dots"), [("zz", 0), ("theta3", 0), ("l1", 1), ("q1", 3)])

@@ -10,13 +10,13 @@ from derive.checking.latex.matrix_names import MatrixNames
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.quantities import OWN, own_quantity, slope
 from derive.checking.latex.scope import Scope
-from derive.checking.latex.sides import SideReading
 from derive.errors import Location
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
+from tests.rows import robot_of_rows
 
 ARM = Model(Robot.load("anthropomorphic-arm"))
 Q = {"q1": 0.3, "q2": -0.7, "q3": 1.1}
@@ -28,31 +28,17 @@ def numbers(value: sympy.Matrix, q: dict[str, float]) -> np.ndarray:
     return np.array(value.subs(free | RATES | q), dtype=float)
 
 
-@pytest.mark.parametrize(
-    ("text", "frames"), [(r"T_1^0 T_2^1", (0, 2)), (r"T_2^1 T_3^0", None), (r"A_1^{-1} T_3^0", (1, 3))]
-)
-def test_a_product_of_transforms_names_what_it_leads_to(text: str, frames: tuple[int, int] | None) -> None:
-    scope = Scope(ARM, f"$$ {text} = 1 $$", Location("page"), document=True)
-    side = SideReading(scope, "").side(scope.equations[0][0], True)
-    assert (side.frames, len(side.factors)) == (frames, 2)
-
-
-MODIFIED = """
-name: rpr
-convention: modified
-joints:
-  - {type: revolute, d: d1}
-  - {type: prismatic, alpha: pi/3, a: a1}
-  - {type: revolute, alpha: -pi/2, a: a2}
+BODIES = """
 gravity: [0, g, -g]
 links:
   - {mass: m1, com: [x1, 0, z1], inertia: {xx: A1, yy: B1, zz: C1, xy: D1}}
   - {mass: m2, com: [x2, y2, 0], inertia: {xx: A2, yy: B2, zz: C2, yz: D2}}
   - {mass: m3, com: [0, y3, z3], inertia: {xx: A3, yy: B3, zz: C3, xz: D3}}
 """
+RPR = robot_of_rows("R d: d1 | P alpha: pi/3, a: a1 | R alpha: -pi/2, a: a2", BODIES, convention="modified")
 
 
-@pytest.mark.parametrize("robot", [Robot.load("scara-perugia"), Robot.from_text(MODIFIED)], ids=["scara", "rpr"])
+@pytest.mark.parametrize("robot", [Robot.load("scara-perugia"), RPR], ids=["scara", "rpr"])
 def test_the_moment_on_a_link_along_its_joint_is_the_torque_of_the_joint(robot: Robot) -> None:
     bodies = tuple(replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO) for link in robot.links)
     model = Model(replace(robot, links=bodies))

@@ -5,16 +5,17 @@ import pytest
 from derive.checking.latex.comparing import VAGUE
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.left import Scripts, taken_apart
-from derive.checking.latex.meanings import Meanings
 from derive.checking.latex.poses import MARK, Poses
 from derive.checking.latex.scope import Scope
+from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target, candidates
-from derive.checking.latex.whole import chained, factors, frames_of, unused
+from derive.checking.latex.whole import frames_of, unused
 from derive.errors import Location
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Pi, number
 from derive.robot.robot import Robot
 from tests.checking.test_pages import ANT, checked
+from tests.rows import robot_of_rows
 
 ARM = Robot.load("planar-2r-perugia")
 ROTATION = r"\begin{bmatrix} c_2 & -s_2 \\ s_2 & c_2 \end{bmatrix}"
@@ -41,16 +42,9 @@ def test_the_reading_is_what_most_matrices_need() -> None:
     assert turned.readings == ["transforms are read as T^i_j = pose of frame i in frame j (1 of 1 matrix)"]
 
 
-SPHERICAL = Robot.from_text("""name: spherical-wrist
-convention: standard
-joints:
-  - {type: revolute, d: d1, alpha: pi/2}
-  - {type: revolute, a: a2}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, d: d4, alpha: -pi/2}
-  - {type: revolute, alpha: pi/2}
-  - {type: revolute, d: d6}
-""")
+SPHERICAL = robot_of_rows(
+    "R d: d1, alpha: pi/2 | R a: a2 | R alpha: pi/2 | R d: d4, alpha: -pi/2 | R alpha: pi/2 | R d: d6"
+)
 WRIST = r"""
 $$\theta_4 = \text{atan2}(r_{23}, r_{13})$$
 $$\theta_5 = \pm\arccos(r_{33})$$
@@ -191,6 +185,8 @@ def test_two_different_slips_have_no_common_cause() -> None:
         (r"\mathbf{A}_1(q_1) \mathbf{A}_2(q_2)", (0, 2)),
         (r"(T_1^0)^{-1} T_3^0", (1, 3)),
         (r"(R_1^0)^T R_3^0", (1, 3)),
+        (r"A_1^{-1} T_3^0", (1, 3)),
+        (r"T_2^1 T_3^0", None),
         (r"T_1^0 T_3^2", None),
         (r"T_1^0", None),
     ],
@@ -198,8 +194,8 @@ def test_two_different_slips_have_no_common_cause() -> None:
 def test_a_product_of_transforms_leads_from_its_first_frame_to_its_last(
     text: str, frames: tuple[int, int] | None
 ) -> None:
-    meanings, lefts = Meanings(Model(ANT)), factors(text)
-    assert (chained(meanings, lefts) if lefts else None) == frames
+    found = Scope(Model(ANT), f"$$ {text} = 1 $$", Location("page"), document=True)
+    assert SideReading(found, "").side(found.equations[0][0], True).frames == frames
 
 
 def test_a_product_alone_is_compared_and_one_that_skips_a_frame_is_not() -> None:
@@ -217,7 +213,6 @@ def test_frames_are_those_of_transforms_and_rotations_only() -> None:
 
 def test_a_partial_derivative_is_an_entry_of_the_jacobian() -> None:
     left = taken_apart(r"\frac{\partial y}{\partial \theta_2}")
-    assert left is not None
     assert Target("J", (2,), (2,)) in candidates(left, 2)
     report = checked(ARM, r"$$\frac{\partial x}{\partial \theta_2} = -a_2 \sin(\theta_1 + \theta_2)$$")
     assert (report.equal, report.wrong) == (1, ())

@@ -30,6 +30,7 @@ from derive.workspace.poses import RobotPoses
 from derive.workspace.views import find_workspace
 from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import chains, robot_text
+from tests.rows import robot_of_rows
 
 
 def drawn(robot: Robot | str, q: list[float] | None = None, title: str = "an arm") -> Drawing:
@@ -162,9 +163,7 @@ def test_lines_of_latex_are_short_enough_for_any_tex() -> None:
 def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_cells() -> None:
     """Matplotlib sets no small fraction."""
     pytest.importorskip("matplotlib")
-    rows = "[{type: revolute, a: 1/7, d: 2/3}, {type: revolute, a: sqrt(2)/3}]"
-    robot = Robot.from_text(f"name: sevenths\nconvention: standard\njoints: {rows}\n")
-    drawing = drawn(robot)
+    drawing = drawn(robot_of_rows("R a: 1/7, d: 2/3 | R a: sqrt(2)/3"))
     assert {"a_{1}", "d_{1}", "a_{2}"} <= _labels(drawing)
     assert drawing_bytes(drawing, ".svg").startswith(b"<?xml")
 
@@ -172,7 +171,6 @@ def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_c
 def test_svg_is_well_formed_and_titled_whatever_the_title_holds() -> None:
     root = ElementTree.fromstring(svg_drawing(drawn("scara-perugia", title="a < b & \"c\" \x00 'd'")))
     title = root.find("{http://www.w3.org/2000/svg}title")
-    assert title is not None
     assert title.text == "a < b & \"c\"   'd'"
     assert root.get("role") == "img"
 
@@ -228,7 +226,6 @@ def branches(*configurations: tuple[float, float]) -> Drawing | None:
 
 
 def arms(drawing: Drawing | None) -> list[Path]:
-    assert drawing is not None
     return [item for item in drawing.items if isinstance(item, Path) and item.width == 1.5]
 
 
@@ -243,7 +240,6 @@ def test_a_planar_arm_is_seen_from_above_and_both_elbows_end_at_one_point() -> N
 def test_configurations_that_cover_each_other_are_one_line_with_both_numbers() -> None:
     drawing = branches((0.2, 0.9), (1.1, -0.9), (0.2, 0.9))
     assert len(arms(drawing)) == 2
-    assert drawing is not None
     assert [item.latex for item in drawing.items if isinstance(item, Label)] == ["1,3", "2"]
 
 

@@ -78,11 +78,8 @@ def test_lines_break_outside_of_brackets_if_they_can() -> None:
 
 def test_short_equations_share_a_line() -> None:
     equations = [Equation(italic(letter), (TexPiece(italic("x")),)) for letter in "abcdefgh"]
-    lines = equation_lines(equations)
-    assert len(lines) == 1
-    assert [lines[0].index(f"{letter} =") for letter in "abcdefgh"] == sorted(
-        lines[0].index(f"{letter} =") for letter in "abcdefgh"
-    )
+    (line,) = equation_lines(equations)
+    assert re.findall(r"(\w) =", line) == list("abcdefgh")
 
 
 def test_boxes_are_packed_within_the_width() -> None:
@@ -195,13 +192,10 @@ def test_a_line_that_was_broken_behind_a_name_may_end_there_again() -> None:
 
 def test_a_matrix_is_also_its_entries() -> None:
     matrix = matrix_equation("\\phantom{A} = \\begin{bmatrix} a & b \\\\ b & 0 \\end{bmatrix}")
-    assert matrix is not None
     assert matrix.entries() == ["(A)_{11} = a", "(A)_{12} = b"]
     column = matrix_equation("p = AB = \\begin{bmatrix} x \\\\ 0 \\\\ y \\end{bmatrix}")
-    assert column is not None
     assert column.entries() == ["(p)_{1} = x", "(p)_{3} = y"]
     spaced = matrix_equation("p = \\begin{bmatrix} \\tfrac{1}{2} \\\\[0.6ex] \\tfrac{1}{3} \\end{bmatrix}")
-    assert spaced is not None
     assert spaced.entries() == ["(p)_{1} = \\tfrac{1}{2}", "(p)_{2} = \\tfrac{1}{3}"]
     assert matrix_equation("x = a + b") is None
 

@@ -20,6 +20,7 @@ from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
 from tests.random_robots import chains
+from tests.rows import robot_of_rows
 from tests.workspace.arms import arm
 
 WRITE = PlainPrinter().doprint
@@ -117,14 +118,6 @@ def test_an_arm_without_bounds_says_what_to_do() -> None:
     assert lines("spherical-wrist", "text")[0].startswith("no bound")
 
 
-ORTHOGONAL = """
-name: orthogonal
-convention: standard
-joints: [{type: revolute, a: 1, alpha: -pi/2}, {type: revolute, d: 1, a: 2, alpha: pi/2}, {type: revolute, a: 1.5}]
-inverse: {task: position}
-"""
-
-
 @pytest.fixture(scope="module")
 def planar() -> InverseKinematics:
     return InverseKinematics(planar_graph(), PLANAR, PLANAR.style)
@@ -157,7 +150,7 @@ def test_in_python_every_line_is_an_assignment_of_what_is_known(planar: InverseK
 
 
 def test_what_has_no_formula_is_said_in_python_and_latex_too() -> None:
-    robot = Robot.from_text(ORTHOGONAL)
+    robot = robot_of_rows("R a: 1, alpha: -pi/2 | R d: 1, a: 2, alpha: pi/2 | R a: 1.5", "inverse: {task: position}")
     found = inverse_kinematics(robot, robot.style)
     text, latex, python = (derivation_lines(found, form, Notation.of(robot)) for form in ("text", "latex", "python"))
     assert "   of the fourth degree in tan(q3/2): at most 4 values" in text

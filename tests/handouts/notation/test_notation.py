@@ -28,6 +28,7 @@ from derive.robot.options.handout import (
 )
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import assert_widths
+from tests.rows import robot_of_rows
 
 q1, q2, d3, a1, a2, m1, qd1, qd2, dd3 = symbols("q1 q2 d3 a1 a2 m1 qd1 qd2 dd3")
 
@@ -39,16 +40,7 @@ FULL = NotationOptions(angle=AngleLetter.VARTHETA, functions=Functions.FULL)
 
 
 def scara(extra: str = "", third: str = "d3", alpha: str = "0") -> Robot:
-    rows = [
-        f"  - {{type: revolute, a: a1, alpha: {alpha}}}",
-        "  - {type: revolute, a: a2}",
-        f"  - {{type: prismatic, q: {third}}}",
-    ]
-    return Robot.from_text("name: arm\nconvention: standard\njoints:\n" + "\n".join(rows) + "\n" + extra)
-
-
-def joints(rows: str) -> Robot:
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints: [{rows}]\n")
+    return robot_of_rows(f"R a: a1, alpha: {alpha} | R a: a2 | P q: {third}", extra)
 
 
 def printed(expression: object, options: NotationOptions, robot: Robot | None = None) -> str:
@@ -93,13 +85,13 @@ TOOL = "tool: [[1,0,0,d3],[0,1,0,theta1],[0,0,1,0],[0,0,0,1]]\n"
         ),
         # q1 and u1 cannot both be theta_1
         (
-            joints("{type: revolute}, {type: revolute, q: u1}, {type: prismatic, q: d1}"),
+            robot_of_rows("R | R q: u1 | P q: d1"),
             NotationOptions(AngleLetter.THETA, SliderLetter.Q),
             {"q1": "q_{1}", "u1": "u_{1}", "d1": "d_{1}"},
         ),
         # limits have symbols too
         (
-            joints("{type: prismatic, q: q3, limits: [0, d3]}, {type: prismatic, q: q4}"),
+            robot_of_rows("P q: q3, limits: [0, d3] | P q: q4"),
             THETAS,
             {"q3": "q_{3}", "q4": "d_{4}", "d3": "d_{3}"},
         ),
@@ -126,12 +118,11 @@ def test_no_two_names_look_the_same_in_any_notation(
     names: list[str], options: NotationOptions, source: random.Random
 ) -> None:
     count = source.randint(1, len(names))
-    kinds = [source.choice(["revolute", "prismatic"]) for _ in range(count)]
+    kinds = [source.choice("RP") for _ in range(count)]
     lengths = names[count:] + ["1"] * count
-    rows = [f"{{type: {kind}, q: {q}, a: {a}}}" for kind, q, a in zip(kinds, names, lengths, strict=False)]
-    rows += [f"{{type: revolute, q: w{k}, a: {name}}}" for k, name in enumerate(lengths[count:]) if name != "1"]
-    robot = joints(", ".join(rows))
-    assert_different(robot, options)
+    rows = [f"{kind} q: {q}, a: {a}" for kind, q, a in zip(kinds, names, lengths, strict=False)]
+    rows += [f"R q: w{k}, a: {name}" for k, name in enumerate(lengths[count:]) if name != "1"]
+    assert_different(robot_of_rows("|".join(rows)), options)
 
 
 @pytest.mark.first(9)
@@ -168,9 +159,7 @@ def test_short_functions_keep_their_labels_with_any_letter() -> None:
 
 
 def test_long_sums_in_full_still_fit_on_lines() -> None:
-    rows = ", ".join("{type: revolute, a: a}" for _ in range(40))
-    robot = joints(rows)
-    printer = LatexPrinter(Notation.of(robot, FULL))
+    printer = LatexPrinter(Notation.of(robot_of_rows("|".join(["R a: a"] * 40)), FULL))
     angles = [Symbol(f"q{k}") for k in range(1, 41)]
     assert len(printer.pieces(cos(angles[0] + angles[1]))) == 1
     assert len(equation_lines([Equation(italic("x"), tuple(printer.pieces(cos(sum(angles)))))])) > 1

@@ -22,12 +22,13 @@ from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 from tests.handouts.latex_runner import assert_widths
 from tests.interpreters import another_hash_seed, printed_by
+from tests.rows import robot_of_rows
 
 
 def arm(joints: int = 4, extra: str = "") -> Robot:
-    rows = "\n".join(f"  - {{type: revolute, a: a{i}, alpha: alpha{i}}}" for i in range(1, joints + 1))
+    rows = "|".join(f"R a: a{i}, alpha: alpha{i}" for i in range(1, joints + 1))
     links = "\n".join(f"  - {{mass: m{i}, com: [l{i}, 0, 0], inertia: {{zz: I{i}}}}}" for i in range(1, joints + 1))
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n{extra}")
+    return robot_of_rows(rows, f"links:\n{links}\n{extra}")
 
 
 PRINTER = LatexPrinter(Notation.of(arm()))
@@ -124,7 +125,7 @@ def test_labels_of_two_digits_are_told_apart() -> None:
     ],
 )
 def test_robots_given_in_decimals_are_printed_in_decimals(value: str, latex: str) -> None:
-    robot = Robot.from_text(f"name: arm\nconvention: standard\njoints: [{{type: revolute, a: 0.25, d: '{value}'}}]\n")
+    robot = robot_of_rows(f"R a: 0.25, d: '{value}'")
     assert LatexPrinter(Notation.of(robot)).latex(Rational(value)) == latex
 
 
@@ -150,11 +151,8 @@ def test_widths_are_those_that_tex_finds(tmp_path: Path) -> None:
     assert_widths(boxes, tmp_path)
 
 
-CELL = "name: arm\nconvention: standard\nunits: {{angle: {unit}}}\njoints:\n  - {{type: {kind}, {cells}}}\n"
-
-
 def data_printer(cells: str, kind: str = "revolute", unit: str = "rad") -> tuple[DataPrinter, Robot]:
-    robot = Robot.from_text(CELL.format(cells=cells, kind=kind, unit=unit))
+    robot = robot_of_rows(f"{kind[0].upper()} {cells}", f"units: {{angle: {unit}}}")
     return DataPrinter(robot, Notation.of(robot, robot.handout.notation)), robot
 
 
@@ -297,17 +295,12 @@ def test_order_and_shorthand_are_those_of_the_notes(expression: Any, printed: st
     assert TextPrinter(ROBOT).doprint(expression) == printed
 
 
-def robot_with(row: str, count: int) -> Robot:
-    rows = "".join(f"  - {row.format(i=i)}\n" for i in range(1, count + 1))
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}")
-
-
 @pytest.mark.parametrize(
     "robot",
     [
-        robot_with("{{type: revolute, a: c1}}", 2),
-        robot_with("{{type: revolute, a: a{i}}}", 12),
-        robot_with("{{type: revolute, q: theta{i}_1, a: a{i}}}", 2),
+        robot_of_rows("R a: c1 | R a: c1"),
+        robot_of_rows("|".join(f"R a: a{i}" for i in range(1, 13))),
+        robot_of_rows("R q: theta1_1, a: a1 | R q: theta2_1, a: a2"),
     ],
     ids=["a parameter looks like a token", "labels of two digits", "labels that occur twice"],
 )

@@ -20,6 +20,7 @@ from derive.handouts.page.viewer import symbol_values, travels
 from derive.robot.robot import Robot
 from tests.handouts.page.page_documents import assumed, viewer_page
 from tests.random_robots import swept
+from tests.rows import robot_of_rows
 from tests.targets.generated_models import numpy_model
 
 pytestmark = pytest.mark.first(1)
@@ -27,16 +28,11 @@ pytestmark = pytest.mark.first(1)
 ROBOTS = ("scara-perugia", "puma560-laschi", "stanford-laschi")
 SAMPLES = 20
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
-MODIFIED = """
-name: folding
-convention: modified
-gravity: [0, -9.81, 0]
-joints:
-  - {type: revolute, d: 0.4, limits: [-pi/2, 1]}
-  - {type: prismatic, alpha: -pi/2, limits: [0.2, 0.7]}
-  - {type: revolute, alpha: pi/2, a: a2, d: -0.1}
-base: [[1, 0, 0, 0.1], [0, 0, 1, 0], [0, -1, 0, 0.2], [0, 0, 0, 1]]
-"""
+FOLDING = robot_of_rows(
+    "R d: 0.4, limits: [-pi/2, 1] | P alpha: -pi/2, limits: [0.2, 0.7] | R alpha: pi/2, a: a2, d: -0.1",
+    "gravity: [0, -9.81, 0]\nbase: [[1, 0, 0, 0.1], [0, 0, 1, 0], [0, -1, 0, 0.2], [0, 0, 0, 1]]",
+    convention="modified",
+)
 
 
 def chromium() -> str:
@@ -57,26 +53,41 @@ def browser() -> Iterator[Any]:
         launched.close()
 
 
+def watched(page: Any, path: Path) -> list[str]:
+    """What a page does that it must not, as it comes: writing to the console, failing, dialogs, asking for files."""
+    trouble: list[str] = []
+
+    def _note(url: str) -> None:
+        if url != path.as_uri() and not url.startswith("data:"):
+            trouble.append(f"request: {url}")
+
+    page.on("console", lambda message: trouble.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: trouble.append(str(error)))
+    page.on("dialog", lambda dialog: trouble.append(dialog.message))
+    page.on("request", lambda request: _note(request.url))
+    page.goto(path.as_uri())
+    return trouble
+
+
+def serious(page: Any) -> list[str]:
+    """What axe finds that shuts people out."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    found = [v for v in axe.run(page).response["violations"] if v["impact"] in ("serious", "critical")]
+    return [f"{v['id']}: {node['html'][:120]}" for v in found for node in v["nodes"]]
+
+
 class Figure:
     def __init__(self, browser: Any, folder: Path, robot: Robot, theme: str = "", without_webgl: bool = False) -> None:
         self.robot = robot
         self.values = symbol_values(robot, (), assumed(robot))
         self.travels = travels(robot, self.values)
-        self.trouble: list[str] = []
         path = folder / "viewer.html"
         path.write_text(viewer_page(robot, theme=theme), encoding="utf-8")
         self.page = browser.new_page(viewport={"width": 1000, "height": 700})
         if without_webgl:
             self.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null;")
-        self.page.on("console", lambda message: self.trouble.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
-        self.page.on("request", lambda request: self._note(request.url, path))
-        self.page.goto(path.as_uri())
+        self.trouble = watched(self.page, path)
         self.settle()
-
-    def _note(self, url: str, path: Path) -> None:
-        if url != path.as_uri() and not url.startswith("data:"):
-            self.trouble.append(f"request: {url}")
 
     def settle(self) -> None:
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -123,7 +134,7 @@ def is_same_picture(one: bytes, other: bytes) -> bool:
 @cache
 def opened(browser: Any, folder: Path, name: str) -> Figure:
     """Tests share pages: to open one takes a second."""
-    robot = Robot.from_text(MODIFIED) if name == "folding" else Robot.load(name)
+    robot = FOLDING if name == "folding" else Robot.load(name)
     (folder / name).mkdir()
     return Figure(browser, folder / name, robot)
 
@@ -306,9 +317,7 @@ def test_without_webgl_sliders_pose_and_coordinates_still_work(browser: Any, tmp
 
 
 def test_the_figure_is_accessible(figure: Figure) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    found = axe.Axe().run(figure.page).response["violations"]
-    assert [v["id"] for v in found if v["impact"] in ("serious", "critical")] == []
+    assert serious(figure.page) == []
 
 
 SWEPT = swept("planar-2r-perugia", "puma560-laschi", "stanford-laschi")

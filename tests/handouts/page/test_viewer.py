@@ -26,16 +26,13 @@ from derive.workspace.poses import RobotPoses
 from tests.handouts.page.page_documents import ENTRIES, TITLE, assumed, document
 from tests.handouts.reading import lines
 from tests.random_robots import random_robot, seeds
+from tests.rows import robot_of_rows
 
 BUNDLE_BUDGET = 600_000
 
 
 def figure(robot: Robot, text: Text | None = None) -> Viewer:
     return viewer(robot, build_program(robot, Effort.QUICK), assumed(robot), text or Text())
-
-
-def arm(rows: str, more: str = "") -> Robot:
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}\n{more}")
 
 
 @pytest.mark.parametrize("seed", seeds(12, usual=4))
@@ -70,9 +67,7 @@ def test_words_are_translated_and_inert() -> None:
 
 
 def test_a_prismatic_joint_without_limits_goes_as_far_as_the_longest_link() -> None:
-    robot = arm(
-        "  - {type: revolute, a: 0.3}\n  - {type: prismatic, d: q2 + 0.75}\n  - {type: revolute, limits: [1, 2]}"
-    )
+    robot = robot_of_rows("R a: 0.3 | P d: q2 + 0.75 | R limits: [1, 2]")
     first, second, third = travels(robot, symbol_values(robot, (), {}))
     assert (first.lower, first.upper, first.start) == (-math.pi, math.pi, 0)
     assert (second.lower, second.upper, second.start) == (0, 0.75, 0.375)
@@ -80,14 +75,13 @@ def test_a_prismatic_joint_without_limits_goes_as_far_as_the_longest_link() -> N
 
 
 def test_the_figure_configuration_is_where_it_starts() -> None:
-    robot = arm("  - {type: revolute, a: 0.3}\n  - {type: revolute, a: a2}", "figure: {q: [pi/2, -1]}\n")
+    robot = robot_of_rows("R a: 0.3 | R a: a2", "figure: {q: [pi/2, -1]}")
     assert [travel.start for travel in travels(robot, symbol_values(robot, (), {"a2": 1.0}))] == [math.pi / 2, -1]
 
 
 def test_up_is_against_gravity() -> None:
-    link = "links: [{mass: 1}]"
-    assert upwards(arm("  - {type: revolute, a: 1}", f"gravity: [0, -9.81, 0]\n{link}\n"), {}) == (0, 1, 0)
-    assert upwards(arm("  - {type: revolute, a: 1}"), {}) == (0, 0, 1)
+    assert upwards(robot_of_rows("R a: 1", "gravity: [0, -9.81, 0]\nlinks: [{mass: 1}]"), {}) == (0, 1, 0)
+    assert upwards(robot_of_rows("R a: 1"), {}) == (0, 0, 1)
 
 
 def test_symbols_are_letters_with_indices() -> None:
@@ -103,11 +97,8 @@ def test_values_of_the_poses_are_those_of_the_figure() -> None:
 
 
 # a plane that stands upright; an end that moves on a sphere alone
-VERTICAL = arm(
-    "  - {type: revolute, a: 0.5}\n  - {type: revolute, a: 0.4}",
-    "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n",
-)
-HEAD = arm("  - {type: revolute, alpha: pi/2}\n  - {type: revolute, a: 0.4}")
+VERTICAL = robot_of_rows("R a: 0.5 | R a: 0.4", "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]")
+HEAD = robot_of_rows("R alpha: pi/2 | R a: 0.4")
 KEPT = replace(Robot.load("planar-3r"), inverse=InverseOptions(("x", "y", "phi")))  # the task of the file
 
 
@@ -135,7 +126,7 @@ def test_the_orientation_is_kept_where_the_arm_can_keep_it(
     assert (found and (found.task.task, found.normal)) == (task and (task, normal))
 
 
-ARM = arm("  - {type: revolute, a: 1}\n  - {type: prismatic, limits: [0, 1]}")
+ARM = robot_of_rows("R a: 1 | P limits: [0, 1]")
 MOTION = Playback(
     tracks=(
         (PlayedPiece("cosine", 0.0, 2.0, (0.0, 4.0)),),

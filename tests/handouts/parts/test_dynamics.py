@@ -20,17 +20,15 @@ from derive.handouts.sheet.document import Rows, Section, SheetFormula, Steps, b
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import latex
-from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot.description import Motor
-from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.options.handout import PARTS, HandoutOptions, InertiaLetter
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames
-from derive.verification.oracle.functions import Oracle
 from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import bare_context, changed, document_of, words
+from tests.model.test_model_against_oracle import Numbers
 from tests.random_robots import catalogue, chains, robot_text, sampled
 
 Array = npt.NDArray[np.float64]
@@ -63,29 +61,14 @@ def omitted_of(section: Section) -> str:
     return "\n".join(line for b in rows for line in (b.omitted if isinstance(b, SheetFormula) else b.lines))
 
 
-class Numbers:
-    """A robot with a number for everything, and the independent recursion in floats."""
-
-    def __init__(self, robot: Robot) -> None:
-        rng = random.Random(5)
-        self.robot = robot
-        free = {name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in dict(robot.parameters)}
-        self.oracle = Oracle.of(robot, free)
-        self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.n)]) for _ in range(3))
-        given = {name: float(evaluate(expression_to_sympy(cell), {})) for name, cell in dict(robot.parameters).items()}
-        self.values = {**free, **given}
-        for name, numbers in ((str, self.q), (velocity_name, self.qd), (acceleration_name, self.qdd)):
-            pairs = zip(robot.joints, numbers, strict=True)
-            self.values |= {name(joint.variable): float(value) for joint, value in pairs}
-
-    def value(self, python: str) -> float:
-        return float(eval(python, {"__builtins__": {}}, {**_FUNCTIONS, **self.values}))
+def value(numbers: Numbers, python: str) -> float:
+    return float(eval(python, {"__builtins__": {}}, {**_FUNCTIONS, **numbers.values}))
 
 
 @cache
 def prepared(key: str | int) -> tuple[Context, Numbers]:
     robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
-    return bare_context(robot), Numbers(robot)
+    return bare_context(robot), Numbers(robot, 5)
 
 
 EVERY = pytest.mark.parametrize("key", sampled([*SHORT, *SEEDS], [*SHORT[::2], *SEEDS[:5]]))
@@ -95,7 +78,7 @@ def assert_entries(numbers: Numbers, entries: Mapping[str, str], expected: Mappi
     scale = max(1.0, *map(abs, expected.values()))
     for name, python in entries.items():
         assert name in expected
-        assert numbers.value(python) == pytest.approx(expected[name], abs=1e-9 * scale)
+        assert value(numbers, python) == pytest.approx(expected[name], abs=1e-9 * scale)
 
 
 def named(symbol: Any, matrix: Array) -> dict[str, float]:
@@ -152,7 +135,7 @@ def test_energies_are_those_of_the_oracle(key: str | int) -> None:
     expected = {"T": float(kinetic_energy(arm, q, numbers.qd)), "U": float(potential_energy(arm, q))}
     for name, python in entries_of(part_of(context, "energies")).items():
         letter = name.removeprefix("\\mathcal{").removesuffix("}")
-        assert numbers.value(python) == pytest.approx(expected[letter], rel=1e-9, abs=1e-9 if letter == "U" else None)
+        assert value(numbers, python) == pytest.approx(expected[letter], rel=1e-9, abs=1e-9 if letter == "U" else None)
 
 
 @EVERY
@@ -163,7 +146,7 @@ def test_the_matrix_that_is_printed_as_skew_symmetric_is(key: str | int) -> None
         row, column = (int(digit) for digit in re.findall(r"_\{(\d)(\d)\}$", name)[0])
         opposite = skewed.get(context.symbols.entry("N", column, row).tex)
         if opposite is not None:
-            assert numbers.value(python) == pytest.approx(-numbers.value(opposite), abs=1e-9)
+            assert value(numbers, python) == pytest.approx(-value(numbers, opposite), abs=1e-9)
 
 
 # -- the Newton-Euler recursion

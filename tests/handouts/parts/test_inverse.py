@@ -33,20 +33,14 @@ from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import lines, part, words
 from tests.inverse.arms import PUBLISHED, ArmCase
 from tests.random_robots import chains, robot_text
+from tests.rows import robot_of_rows
 
 KINDS = ("planar-2r-perugia", "planar-3r", "scara-perugia", "spherical-arm", "spherical-wrist", "thumb")
 LARGE = ("puma560-corke", "stanford-laschi", "kuka-lwr4", "anthropomorphic-wrist")
-UR5 = """
-name: ur-like
-convention: standard
-joints:
-  - {type: revolute, d: 0.089, alpha: pi/2}
-  - {type: revolute, a: -0.425}
-  - {type: revolute, a: -0.392}
-  - {type: revolute, d: 0.109, alpha: pi/2}
-  - {type: revolute, d: 0.095, alpha: -pi/2}
-  - {type: revolute, d: 0.082}
-"""
+UR5 = robot_of_rows(
+    "R d: 0.089, alpha: pi/2 | R a: -0.425 | R a: -0.392 | R d: 0.109, alpha: pi/2 | R d: 0.095, alpha: -pi/2"
+    "| R d: 0.082"
+)
 
 
 def solved(robot: Robot) -> Robot:
@@ -64,7 +58,7 @@ def copied(section: Section) -> list[str]:
 )
 def test_its_formulas_give_back_the_pose_with_every_choice_of_signs(name: str) -> None:
     """In numbers, by the oracle: the original is among them, and all reach the pose unless the part says otherwise."""
-    robot = Robot.from_text(UR5) if name == "ur-like" else Robot.load(name)
+    robot = UR5 if name == "ur-like" else Robot.load(name)
     found = Model(solved(robot)).inverse
     assignments = copied(part(robot, "inverse"))
     rng = random.Random(3)
@@ -111,7 +105,6 @@ def test_the_example_draws_its_configurations_over_each_other(name: str) -> None
     assert len(configurations) >= 2
     robot = Robot.load(name)
     poses = context_of(robot).poses
-    assert poses is not None
     ends = np.array([poses.frames(tuple(q))[-1] for q in configurations])
     places = Model(solved(robot)).inverse.graph.places
     assert max(np.ptp(ends[:, i, j]) for i, j in places) < 1e-9
@@ -237,10 +230,7 @@ def test_each_unknown_has_a_block_and_the_pose_within_the_arm_one_before_them() 
     assert r"\pm \sqrt{1 - D^{2}}" in texts[2]
 
 
-SYMBOL_AX = Robot.from_text(
-    "name: named\nconvention: standard\n"
-    "joints: [{type: revolute, a: ax}, {type: revolute, a: a2}, {type: revolute, a: a3}]\n"
-)
+SYMBOL_AX = robot_of_rows("R a: ax | R a: a2 | R a: a3")
 BY_COLUMNS = NotationOptions(pose=PoseEntries.COLUMNS)
 
 

@@ -37,6 +37,7 @@ from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import REACHED, bare_context, document_of, lines, part, words
 from tests.random_robots import chains, random_robot, robot_text, sampled, seeds
+from tests.rows import robot_of_rows
 
 TENTH = Fraction(1, 10)
 
@@ -74,11 +75,8 @@ def test_the_kinematics_of_random_robots_compiles(seed: int, tmp_path: Path) -> 
 
 @pytest.mark.sweep
 def test_a_long_arm_compiles(tmp_path: Path) -> None:
-    rows = "".join(
-        f"  - {{type: {'prismatic' if i % 5 == 0 else 'revolute'}, a: 0.{i}, alpha: pi/2}}\n" for i in range(1, 31)
-    )
-    robot = Robot.from_text(f"name: arm\nconvention: modified\njoints:\n{rows}")
-    assert_compiles(robot, tmp_path)
+    rows = "|".join(f"{'P' if i % 5 == 0 else 'R'} a: 0.{i}, alpha: pi/2" for i in range(1, 31))
+    assert_compiles(robot_of_rows(rows, convention="modified"), tmp_path)
 
 
 # -- steps

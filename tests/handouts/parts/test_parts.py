@@ -38,6 +38,7 @@ from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from tests.handouts.reading import REACHED, changed, lines, part, words
 from tests.random_robots import chains, random_robot
+from tests.rows import robot_of_rows
 
 KINEMATICS = {
     part.__name__: part
@@ -313,20 +314,9 @@ def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
     assert "$q_{3} = 0.3\\,\\mathrm{m}$" in figures[1].caption
 
 
-LIMITED = """
-name: arm
-convention: standard
-units: {angle: deg}
-joints:
-  - {type: revolute, a: 0.4, limits: [-90, 90]}
-  - {type: revolute, a: 0.3, limits: [20, 130]}
-  - {type: prismatic, alpha: 180, limits: [0.1, 0.4]}
-  - {type: revolute, limits: [low, high]}
-"""
-
-
 def test_a_joint_whose_limits_exclude_zero_is_drawn_in_their_middle() -> None:
-    robot = Robot.from_text(LIMITED)
+    rows = "R a: 0.4, limits: [-90, 90] | R a: 0.3, limits: [20, 130] | P alpha: 180, limits: [0.1, 0.4]"
+    robot = robot_of_rows(f"{rows} | R limits: [low, high]", "units: {angle: deg}")
     assert RobotPoses(robot).zero == pytest.approx((0, math.radians(75), 0.25, 0))
     made = part(robot, "figure")
     (figure,) = (block for block in made.blocks if isinstance(block, Figure))

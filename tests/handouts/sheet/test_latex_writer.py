@@ -31,6 +31,7 @@ from derive.robot.robot import Robot
 from tests.handouts.latex_runner import require_latex, run_clean, run_latex
 from tests.handouts.reading import changed
 from tests.random_robots import swept_catalogue
+from tests.rows import robot_of_rows
 
 MOST_PAGES = 40
 
@@ -76,21 +77,20 @@ def long_names(i: int) -> str:
         return f"{stem}{i}_".ljust(64, "x")
 
     return (
-        f"  - {{type: revolute, q: {name('joint')}, a: {name('A')}, "
+        f"R q: {name('joint')}, a: {name('A')}, "
         f"d: '2*{name('D')} + 1/({name('E')} + {name('F')}) + sqrt({name('G')} + 1)', "
-        f"alpha: '{name('b')} + pi/7', limits: ['-pi + {name('lo')}', '{name('hi')}/7']}}\n"
+        f"alpha: '{name('b')} + pi/7', limits: ['-pi + {name('lo')}', '{name('hi')}/7']"
     )
 
 
 def test_the_longest_names_fit(tmp_path: Path) -> None:
-    robot = Robot.from_text("name: arm\nconvention: standard\njoints:\n" + long_names(1) + long_names(2))
-    assert_is_clean(sheet(robot), tmp_path)
+    assert_is_clean(sheet(robot_of_rows(f"{long_names(1)} | {long_names(2)}")), tmp_path)
 
 
 def chain(n: int) -> Robot:
-    rows = "".join(f"  - {{type: revolute, a: a{i}, alpha: pi/{2 if i % 2 else 3}}}\n" for i in range(1, n + 1))
+    rows = "|".join(f"R a: a{i}, alpha: pi/{2 if i % 2 else 3}" for i in range(1, n + 1))
     links = "".join(f"  - {{mass: m{i}, com: [x{i}, y{i}, z{i}], inertia: {{xx: I{i}}}}}\n" for i in range(1, n + 1))
-    return Robot.from_text(f"name: arm\nconvention: modified\njoints:\n{rows}links:\n{links}")
+    return robot_of_rows(rows, f"links:\n{links}", convention="modified")
 
 
 @pytest.mark.sweep
@@ -181,8 +181,6 @@ def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path
         sections = (Section("table", "Table", (filling, Paragraph("Then:"), last)), ending)
         log = run_latex(latex(Document("Bar", "", "bar", "en", "0", "0", "", sections), Text()), tmp_path)
         display, sentence = (re.search(rf"{mark} on (\d)", log.text) for mark in ("display", "sentence"))
-        assert display is not None
-        assert sentence is not None
         assert display[1] == sentence[1]
         pages.add(sentence[1])
     assert pages == {"1", "2"}

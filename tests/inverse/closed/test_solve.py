@@ -171,16 +171,20 @@ def test_a_wrist_that_is_one_by_the_numbers_of_its_parameters_alone_is_solved_wi
     assert all(node.kind != "general" for node in graph.nodes)
 
 
-def test_a_branch_is_counted_where_its_cosines_and_sines_are_those_of_angles() -> None:
-    """A branch of this arm has the right pose with numbers that are no cosine and sine of an angle."""
-    graph = solve(arm_of("standard", "R 0 d1 0 20; P 0 0 0 90; R 0 0 a3 90; R 0 d4 0 180; R 90 0 a5 180; R 0 0 0 90"))
-    assert (graph.leaves, graph.count, graph.complete) == (2, 1, True)
-
-
-def test_the_constant_of_a_given_slide_may_be_an_argument() -> None:
-    robot = arm_of("standard", "P 0 0 0.1 0; P 0 d2 0 180; R 0 0 0.3 0", "parameters: {d2: 0.2}\nruntime: [d2]")
-    graph = solve(robot)
-    assert (graph.given, graph.count, graph.complete) == ((1,), 1, True)
+@pytest.mark.parametrize(
+    ("rows", "more", "given", "leaves"),
+    [
+        # a branch has the right pose with numbers that are no cosine and sine of an angle
+        ("R 0 d1 0 20; P 0 0 0 90; R 0 0 a3 90; R 0 d4 0 180; R 90 0 a5 180; R 0 0 0 90", "", (4,), 2),
+        # the constant of a slide that is given is an argument
+        ("P 0 0 0.1 0; P 0 d2 0 180; R 0 0 0.3 0", "parameters: {d2: 0.2}\nruntime: [d2]", (1,), 1),
+    ],
+)
+def test_of_all_branches_the_one_that_is_real_is_counted(
+    rows: str, more: str, given: tuple[int, ...], leaves: int
+) -> None:
+    graph = solve(arm_of("standard", rows, more))
+    assert (graph.given, graph.leaves, graph.count, graph.complete) == (given, leaves, 1, True)
 
 
 SKEW = "[[2/3, -1/3, 2/3, 0.1], [2/3, 2/3, -1/3, 0], [-1/3, 2/3, 2/3, 0], [0, 0, 0, 1]]"

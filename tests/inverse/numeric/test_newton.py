@@ -18,7 +18,7 @@ from derive.mechanics.forward_kinematics import forward_kinematics as end_of
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
-from tests.workspace.arms import arm
+from tests.rows import robot_of_rows
 
 RNG = np.random.default_rng(3)
 
@@ -70,7 +70,7 @@ def test_given_joints_keep_their_values_and_slides_are_lengths():
 
 
 def test_limits_drop_branches_and_turn_others_fully():
-    robot = arm("[{type: revolute, a: 0.5, limits: [-0.1, 4]}, {type: revolute, a: 0.4, limits: [-4, 0.1]}]")
+    robot = robot_of_rows("R a: 0.5, limits: [-0.1, 4] | R a: 0.4, limits: [-4, 0.1]")
     chain, pose = NumericChain.of(robot), forward_kinematics(numeric_arm(robot), np.array([3.5, -1.0]))
     everything, within = (solve(chain, pose, entries=POSITION, limits=limits) for limits in (False, True))
     assert len(everything.q) == 2

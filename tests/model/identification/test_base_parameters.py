@@ -34,6 +34,7 @@ from derive.verification.oracle.functions import Oracle
 from tests.mechanics.arms import SEEDS, arm_of, assert_close
 from tests.places import ROOT
 from tests.random_robots import catalogue, random_robot, seeds
+from tests.rows import robot_of_rows
 
 BENCH = ROOT / "bench" / "robots"
 LINK = "{mass: m, com: [x, y, z], inertia: {xx: a, yy: b, zz: c, xy: d, xz: e, yz: f}}"
@@ -46,12 +47,11 @@ def names(robot: Robot) -> list[str]:
 
 
 def arm(
-    rows: list[str], gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK, more: str = ""
+    rows: str, gravity: str = "[0, 0, -9.81]", convention: str = "modified", link: str = LINK, more: str = ""
 ) -> Robot:
-    joints = "\n".join(f"  - {{{row}}}" for row in rows)
-    links = "\n".join(f"  - {link}" for _ in rows)
+    links = "links:\n" + f"  - {link}\n" * (rows.count("|") + 1)
     gravity = f"gravity: {gravity}\n" if gravity else ""
-    return Robot.from_text(f"name: arm\nconvention: {convention}\njoints:\n{joints}\n{gravity}links:\n{links}\n{more}")
+    return robot_of_rows(rows, f"{gravity}{links}{more}", convention=convention)
 
 
 def torque_errors(robot: Robot, values: dict[str, float], seed: int) -> tuple[float, float]:
@@ -139,7 +139,7 @@ def test_known_arms_have_the_known_number(name: str, count: int) -> None:
     assert len(base.parameters) == count
 
 
-PARALLEL = ["type: revolute", "type: revolute, a: l1", "type: revolute, a: l2"]
+PARALLEL = "R | R a: l1 | R a: l2"
 
 
 @pytest.mark.parametrize(
@@ -152,20 +152,15 @@ def test_gravity_along_parallel_axes_or_none_takes_first_moments_away(gravity: s
 
 
 @pytest.mark.parametrize("convention", ["standard", "modified"])
-def test_a_joint_across_the_first_one_shows_all_seven(convention: str) -> None:
-    rows = ["type: revolute, alpha: pi/2", "type: revolute, alpha: pi/2"]
+def test_a_joint_across_the_first_one_shows_all_seven_and_slides_alone_show_masses_alone(convention: str) -> None:
     seven = ["mx2", "my2", "Ixx2", "Izz2", "Ixy2", "Ixz2", "Iyz2"]
-    assert names(arm(rows, convention=convention))[-7:] == seven
-
-
-def test_sliding_joints_alone_show_masses_alone() -> None:
-    rows = ["type: prismatic", "type: prismatic, alpha: pi/2", "type: prismatic, alpha: al"]
-    assert names(arm(rows)) == ["m1", "m2", "m3"]
+    assert names(arm("R alpha: pi/2 | R alpha: pi/2", convention=convention))[-7:] == seven
+    assert names(arm("P | P alpha: pi/2 | P alpha: al", convention=convention)) == ["m1", "m2", "m3"]
 
 
 def test_a_link_that_slides_at_an_angle_has_two_first_moments() -> None:
     """Of the moment along the axis of joint 1 no torque tells; it is divided among the others by a tangent."""
-    base = base_set(arm(["type: revolute", "type: prismatic, alpha: al"], gravity=""))
+    base = base_set(arm("R | P alpha: al", gravity=""))
     assert [p.name for p in base.parameters] == ["Izz1", "m2", "mx2", "my2"]
     (relation,) = [r for r in base.relations if r.parameter.name == "mz2"]
     assert [(p.name, not c.denominator.is_constant) for p, c in relation.terms] == [("my2", True)]
@@ -173,17 +168,16 @@ def test_a_link_that_slides_at_an_angle_has_two_first_moments() -> None:
 
 def test_rotors_beside_armatures_are_no_parameters_of_their_own_and_friction_always_is_one() -> None:
     link = LINK.replace("{mass", "{motor: {mass: mm, inertia: Im, ratio: k}, armature: Ia, mass")
-    found = names(arm(["type: revolute", "type: revolute, alpha: al"], link=link))
+    found = names(arm("R | R alpha: al", link=link))
     assert "Ia2" in found
     assert not {"Im1", "Im2", "mm1", "mm2", "Ia1"} & set(found)
     link = LINK.replace("{mass", "{friction: {viscous: b, coulomb: f}, mass")
-    assert {"b1", "f1", "b2", "f2"} <= set(names(arm(["type: revolute", "type: revolute"], link=link)))
+    assert {"b1", "f1", "b2", "f2"} <= set(names(arm("R | R", link=link)))
 
 
 def test_numbers_decide_where_they_are_given() -> None:
-    rows = ["type: revolute", "type: revolute, alpha: al, a: l"]
-    generic = arm(rows, "[0, -9.81, 0]")
-    parallel = arm([rows[0], "type: revolute, alpha: al"], "[0, -9.81, 0]", more="parameters: {al: 0}\n")
+    generic = arm("R | R alpha: al, a: l", "[0, -9.81, 0]")
+    parallel = arm("R | R alpha: al", "[0, -9.81, 0]", more="parameters: {al: 0}\n")
     assert "Ixx2" in names(generic)
     assert names(parallel) == ["mx1", "my1", "Izz1", "mx2", "my2", "Izz2"]
 

@@ -32,6 +32,7 @@ from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import TABLES, arm, with_links
+from tests.rows import robot_of_rows
 
 pytest.importorskip("clarabel")
 
@@ -163,17 +164,14 @@ def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> N
 
 def test_a_symbol_whose_cells_become_numbers_is_no_parameter_any_more() -> None:
     """Otherwise the file that is written could not be read: no cell uses this parameter."""
-    found = possible(Robot.from_text(TABLE_WITH_SYMBOLS))
+    found = possible(robot_of_rows("R a: a1 | R a: 0.3, alpha: pi/2", SYMBOLS))
     assert [change.link for change in found.changes] == [1, 2]
     again = Robot.from_text(found.text)
     assert dict(again.parameters).keys() == {"a1", "g"}
     assert again.runtime == ("a1",)
 
 
-TABLE_WITH_SYMBOLS = """
-name: symbols
-convention: standard
-joints: [{type: revolute, q: q1, theta: q1, a: a1}, {type: revolute, q: q2, theta: q2, a: 0.3, alpha: pi/2}]
+SYMBOLS = """
 gravity: [0, -g, 0]
 links:
   - {mass: 0, com: [0, 0, 0], inertia: {xx: I1, yy: 0.01, zz: 0.02}}

@@ -21,15 +21,7 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, jacobian, numeric_arm
 from tests.inverse.arms import PUBLISHED
 from tests.random_robots import swept
-
-ORTHOGONAL = """name: arm
-convention: standard
-joints:
-  - {{type: revolute, a: 1, alpha: -pi/2}}
-  - {{type: revolute, d: {r2}, a: {d3}, alpha: pi/2}}
-  - {{type: revolute, a: {d4}}}
-"""
-"""Three orthogonal axes with d2 = 1 and r3 = 0."""
+from tests.rows import robot_of_rows
 
 
 @cache
@@ -38,7 +30,8 @@ def aspects(name: str) -> Aspects:
 
 
 def orthogonal(d3: float, d4: float, r2: float) -> Robot:
-    return Robot.from_text(ORTHOGONAL.format(d3=d3, d4=d4, r2=r2))
+    """Three orthogonal axes with d2 = 1 and r3 = 0."""
+    return robot_of_rows(f"R a: 1, alpha: -pi/2 | R d: {r2}, a: {d3}, alpha: pi/2 | R a: {d4}")
 
 
 @pytest.mark.parametrize(
@@ -135,12 +128,9 @@ def test_cells_hang_together_around_the_ends_of_an_angle() -> None:
     assert len(np.unique(connected(code, (True, True)))) == 2
 
 
-PLANAR = "name: planar\nconvention: standard\njoints: [{type: revolute, a: 1}, {type: revolute, a: 0.7}]\n"
-
-
 @pytest.fixture(scope="module")
 def chain() -> NumericChain:
-    return NumericChain.of(Robot.from_text(PLANAR))
+    return NumericChain.of(robot_of_rows("R a: 1 | R a: 0.7"))
 
 
 def test_the_determinant_of_a_planar_arm_is_the_sine_of_its_elbow(chain: NumericChain) -> None:

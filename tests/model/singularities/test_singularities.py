@@ -22,6 +22,7 @@ from derive.model.singularities.singularities import Outcome, Posture, statement
 from derive.robot.robot import Robot
 from tests.model.singularities.singular_arms import SingularArm, arm_text
 from tests.random_robots import chains, random_robot
+from tests.rows import robot_of_rows
 
 CATALOGUE = chains()
 ARTICULATED = ["anthropomorphic-arm", "anthropomorphic-wrist", "puma560-corke", "puma560-usp", "puma560-laschi"]
@@ -89,26 +90,17 @@ def test_the_coefficients_of_a_factor_are_lengths_of_the_robot() -> None:
     assert coefficients == {0.43307, 0.02032}
 
 
-def robot(rows: str, more: str = "", convention: str = "standard") -> Robot:
-    """A robot file: a row for each joint, ``P`` before those that slide."""
-    joints = ""
-    for row in rows.split("|"):
-        kind, cells = row.strip()[0], row.strip()[1:].strip()
-        joints += f"  - {{type: {'prismatic' if kind == 'P' else 'revolute'}{', ' if cells else ''}{cells}}}\n"
-    return Robot.from_text(f"name: arm\ntitle: Arm\nconvention: {convention}\n{more}joints:\n{joints}")
-
-
 def test_arms_are_singular_everywhere_or_never_where_their_axes_say_so() -> None:
-    assert find_singularities(robot("R | R a: a1")).outcome is Outcome.EVERYWHERE
-    assert find_singularities(robot("R a: a1 | R alpha: pi/2 | R a: a3")).outcome is not Outcome.EVERYWHERE
-    found = find_singularities(robot("P alpha: -pi/2 | P theta: pi/2, alpha: -pi/2 | P"))
+    assert find_singularities(robot_of_rows("R | R a: a1")).outcome is Outcome.EVERYWHERE
+    assert find_singularities(robot_of_rows("R a: a1 | R alpha: pi/2 | R a: a3")).outcome is not Outcome.EVERYWHERE
+    found = find_singularities(robot_of_rows("P alpha: -pi/2 | P theta: pi/2, alpha: -pi/2 | P"))
     assert found.outcome is Outcome.NEVER
     assert abs(found.determinant) == 1
 
 
 def test_a_tilted_scara_is_judged_in_the_axes_of_its_base() -> None:
     base = "base: [[1, 0, 0, 0], [0, 3/5, -4/5, 0], [0, 4/5, 3/5, 1], [0, 0, 0, 1]]\n"
-    found = find_singularities(robot("R a: a1 | R a: a2, alpha: pi | P | R", base))
+    found = find_singularities(robot_of_rows("R a: a1 | R a: a2, alpha: pi | P | R", base))
     assert found.blocks[0].rows == (1, 2, 3, 6)
     assert found.blocks[0].reference.frame == 0
     assert found.conditions[0].values == (0, sympy.pi)
@@ -124,15 +116,7 @@ def test_random_arms_have_the_determinant_of_the_recursion(seed: int, n: int) ->
     SingularArm(Robot.from_text(random_robot(random.Random(seed), n, dynamics=False).text), seed).check_determinant()
 
 
-SLANTED = """
-name: slanted
-convention: standard
-joints:
-  - {type: revolute, q: q2, theta: q2 + 2.1154531206566901, d: -0.71587363831331372, alpha: pi/2}
-  - {type: revolute, q: q3, theta: q3, d: 0.5, alpha: -pi/2}
-  - {type: revolute, q: q4, theta: q4, a: 0.07}
-"""
-
+SLANTED = "R theta: q1 + 2.1154531206566901, d: -0.71587363831331372, alpha: pi/2 | R d: 0.5, alpha: -pi/2 | R a: 0.07"
 BASE = """
 base:
   - [-0.93541434669348535, 0, -0.35355339059327376, 0]
@@ -144,25 +128,18 @@ base:
 
 def test_a_slanted_base_does_not_enter_the_determinant() -> None:
     """Rank does not depend on it; in its numbers the determinant had coefficients of 96 digits."""
-    level, slanted = (find_singularities(Robot.from_text(SLANTED + base)) for base in ("", BASE))
+    level, slanted = (find_singularities(robot_of_rows(SLANTED, base)) for base in ("", BASE))
     assert slanted.determinant == level.determinant
     assert level.task == ("position",)
     assert slanted.blocks[0].reference.frame == 0
 
 
-LONG = """
-name: long
-convention: standard
-joints:
-  - {type: revolute, q: q1, theta: q1, d: 0.71587363831331372, alpha: pi/2}
-  - {type: revolute, q: q2, theta: q2, a: 0.097873524170258314}
-  - {type: revolute, q: q3, theta: q3, a: 0.51234567890123456}
-tool: [[1, 0, 0, 0.02345678901234567], [0, 1, 0, 0.11234567890123457], [0, 0, 1, 0], [0, 0, 0, 1]]
-"""
+LONG = "R d: 0.71587363831331372, alpha: pi/2 | R a: 0.097873524170258314 | R a: 0.51234567890123456"
+TOOL = "tool: [[1, 0, 0, 0.02345678901234567], [0, 1, 0, 0.11234567890123457], [0, 0, 1, 0], [0, 0, 0, 1]]"
 
 
 def test_no_whole_number_of_a_factor_is_longer_than_its_decimals() -> None:
-    numbers = find_singularities(Robot.from_text(LONG)).determinant.atoms(sympy.Rational)
+    numbers = find_singularities(robot_of_rows(LONG, TOOL)).determinant.atoms(sympy.Rational)
     assert max(abs(float(number)) for number in numbers) < 1e9
 
 
@@ -188,8 +165,8 @@ WRIST = "R alpha: -pi/2 | R alpha: pi/2 | R d: 0.1"
     ],
 )
 def test_arms_of_special_geometry_have_families_of_sines(rows: str, expected: list[set[str]]) -> None:
-    arm = SingularArm(robot(rows))
-    assert families(robot(rows)) == {frozenset(family) for family in expected}
+    arm = SingularArm(robot_of_rows(rows))
+    assert families(robot_of_rows(rows)) == {frozenset(family) for family in expected}
     assert arm.found.complete
     arm.check(places=500, starts=12)
 
@@ -218,7 +195,7 @@ def test_arms_of_special_geometry_have_families_of_sines(rows: str, expected: li
     ],
 )
 def test_the_task_is_natural_or_stated_and_named(rows: str, more: str, task: tuple[str, ...], shown: str) -> None:
-    found = find_singularities(robot(rows, more))
+    found = find_singularities(robot_of_rows(rows, more))
     assert found.task == task
     first = next(statement(found, str))
     assert shown in first
@@ -227,8 +204,8 @@ def test_the_task_is_natural_or_stated_and_named(rows: str, more: str, task: tup
 
 def test_a_stated_task_of_fewer_coordinates_is_judged_by_its_own_rank() -> None:
     arm = "R a: a1 | R a: a2 | R a: a3"
-    assert families(robot(arm, "inverse: {task: [x, y]}\n")) == {frozenset({"sin(q2)", "sin(q3)"})}
-    assert families(robot(arm)) == {frozenset({"sin(q2)"})}
+    assert families(robot_of_rows(arm, "inverse: {task: [x, y]}\n")) == {frozenset({"sin(q2)", "sin(q3)"})}
+    assert families(robot_of_rows(arm)) == {frozenset({"sin(q2)"})}
 
 
 @pytest.mark.parametrize(
@@ -242,7 +219,7 @@ def test_a_stated_task_of_fewer_coordinates_is_judged_by_its_own_rank() -> None:
 )
 def test_factors_that_are_never_zero_are_no_singularities(rows: str, more: str, is_met: bool | None) -> None:
     """Of a1 + a2*c2 numbers decide; symbols leave it open."""
-    found = find_singularities(robot(rows, f"{more}inverse: {{task: [x, y]}}\n"))
+    found = find_singularities(robot_of_rows(rows, f"{more}inverse: {{task: [x, y]}}\n"))
     shoulder = [c for c in found.conditions if not c.values]
     assert [c.is_certain for c in shoulder] == {False: [], True: [True], None: [False]}[is_met]
 
@@ -250,22 +227,22 @@ def test_factors_that_are_never_zero_are_no_singularities(rows: str, more: str, 
 def test_lengths_that_are_equal_in_the_file_count_as_equal() -> None:
     """Folded, the third axis lies on the first: where a2 = a3 the rank of all four columns is less."""
     rows = "R a: a2 | R a: a3, alpha: pi/2 | R alpha: pi/2 | R"
-    assert SingularArm(robot(rows, "parameters: {a2: 0.3, a3: 0.3}\n")).check(places=200, starts=12) is None
+    assert SingularArm(robot_of_rows(rows, "parameters: {a2: 0.3, a3: 0.3}\n")).check(places=200, starts=12) is None
 
 
 def test_what_has_no_closed_form_says_what_decides_and_is_not_called_complete() -> None:
     row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4"
     more = "R a: 0.2, d: 0.3, alpha: 0.7 | R a: 0.2"
-    five = find_singularities(robot(f"{row} | {more}"))
+    five = find_singularities(robot_of_rows(f"{row} | {more}"))
     assert (five.outcome, five.complete, five.rank, five.square) == (Outcome.UNSOLVED, False, 5, "J^T*J")
     assert list(statement(five, str))[-1].endswith("what decides is det(J^T*J) = 0")
-    seven = find_singularities(robot(f"{row} | {more}, d: 0.2, alpha: 0.9 | R a: 0.1, alpha: 0.8 | R a: 0.2"))
+    seven = find_singularities(robot_of_rows(f"{row} | {more}, d: 0.2, alpha: 0.9 | R a: 0.1, alpha: 0.8 | R a: 0.2"))
     assert (seven.outcome, seven.complete, seven.rank, seven.square) == (Outcome.UNSOLVED, False, 6, "J*J^T")
 
 
 def test_four_general_axes_are_proven_to_be_never_singular() -> None:
     row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4 | R a: 0.2"
-    assert find_singularities(robot(row)).outcome is Outcome.NEVER
+    assert find_singularities(robot_of_rows(row)).outcome is Outcome.NEVER
 
 
 def _check(seed: int, places: int, starts: int) -> None:
@@ -326,13 +303,8 @@ def test_zeros_of_a_factor_are_as_near_as_the_rounding_of_its_terms_allows() -> 
     assert not any(merged or free for merged, free in pairs)
 
 
-ARM = """
-name: arm
-convention: standard
-parameters: {a: 0.5, b: 0.5}
-joints: [{type: revolute, a: a, alpha: pi/2}, {type: revolute, a: b, alpha: x}, {type: prismatic, a: k}]
-"""
-DOMAIN = PolynomialDomain(Robot.from_text(ARM), rates=False)
+ARM = robot_of_rows("R a: a, alpha: pi/2 | R a: b, alpha: x | P a: k", "parameters: {a: 0.5, b: 0.5}")
+DOMAIN = PolynomialDomain(ARM, rates=False)
 C1, S1 = DOMAIN.cosine_sine_of(0)
 C2, S2 = DOMAIN.cosine_sine_of(1)
 A, B, K, D3 = (DOMAIN.ring.generator(name) for name in ("a", "b", "k", "q3"))

@@ -20,7 +20,7 @@ from derive.plans.hermite import TIME
 from derive.plans.profile import Curve
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
-from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.plans import FASTEST, LINE_AND_ARC, PICK_AND_PLACE
 from tests.places import ROOT
 from tests.targets.generated_models import needs_compiler
 
@@ -42,15 +42,8 @@ points: {a: [0.3, 0.5], b: [0.3001, 0.5002]}\npath: [a, {to: b, time: 1.5, line:
 }
 
 LONG = {
-    "fastest": """robot: puma560-corke
-profile: fastest
-torque: [56.6, 100, 56.6, 10, 10, 10]
-points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90], c: [20, 120, -120, 10, 30, 20]}
-path: [a, {to: b, via: pass}, {to: c, payload: 1.5}]\n""",
-    "arc": """robot: {name: arm, convention: standard, inverse: {task: [x, y]},
-  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}]}
-points: {a: [0.3, 0.5], b: [0.7, 0.9], c: [0.4, 1.4]}
-path: [a, {to: b, time: 1.5, line: yes}, {to: a, time: 2, through: c}]\n""",
+    "fastest": FASTEST,
+    "arc": LINE_AND_ARC,
     "recorded": "robot: planar-3r\nrecorded: minute.csv\n",
 }
 
@@ -175,8 +168,6 @@ def test_the_program_of_the_page_about_c_prints_the_motion(tmp_path: Path) -> No
     page = (ROOT / "docs/native.md").read_text()
     plan = re.search(r"```yaml file=lift.yaml\n(.*?)```", page, re.DOTALL)
     program = re.search(r"```c\n(/\* main.c; cc (.*?) \*/.*?)```", page, re.DOTALL)
-    assert plan
-    assert program
     motion = Motion.from_text(plan[1])
     write_code(motion, tmp_path / "lifting")
     (tmp_path / "main.c").write_text(program[1])

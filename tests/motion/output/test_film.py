@@ -11,7 +11,7 @@ from derive.errors import DeriveError, OutputError
 from derive.motion.motion import Motion
 from derive.motion.output import film
 from derive.motion.output.film import HEIGHT, RATE, WIDTH, Film
-from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.plans import PICK_AND_PLACE, swing
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -52,12 +52,7 @@ def test_the_arm_stays_in_the_picture_and_its_hand_draws_a_trace(short: Film) ->
 
 def test_of_a_simulation_the_way_that_is_wanted_is_faint() -> None:
     """A pendulum on a weak spring: at the end the trace covers what happened, and not what was wanted."""
-    motion = Motion.from_text("""robot: {name: p, convention: standard, gravity: [0, -9.81, 0],
-  joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
-points: {a: [0], b: [1]}
-path: [a, {to: b, time: 0.3}]
-control: {law: pd, kp: 3, kd: 1}
-""")
+    motion = Motion.from_text(swing("0.3", "kp: 3, kd: 1"))
 
     def ghost(film: Film) -> int:
         last = list(film.frames())[-1]

@@ -10,8 +10,8 @@ import pytest
 from derive.motion.motion import Motion
 from derive.motion.output.page import motion_page
 from derive.motion.output.printed import HandCurve
-from tests.handouts.page.test_browser_viewer import browser
-from tests.motion.plans import PICK_AND_PLACE
+from tests.handouts.page.test_browser_viewer import browser, serious, watched
+from tests.motion.plans import FASTEST, LINE_AND_ARC, PICK_AND_PLACE
 
 __all__ = ["browser"]
 
@@ -31,12 +31,8 @@ points: {{a: [0.2, 0.1], b: [1.5, 0.9]}}
 path: [a, {{to: b, time: 1}}, {{to: a, time: 1, payload: 2}}]
 base: {{x: t/2, z: cos(t), rpy: [0, t/3, 1]}}""",
 }
-PUMA = "robot: puma560-corke\n"
 WIDE = {
-    "lines and arcs": """robot: {name: arm, convention: standard, inverse: {task: [x, y]}, gravity: [0, -9.81, 0],
-  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.8}], links: [{mass: 1, com: [-0.5, 0, 0]}, {mass: 1}]}
-points: {a: [0.3, 0.5], b: [0.7, 0.9], c: [0.4, 1.4]}
-path: [a, {to: b, time: 1.5, line: yes}, {to: a, time: 2, through: c}]""",
+    "lines and arcs": LINE_AND_ARC,
     "seven": """robot: kuka-lwr4
 profile: spline
 points: {a: [0, 0, 0, 0, 0, 0, 0], b: [30, -40, 20, 60, -10, 30, 80], c: [-50, 20, 60, -70, 40, -20, 10]}
@@ -51,16 +47,12 @@ path: [a, {to: b, time: 2}, {to: c, time: 3}, {to: a, time: 2}]""",
 points: {home: [0.1, 0.1, 0.1, 0], pick: [1.7, 1.2, 0.9, pi/2], place: [0.3, 1.4, 0.4, -pi]}
 path: [home, {to: pick, time: 2, profile: trapezoidal}, {to: place, time: 3, profile: harmonic,
   payload: {mass: 6, com: [0.2, 0, 0.1]}}, {to: home, time: 2, profile: septic}]""",
-    "fastest": PUMA
-    + """profile: fastest
-torque: [56.6, 100, 56.6, 10, 10, 10]
-points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90], c: [20, 120, -120, 10, 30, 20]}
-path: [a, {to: b, via: pass}, {to: c, payload: 1.5}]""",
+    "fastest": FASTEST,
     "long": """robot: stanford-deluca
 curves: {q1: sin(t/3), q2: cos(t/5)*pi/3, q3: 1/2 + sin(t)/5, q4: t/10, q5: sin(2*t)/2, q6: sqrt((t - 30)**2 + 1)/10}
 values: {d1: 0.4, d2: 0.15, d6: 0.2}
 time: 60""",
-    "recorded": PUMA + "recorded: minute.csv",
+    "recorded": "robot: puma560-corke\nrecorded: minute.csv",
     "passing": """robot: scara-matlab
 profile: septic
 via: pass
@@ -76,19 +68,11 @@ class Shown:
     def __init__(self, browser: Any, folder: Path, text: str, *, simulate: bool = False, **context: Any) -> None:
         self.motion = Motion.from_text(text, str(folder / "plan.yaml"))
         self.run = self.motion.simulate() if simulate else None
-        self.trouble: list[str] = []
         path = folder / "motion.html"
         path.write_text(motion_page(self.motion, self.run), encoding="utf-8")
         self.size = path.stat().st_size
         self.page = browser.new_context(viewport={"width": 1000, "height": 800}, **context).new_page()
-        self.page.on("console", lambda message: self.trouble.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.trouble.append(str(error)))
-        self.page.on("request", lambda request: self._note(request.url, path))
-        self.page.goto(path.as_uri())
-
-    def _note(self, url: str, path: Path) -> None:
-        if url != path.as_uri() and not url.startswith("data:"):
-            self.trouble.append(f"request: {url}")
+        self.trouble = watched(self.page, path)
 
     def time(self) -> float:
         return float(self.page.evaluate("deriveViewer.player.time()"))
@@ -245,10 +229,8 @@ def test_keys_segments_and_plots_set_the_time(shown: Shown) -> None:
 @pytest.mark.first(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_page_is_accessible(shown: Shown, scheme: Any) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     shown.page.emulate_media(color_scheme=scheme)
-    found = axe.run(shown.page).response["violations"]
-    assert [(v["id"], v["nodes"][0]["html"][:90]) for v in found if v["impact"] in ("serious", "critical")] == []
+    assert serious(shown.page) == []
 
 
 def test_on_a_phone_the_page_does_not_scroll_sideways(shown: Shown) -> None:
@@ -299,8 +281,9 @@ TIMED = """(() => {
 @pytest.mark.sweep
 def test_a_frame_takes_little_of_its_time_and_a_pause_none(browser: Any, tmp_path: Path) -> None:
     """Script of a PUMA with a payload: in the middle of all frames less than a sixtieth of a second."""
-    plan = "points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90]}\n"
-    made = Shown(browser, tmp_path, PUMA + plan + "path: [a, {to: b, time: 3, payload: 1.5}]\n")
+    points = "points: {a: [0, 45, -90, 0, 30, 0], b: [90, 90, -180, 40, -30, 90]}\n"
+    path = "path: [a, {to: b, time: 3, payload: 1.5}]\n"
+    made = Shown(browser, tmp_path, "robot: puma560-corke\n" + points + path)
     made.page.add_init_script(TIMED)
     made.page.reload()
     made.page.locator(".player-play").click()

@@ -10,17 +10,12 @@ import pytest
 from derive.motion.motion import Motion
 from derive.motion.output import plot
 from derive.motion.output.plot import BEYOND, plot_bytes
-from tests.motion.plans import PICK_AND_PLACE
+from tests.motion.plans import PICK_AND_PLACE, swing
 
 pytest.importorskip("matplotlib")
 
 
-PENDULUM = """\
-robot: {name: p, convention: standard, gravity: [0, -9.81, 0], joints: [{type: revolute, a: 1}], links: [{mass: 1}]}
-points: {a: [0], b: [1]}
-path: [a, {to: b, time: 1}]
-control: {law: pd, kp: 30, kd: 8}
-"""
+PENDULUM = swing("1", "kp: 30, kd: 8")
 
 
 @pytest.mark.parametrize(("suffix", "start"), [(".svg", b"<?xml"), (".png", b"\x89PNG"), (".pdf", b"%PDF")])

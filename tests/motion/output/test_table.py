@@ -16,7 +16,7 @@ from derive.motion.output.page import OPERATIONS, motion_page, playback, tree
 from derive.motion.output.printed import summary
 from derive.motion.output.table import JOINT_HEADER, csv_bytes, joint_table, samples, simulated_table, table, violations
 from derive.plans.hermite import TIME
-from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT
+from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT, swing
 
 LIMITED = """\
 robot: {name: arm, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],
@@ -26,12 +26,7 @@ path: [a, {to: b, time: 1}, {to: a, time: 3}]
 """
 
 
-SPRUNG = """robot: {name: arm, convention: standard, joints: [{type: revolute, a: 1, speed: 1}], gravity: [0, -9.81, 0],
-  links: [{mass: 1}]}
-points: {a: [0], b: [1]}
-path: [a, {to: b, time: 1}]
-control: {law: pd, kp: 400, kd: 40}
-"""
+SPRUNG = swing("1", "kp: 400, kd: 40", ", speed: 1")
 
 
 def test_each_segment_has_a_row_with_the_joint_that_has_most_to_do() -> None:

@@ -41,6 +41,7 @@ from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 from tests.programs.formulations.test_recursions import ARITHMETIC
 from tests.random_robots import random_robot, seeds
+from tests.rows import TWO_BARS, robot_of_rows
 
 TWISTS = ["0", "0", "0", "pi", "pi", "pi/2", "-pi/2", "0.4", "w"]
 TOOL = "[[0, 0, 1, 0.1], [cos(e), sin(e), 0, f], [-sin(e), cos(e), 0, 0.3], [0, 0, 0, 1]]"
@@ -153,21 +154,21 @@ def test_axes_of_a_run_are_parallel_and_runs_are_as_long_as_can_be(seed: int) ->
 
 
 def test_nearly_parallel_is_not_parallel() -> None:
-    rows = "  - {type: revolute, alpha: 1e-9, a: 1}\n  - {type: revolute, a: 1}\n"
-    trace = Trace(Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}"))
+    trace = Trace(robot_of_rows("R alpha: 1e-9, a: 1 | R a: 1"))
     assert [run.first for run in parallel_runs(trace.chain, trace.domain.cosine_sine_of_sum)] == [0, 1]
 
 
 def test_a_sum_of_angles_costs_its_additions() -> None:
-    rows = "  - {type: revolute}\n" * 3
-    trace = Trace(Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{rows}"))
+    trace = Trace(robot_of_rows("R | R | R"))
     place = trace.runs[0].placements[2]
     tape = cut(*bake(trace.graph, [place.cosine.ref, place.sine.ref], trace.choice.numbers))
     assert tape.operations == Operations(add=2, sin=1, cos=1)
 
 
-SQUARE = ["alpha: pi/2", "alpha: -pi/2", "d: d3, alpha: -pi/2", "alpha: pi/2", "d: d5, alpha: pi/2", "alpha: -pi/2", ""]
-PUMA = ["alpha: pi/2", "a: a2", "a: a3, d: d3, alpha: -pi/2", "d: d4, alpha: pi/2", "alpha: -pi/2", ""]
+PUMA = "R alpha: pi/2 | R a: a2 | R a: a3, d: d3, alpha: -pi/2 | R d: d4, alpha: pi/2 | R alpha: -pi/2 | R"
+SQUARE = (
+    "R alpha: pi/2 | R alpha: -pi/2 | R d: d3, alpha: -pi/2 | R alpha: pi/2 | R d: d5, alpha: pi/2 | R alpha: -pi/2 | R"
+)
 
 
 def any_arm(seed: int) -> Trace:
@@ -185,7 +186,6 @@ def test_the_cheapest_ways_give_pose_frames_and_jacobian(make: Callable[[int], T
         return
     trace = make(seed)
     chain, stations = trace.chain, trace.stations
-    assert stations is not None
     pairs: list[tuple[list[Frame[Value]], list[Frame[Value]]]] = [
         ([cheapest_pose(stations)], [forward_kinematics(chain)]),
         (cheapest_links(stations), link_transforms(chain)),
@@ -199,30 +199,25 @@ def test_the_cheapest_ways_give_pose_frames_and_jacobian(make: Callable[[int], T
         assert np.abs(numbers(trace, found) - numbers(trace, wanted)).max() < 1e-13 * 4**trace.n
 
 
-def revolute(joints: list[str], extra: str = "") -> Robot:
-    text = "\n".join(f"  - {{type: revolute, {row}}}" for row in joints)
-    return Robot.from_text(f"name: arm\nconvention: standard\njoints:\n{text}\n{extra}")
-
-
 @pytest.mark.parametrize(
     ("joints", "pose", "links", "columns"),
-    [(SQUARE, 84, 99, 83), (PUMA, 60, 78, 45), (["a: a1", "a: a2"], 7, 7, 7), (["a: a1"] * 4, 11, 17, 17)],
+    [(SQUARE, 84, 99, 83), (PUMA, 60, 78, 45), ("R a: a1 | R a: a2", 7, 7, 7), ("|".join(["R a: a1"] * 4), 11, 17, 17)],
     ids=["7R", "PUMA", "2R", "4R"],
 )
-def test_counts(joints: list[str], pose: int, links: int, columns: int) -> None:
-    program = build_program(revolute(joints))
+def test_counts(joints: str, pose: int, links: int, columns: int) -> None:
+    program = build_program(robot_of_rows(joints))
     names = ("forward_kinematics", "link_transforms", "jacobian")
     assert [program[name].operations.arithmetic for name in names] == [pose, links, columns]
 
 
 def test_a_planar_arm_needs_a_sine_and_a_cosine_per_joint() -> None:
-    program = build_program(revolute(["a: a1", "a: a2"]))
+    program = build_program(robot_of_rows("R a: a1 | R a: a2"))
     assert program["forward_kinematics"].operations == Operations(mul=4, add=3, sin=2, cos=2)
 
 
 def test_a_tool_that_is_a_rotation_in_six_places_is_taken_as_written() -> None:
     tool = "tool: [[0.8660254, -0.5, 0, 0.2], [0.5, 0.8660254, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
-    trace = Trace(revolute(PUMA, tool))
+    trace = Trace(robot_of_rows(PUMA, tool))
     assert trace.stations is None
     assert build_program(trace.robot)["jacobian"].operations.arithmetic > 0
 
@@ -272,15 +267,6 @@ def test_a_sine_is_worth_many_products() -> None:
     assert choose(graph, [[[graph.sine(x)], [products]]]) == (1,)
 
 
-TEXTBOOK = """
-name: two
-convention: standard
-joints: [{type: revolute, a: a1}, {type: revolute, a: a2}]
-gravity: [0, -g, 0]
-links: [{mass: m1, com: [-l1, 0, 0], inertia: {zz: I1}}, {mass: m2, com: [-l2, 0, 0], inertia: {zz: I2}}]
-"""
-
-
 def recursions(trace: Trace) -> list[list[Value]]:
     chain, rates = trace.chain, trace.arguments(QD)
     return [
@@ -309,7 +295,7 @@ def test_closed_forms_are_the_recursions(seed: int, sums: bool, monkeypatch: pyt
 
 
 def test_a_textbook_arm_is_written_as_in_the_textbook() -> None:
-    program = build_program(Robot.from_text(TEXTBOOK))
+    program = build_program(robot_of_rows("R a: a1 | R a: a2", TWO_BARS))
     assert program["inertia_matrix"].operations.arithmetic <= 4
     assert program["coriolis_matrix"].operations.arithmetic <= 4
     assert program["gravity_vector"].operations.arithmetic <= 5
@@ -322,23 +308,12 @@ def test_long_closed_forms_are_not_offered() -> None:
     assert [form.values("inverse_dynamics") for form in trace.closed_forms] == [None] * len(trace.closed_forms)
 
 
-SCARA = """
-name: scara
-convention: standard
-joints:
-  - {type: revolute, a: 0.4}
-  - {type: revolute, a: 0.3, d: 0.1, alpha: pi}
-  - {type: prismatic}
-  - {type: revolute, d: 0.2}
-  - {type: revolute, alpha: pi/2}
-gravity: [0, 0, -9.81]
-links:
-"""
 LINK = "  - {mass: 2.5, com: [0.1, -0.2, 0.3], inertia: {xx: 0.3, yy: 0.2, zz: 0.4, xy: 0.01, xz: 0.02, yz: 0.03}}\n"
 
 
-def scara() -> Robot:
-    return Robot.from_text(SCARA + 5 * LINK)
+def scara(crossing: str = "") -> Robot:
+    rows = f"R a: 0.4 | R a: 0.3, d: 0.1, alpha: pi | P | R d: 0.2{crossing} | R alpha: pi/2"
+    return robot_of_rows(rows, "gravity: [0, 0, -9.81]\nlinks:\n" + 5 * LINK)
 
 
 def random_choices(trace: Trace, rng: random.Random) -> FrameChoices:
@@ -362,29 +337,22 @@ def outputs(trace: Trace, choices: FrameChoices) -> list[Value]:
     return [*torques, *matrices, *gravity_vector(chain)]
 
 
-@pytest.mark.parametrize("seed", seeds(24, usual=8))
+@pytest.mark.parametrize("seed", [*seeds(24, usual=8), pytest.param(-1, id="parallel axes that point either way")])
 def test_every_form_gives_the_same_values(seed: int) -> None:
     rng = random.Random(seed)
-    robot = Robot.from_text(random_robot(rng, 1 + seed % 6).text)
-    trace = Trace(robot)
-    expected = numbers(trace, outputs(trace, (PLAIN,) * robot.n))
-    for _ in range(3):
+    trace = Trace(scara() if seed < 0 else Robot.from_text(random_robot(rng, 1 + seed % 6).text))
+    expected = numbers(trace, outputs(trace, (PLAIN,) * trace.n))
+    for _ in range(12 if seed < 0 else 3):
         found = numbers(trace, outputs(trace, random_choices(trace, rng)))
         assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())
 
 
-def test_parallel_axes_may_be_held_whichever_way_they_point() -> None:
-    trace = Trace(scara())
-    assert [holdable(trace.chain, i) for i in range(5)] == [True, True, True, True, True]
-    expected = numbers(trace, outputs(trace, (PLAIN,) * 5))
-    for seed in range(12):
-        found = numbers(trace, outputs(trace, random_choices(trace, random.Random(seed))))
-        assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
-def test_a_link_before_a_crossing_axis_is_not_held() -> None:
-    robot = Robot.from_text(SCARA.replace("d: 0.2}", "d: 0.2, alpha: pi/2}") + 5 * LINK)
-    assert [holdable(Trace(robot).chain, i) for i in range(5)] == [True, True, True, False, True]
+@pytest.mark.parametrize(("crossing", "held"), [("", [True] * 5), (", alpha: pi/2", [True, True, True, False, True])])
+def test_links_between_parallel_axes_are_held_and_one_before_a_crossing_axis_is_not(
+    crossing: str, held: list[bool]
+) -> None:
+    chain = Trace(scara(crossing)).chain
+    assert [holdable(chain, i) for i in range(5)] == held
 
 
 def test_the_search_never_ends_above_its_starts() -> None:

@@ -30,7 +30,9 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.oracle.rates import distance_from_singularity, task_mobility
 from tests.evaluate import evaluate as evaluated
+from tests.mechanics.arms import assert_close
 from tests.random_robots import RandomRobot, catalogue, random_robot, robot_text, seeds
+from tests.rows import robot_of_rows, text_of_rows
 
 ARITHMETIC = {
     "number": to_float,
@@ -95,12 +97,6 @@ def case(request: pytest.FixtureRequest) -> Case:
     return case_of(request.param)
 
 
-def assert_close(found: npt.NDArray[np.float64], wanted: npt.NDArray[np.float64]) -> None:
-    scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
-    assert found.shape == wanted.shape
-    assert np.abs(found - wanted).max(initial=0.0) <= TOLERANCE * scale
-
-
 def test_functions_are_those_of_the_oracle(case: Case) -> None:
     """Regressors and accelerations, which have yardsticks of their own, elsewhere."""
     program, state = case.program, case.state
@@ -112,7 +108,8 @@ def test_functions_are_those_of_the_oracle(case: Case) -> None:
             volume = oracle.evaluate(name.removesuffix("_dq"), state.q) if name.startswith("manipulability") else 1.0
             far = name != "task_inertia" or np.linalg.cond(task_mobility(oracle.arm, state.q)) < 1e4
             if far and (name != "manipulability_dq" or volume > 1e-3):
-                assert_close(value(program, name, state) * volume, oracle.evaluate(name, *arguments) * volume)
+                wanted = oracle.evaluate(name, *arguments) * volume
+                assert_close(value(program, name, state) * volume, wanted, TOLERANCE)
     inertia = value(program, "inertia_matrix", state)
     assert np.array_equal(inertia, inertia.T)
 
@@ -133,17 +130,14 @@ def test_accelerations_have_the_torques_that_make_them(case: Case) -> None:
         assert np.abs(left).max() <= 1e-9 * max(1, np.abs(inertia).max(), np.abs(state.tau).max())
 
 
-PLANAR = "name: planar\nconvention: standard\njoints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}]\n"
-
-
 def test_angles_that_are_singular_everywhere_have_no_jacobian() -> None:
-    program = build_program(Robot.from_text(PLANAR))
+    program = build_program(robot_of_rows("R a: 0.5 | R a: 0.4"))
     assert "analytic_jacobian_rpy" in program
     assert "analytic_jacobian_zyz" not in program
 
 
 def test_a_fixed_axis_has_no_rate() -> None:
-    program = build_program(Robot.from_text("name: one\nconvention: standard\njoints: [{type: prismatic}]\n"))
+    program = build_program(robot_of_rows("P"))
     assert program["jacobian_dot"].operations == Operations()
 
 
@@ -156,13 +150,10 @@ def test_closed_forms_of_rates_are_the_generated_ones() -> None:
     numbers |= dict(zip((*model.q, *model.qd), (*q, *qd), strict=True))
     for matrix, name in ((model.J_dot, "jacobian_dot"), (model.coriolis_vector, "coriolis_vector")):
         found = np.array(matrix.subs(numbers).tolist(), dtype=float)
-        assert_close(found.reshape(-1), oracle.evaluate(name, q, qd).reshape(-1))
+        assert_close(found.reshape(-1), oracle.evaluate(name, q, qd).reshape(-1), TOLERANCE)
 
 
-SINGULAR = """
-name: singular
-convention: standard
-joints: [{type: revolute, a: 0.5}, {type: revolute}]
+MASSES = """
 gravity: [0, -9.81, 0]
 links: [{mass: m1, com: [-0.1, 0, 0]}, {mass: m2}]
 parameters: {m2: 0}
@@ -170,7 +161,7 @@ parameters: {m2: 0}
 
 
 def test_a_joint_without_inertia_has_torques_but_no_accelerations() -> None:
-    program = build_program(Robot.from_text(SINGULAR))
+    program = build_program(robot_of_rows("R a: 0.5 | R", MASSES))
     tape = program["forward_dynamics"].tape
     assert {node.op for node in tape.nodes} >= {Op.DIVIDE}
     assert tape.operations == Operations(div=2)
@@ -179,8 +170,7 @@ def test_a_joint_without_inertia_has_torques_but_no_accelerations() -> None:
 
 @pytest.mark.parametrize("cell", ["y/x", "1/(x*y)"])
 def test_cells_that_divide_by_zero_with_their_numbers_are_refused(cell: str) -> None:
-    joints = f"[{{type: revolute, q: q1, a: '{cell}'}}]"
-    text = f"name: one\nconvention: standard\njoints: {joints}\nparameters: {{x: 1}}\n"
+    text = text_of_rows(f"R a: '{cell}'", "parameters: {x: 1}")
     with pytest.raises(RobotFileError, match="no real value"):
         Robot.from_text(text.replace("x: 1", "x: 0"))
     robot = replace(Robot.from_text(text), parameters=(("x", ZERO),))
@@ -190,8 +180,7 @@ def test_cells_that_divide_by_zero_with_their_numbers_are_refused(cell: str) -> 
 
 @pytest.mark.sweep
 def test_many_joints_are_traced_in_time_and_without_recursion() -> None:
-    joints = "\n".join("  - {type: revolute, a: 0.3, d: 0.1, alpha: pi/2}" for _ in range(64))
-    program = build_program(Robot.from_text(f"name: long\nconvention: standard\njoints:\n{joints}\n"))
+    program = build_program(robot_of_rows("|".join(["R a: 0.3, d: 0.1, alpha: pi/2"] * 64)))
     assert program["link_transforms"].operations.total < 4000
     assert len(program["jacobian"].tape.outputs) == 6 * 64
 
@@ -255,8 +244,7 @@ def test_generated_functions_give_the_torques_and_what_the_formulas_say(seed: in
 
 
 def test_long_arms_have_no_generated_regressor() -> None:
-    rows = "\n".join("  - {type: revolute, a: 0.1, alpha: pi/2}" for _ in range(REGRESSOR_JOINTS + 1))
-    links = "\n".join("  - {mass: 1}" for _ in range(REGRESSOR_JOINTS + 1))
-    robot = Robot.from_text(f"name: long\ntitle: long\nconvention: standard\njoints:\n{rows}\nlinks:\n{links}\n")
+    n = REGRESSOR_JOINTS + 1
+    robot = robot_of_rows("|".join(["R a: 0.1, alpha: pi/2"] * n), "links:\n" + "  - {mass: 1}\n" * n)
     assert not has_regressor(robot)
     assert identification_program(robot).functions == ()

@@ -28,6 +28,7 @@ from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Op, Operations, 
 from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs, variables
+from tests.rows import robot_of_rows
 
 CHOICES: dict[str, Any] = {
     "less": lambda a, b: Fraction(a < b),
@@ -332,13 +333,8 @@ def test_cases_and_arctangents_have_their_derivatives() -> None:
 
 
 def robot(theta: str, alpha: str = "0", a: str = "0", **extra: str) -> Robot:
-    lines = [
-        "name: one",
-        "convention: standard",
-        f"joints: [{{type: revolute, q: q1, theta: '{theta}', alpha: '{alpha}', a: '{a}'}}]",
-        *(f"{key}: {value}" for key, value in extra.items()),
-    ]
-    return Robot.from_text("\n".join(lines))
+    more = "\n".join(f"{key}: {value}" for key, value in extra.items())
+    return robot_of_rows(f"R theta: '{theta}', alpha: '{alpha}', a: '{a}'", more)
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,8 @@ def scalars(node: Node, path: KeyPath = ()) -> Iterator[tuple[KeyPath, YamlScala
 
 @pytest.mark.parametrize("name", catalogue_names())
 def test_every_text_stands_where_it_is_said_to_stand(name: str) -> None:
-    text = robot_file_bytes(name).decode()
-    document = read_document(text.encode() if isinstance(text, str) else text, name)
-    lines = (text if isinstance(text, str) else text.decode()).splitlines()
+    data = robot_file_bytes(name)
+    document, lines = read_document(data, name), data.decode().splitlines()
     found = list(scalars(document.root))
     assert len(found) > 5
     for path, scalar in found:

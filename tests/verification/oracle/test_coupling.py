@@ -17,7 +17,7 @@ from tests.exchange.arms import dressed
 from tests.random_robots import seeds
 from tests.random_trees import coupled, random_tree
 from tests.verification.oracle.pinocchio_reference import Array, Reference, TreeBuilder
-from tests.verification.oracle.test_trees import TOLERANCE, error, motion
+from tests.verification.oracle.test_physics import TOLERANCE, motion, relative_error
 
 # By the axes of a function's value, from the last, along which there is an entry for each joint.
 AXES: dict[Sequence[int], tuple[str, ...]] = {
@@ -60,7 +60,7 @@ def test_every_function_is_that_of_the_joints_projected(seed: int) -> None:
         near = 1.0
         if function in ANGLES:
             near = distance_from_singularity(oracle.seen(name), ANGLES[function], s @ given[0])
-        assert error(got, wanted) * near < TOLERANCE, name
+        assert relative_error(got, wanted) * near < TOLERANCE, name
         batch = tuple(argument[None] for argument in given)
         if function != "link_transforms":  # entry by entry, as generated code is compared
             assert expectation(name, SampleSet({}, oracle, {}), batch).errors(wanted[None]).max() < 1e-9, name
@@ -81,6 +81,6 @@ def test_mujocos_inertia_and_bias_projected_are_ours(name: str) -> None:
     for row, column in zip(inertia, s.T, strict=True):
         mujoco.mj_mulM(model, data, row, column)
     oracle, still = Oracle.of(robot), np.zeros(robot.dof)
-    assert error(oracle.evaluate("inertia_matrix", given["q"]), inertia @ s) < TOLERANCE
+    assert relative_error(oracle.evaluate("inertia_matrix", given["q"]), inertia @ s) < TOLERANCE
     bias = oracle.evaluate("inverse_dynamics", given["q"], given["qd"], still)
-    assert error(bias, s.T @ (data.qfrc_bias - data.qfrc_passive)) < TOLERANCE
+    assert relative_error(bias, s.T @ (data.qfrc_bias - data.qfrc_passive)) < TOLERANCE

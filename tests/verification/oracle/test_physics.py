@@ -15,6 +15,7 @@ from derive.verification.oracle.identification import Identification
 from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, potential_energy, rotor_jacobians
 from derive.verification.oracle.rates import distance_from_singularity
 from tests.random_robots import RandomRobot, configurations, random_robot, robots
+from tests.rows import robot_of_rows
 from tests.verification.oracle.pinocchio_reference import Array, Reference, reference
 
 TOLERANCE = 1e-10
@@ -102,13 +103,8 @@ def test_a_batch_is_its_configurations_one_by_one(robot: RandomRobot) -> None:
         assert relative_error(*np.nan_to_num((together[1, 2], alone))) < 1e-12
 
 
-PENDULUM = """
-name: pendulum
-convention: standard
-joints: [{type: revolute, a: 0.7}]
-gravity: [0, -9.81, 0]
-links: [{mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.3}, friction: {viscous: 0.4, coulomb: 0.25}}]
-"""
+BODY = "{mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.3}, friction: {viscous: 0.4, coulomb: 0.25}}"
+PENDULUM = robot_of_rows("R a: 0.7", f"gravity: [0, -9.81, 0]\nlinks: [{BODY}]")
 
 
 def oracle_of(robot: RandomRobot) -> Oracle:
@@ -167,7 +163,7 @@ def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot
 
 def test_a_hanging_pendulum_needs_torque_against_gravity_when_lifted() -> None:
     """q counts from the horizontal x axis: at q = 0 gravity pulls the link down, so holding it takes +m g l."""
-    oracle = Oracle.of(Robot.from_text(PENDULUM))
+    oracle = Oracle.of(PENDULUM)
     hold = oracle.evaluate("gravity_vector", [[0.0], [-np.pi / 2], [np.pi]])[:, 0]
     assert hold == pytest.approx([2 * 9.81 * 0.5, 0.0, -2 * 9.81 * 0.5])
     let_go = oracle.evaluate("forward_dynamics", [0.0], [0.0], [0.0])
@@ -175,7 +171,7 @@ def test_a_hanging_pendulum_needs_torque_against_gravity_when_lifted() -> None:
 
 
 def test_friction_resists_motion_and_vanishes_at_rest() -> None:
-    oracle = Oracle.of(Robot.from_text(PENDULUM))
+    oracle = Oracle.of(PENDULUM)
     down = [-np.pi / 2]
     torques = [oracle.evaluate("inverse_dynamics", down, [rate], [0.0])[0] for rate in (2.0, -2.0, 0.0)]
     assert torques == pytest.approx([2 * 0.4 + 0.25, -2 * 0.4 - 0.25, 0.0])
@@ -183,14 +179,9 @@ def test_friction_resists_motion_and_vanishes_at_rest() -> None:
 
 def test_a_geared_rotor_couples_joints_with_parallel_axes_by_ratio_times_inertia() -> None:
     """Planar arm with rotors (Siciliano et al., section 7.3.2): b_12 gains kr2 Im2, b_22 gains kr2^2 Im2, b_11 Im2."""
-    text = """
-name: rotors
-convention: standard
-joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}]
-gravity: [0, 0, 0]
-links: [{motor: {mass: 0, inertia: 0.02, ratio: 100}}, {motor: {mass: 0, inertia: 0.03, ratio: 50}}]
-"""
-    matrix = Oracle.of(Robot.from_text(text)).evaluate("inertia_matrix", [0.3, 0.8])
+    rotors = "{motor: {mass: 0, inertia: 0.02, ratio: 100}}, {motor: {mass: 0, inertia: 0.03, ratio: 50}}"
+    robot = robot_of_rows("R a: 0.5 | R a: 0.4", f"gravity: [0, 0, 0]\nlinks: [{rotors}]")
+    matrix = Oracle.of(robot).evaluate("inertia_matrix", [0.3, 0.8])
     wanted = [[100**2 * 0.02 + 0.03, 50 * 0.03], [50 * 0.03, 50**2 * 0.03]]
     assert matrix == pytest.approx(np.array(wanted))
 

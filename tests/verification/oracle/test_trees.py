@@ -17,20 +17,9 @@ from derive.verification.samples import SampleSet
 from derive.verification.tolerance import Bounds
 from tests.random_robots import configurations, seeds
 from tests.random_trees import random_tree
-from tests.verification.oracle.pinocchio_reference import Array, TreeBuilder
+from tests.verification.oracle.pinocchio_reference import TreeBuilder
+from tests.verification.oracle.test_physics import TOLERANCE, motion, relative_error
 from tests.verification.test_trials import NOT_BOUNDED
-
-TOLERANCE = 1e-10
-
-
-def motion(n: int, seed: int) -> dict[str, Array]:
-    q, qd, qdd, tau = configurations(random.Random(seed), n, 4)
-    return {"q": q, "qd": qd, "qdd": qdd, "tau": 20 * tau, "h": configurations(random.Random(seed), 6)[0]}
-
-
-def error(got: Array, wanted: Array) -> float:
-    assert got.shape == wanted.shape
-    return float(np.abs(got - wanted).max() / max(1.0, np.abs(wanted).max()))
 
 
 @pytest.mark.parametrize("seed", seeds(200, 8, 200))
@@ -48,7 +37,7 @@ def test_every_function_agrees_with_pinocchio(seed: int) -> None:
         got = got[builder.before :] if function == "link_transforms" else got
         near = distance_from_singularity(numbers, ANGLES[function], given[0]) if function in ANGLES else 1.0
         if outside.determines(function, given[0]):
-            assert error(got, wanted) * near < TOLERANCE, name
+            assert relative_error(got, wanted) * near < TOLERANCE, name
             batch = tuple(argument[None] for argument in given)
             if function != "link_transforms":  # entry by entry, as generated code is compared
                 assert expectation(name, SampleSet({}, oracle, {}), batch).errors(wanted[None]).max() < 1e-9, name
@@ -63,10 +52,10 @@ def test_functions_of_an_end_are_those_of_the_serial_arm_to_it(seed: int) -> Non
         robot, places = arm(drawn.robot, end)
         serial, suffix = Oracle.of(robot), f"_{end}" if end else ""
         for name in ("forward_kinematics", "manipulability", "manipulability_position", "manipulability_orientation"):
-            assert error(oracle.evaluate(name + suffix, q), serial.evaluate(name, q[list(places)])) < TOLERANCE
+            assert relative_error(oracle.evaluate(name + suffix, q), serial.evaluate(name, q[list(places)])) < TOLERANCE
         wanted = np.zeros((6, len(q)))
         wanted[:, list(places)] = serial.evaluate("jacobian_end", q[list(places)])
-        assert error(oracle.evaluate(f"jacobian_end{suffix}", q), wanted) < TOLERANCE
+        assert relative_error(oracle.evaluate(f"jacobian_end{suffix}", q), wanted) < TOLERANCE
 
 
 @pytest.mark.parametrize("seed", seeds(40, 3, 20))
@@ -85,7 +74,7 @@ def test_the_regressor_of_a_link_and_of_what_is_fixed_on_it_gives_the_torques(se
         for part, value in zip(LINK_PARTS, of_body if i >= 0 else (), strict=False):
             values[Parameter(i + 1, part)] += value
     found = oracle.evaluate("regressor", q, qd, qdd) @ np.array(list(values.values()))
-    assert error(found, oracle.evaluate("inverse_dynamics", q, qd, qdd)) < TOLERANCE
+    assert relative_error(found, oracle.evaluate("inverse_dynamics", q, qd, qdd)) < TOLERANCE
 
 
 @pytest.mark.parametrize("seed", seeds(40, 3, 20))
