@@ -20,7 +20,7 @@ from derive.errors import QuantityError
 from derive.exchange.arm import Arm
 from derive.mechanics.space import Frame, Line, Real, exactly, length, plus, real, times, unit
 from derive.mechanics.vectors import dot
-from derive.robot.description import Convention, Description, Matrix
+from derive.robot.description import Convention, Description, FixedRow, Joint, Matrix
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 
 EXACT = 1e-30  # a bound below is one of exact numbers
@@ -83,13 +83,11 @@ def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
     known = dict(robot.parameters)
     frame, lines = base, []
     for joint in robot.joints:
-        theta, d, a, alpha = (ball(cell, known) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
-        if robot.convention is Convention.MODIFIED:
-            frame = frame.then(along_x(a, alpha))
-        lines.append(Line(frame.origin, times(frame.z, joint.sign)))
-        frame = frame.then(along_z(theta, d))
-        if robot.convention is Convention.STANDARD:
-            frame = frame.then(along_x(a, alpha))
+        along, across = motions(joint, known)
+        standard = robot.convention is Convention.STANDARD
+        axis = frame if standard else frame.then(across)
+        lines.append(Line(axis.origin, times(axis.z, joint.sign)))
+        frame = axis.then(along).then(across) if standard else axis.then(along)
     return lines, frame.then(frame_of(robot.tool, known))
 
 
@@ -111,6 +109,12 @@ def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Rea
         case Call(function, (argument,)):
             return getattr(ball(argument, known), function)()
     raise QuantityError("a table with symbols has no numeric poses", remedy="give them numbers under parameters:")
+
+
+def motions(row: Joint | FixedRow, known: Mapping[str, Expression] | None = None) -> tuple[Frame, Frame]:
+    """Rot(z, theta) Trans(z, d) and Trans(x, a) Rot(x, alpha) of a row."""
+    theta, d, a, alpha = (ball(cell, known) for cell in (row.theta, row.d, row.a, row.alpha))
+    return along_z(theta, d), along_x(a, alpha)
 
 
 def along_z(theta: Real, d: Real) -> Frame:

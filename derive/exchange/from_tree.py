@@ -4,7 +4,7 @@ No common normals are needed: the frame of a row is that of the link which it mo
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -12,9 +12,9 @@ from derive.errors import DeriveError, RobotFileError, near_miss, quoted
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
-from derive.exchange.from_urdf import ImportOptions, notes_on, plain_text, robot_name, snap_of
+from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
-from derive.exchange.urdf import MOVING, Urdf, UrdfJoint
+from derive.exchange.urdf import MOVING, Urdf, UrdfJoint, free_name
 from derive.mechanics.space import WORLD, Frame, Line, Point, exactly, unit
 from derive.robot.description import (
     BASE,
@@ -78,10 +78,9 @@ class ImportedTree:
 
 
 def import_tree(
-    urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions | None = None, head: str = ""
+    urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions = AS_USUAL, head: str = ""
 ) -> ImportedTree:
     """The robot of all joints of a file, whose root stands, or moves as ``root`` says."""
-    options = options or ImportOptions()
     kinds = [kind.value for kind in RootType]
     if root and root not in kinds:
         raise DeriveError(
@@ -93,7 +92,7 @@ def import_tree(
     with exactly(len(urdf.joints)):
         tree = _Tree(urdf, RootType(root or urdf.root) if root or urdf.root else None, options)
         robot, chosen = tree.described(ends)
-    made = _read(robot_text(robot), robot.name, urdf.source)
+    made = read_back(robot_text(robot), robot.name, urdf.source)
     found = agreement(FileTree.of(urdf, tree.joints, tree.root), made, list(chosen.values()))
     if found.position > MOST_MOVED * found.reach + 1e-9:
         moved = f"--snap {float(tree.snap):g} would move an end by {found.position:.2g} m"
@@ -101,15 +100,7 @@ def import_tree(
     notes = tuple(plain_text(note) for note in tree.notes)
     text = robot_text(robot, [*([head] if head else []), str(found), *notes])
     names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)
-    return ImportedTree(text, _read(text, robot.name, urdf.source), found, chosen, names, notes)
-
-
-def _read(text: str, name: str, source: str) -> Robot:
-    """A robot file as others read it; what the robot has against it is said of the file that it comes from."""
-    try:
-        return Robot.from_text(text, f"{name}.yaml")
-    except DeriveError as error:
-        raise RobotFileError(f"{source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+    return ImportedTree(text, read_back(text, robot.name, urdf.source), found, chosen, names, notes)
 
 
 def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
@@ -153,14 +144,14 @@ class _Tree:
         self._base, self.joints = in_order(urdf)
         self.notes: list[str] = []
         self._has_bodies = any(urdf.bodies.values())
-        self._behind: dict[str, list[UrdfJoint]] = {}
         # The frame of each row in that of the link which it moves, and the link with which each one moves as a body.
         self._turns, self._carriers = {self._base: WORLD}, {self._base: self._base}
+        self._steps = {self._base: 0}  # how many fixed joints lead to a link from the one with which it moves
         for joint in self.joints:
             moves, link = joint.type in MOVING, joint.child
-            self._behind.setdefault(joint.parent, []).append(joint)
             self._turns[link] = turn_to(direction_of(joint, self.snap)) if moves else WORLD
             self._carriers[link] = link if moves else self._carriers[joint.parent]
+            self._steps[link] = 0 if moves else self._steps[joint.parent] + 1
 
     def described(self, wanted: Sequence[str]) -> tuple[Description, dict[str, str]]:
         """The robot, and the links of its ends by their names."""
@@ -168,7 +159,7 @@ class _Tree:
         kept = self._kept(set(chosen.values()))
         labels = {self._base: BASE}
         for joint in kept:
-            labels[joint.child] = _free(label_of(joint.name), (*labels.values(), *variables))
+            labels[joint.child] = free_name(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
         numbered = iter(range(1, len(rows) + 1))
         names = {joint.name: f"q{next(numbered)}" for joint in kept if joint.type in MOVING}
@@ -193,11 +184,10 @@ class _Tree:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
         self._note(kept)
         tool = IDENTITY if ends[0].name else ends[0].tool
-        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends))
         own = [row for row in joints if not row.drive]
-        coupled = (Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own)
-        robot = replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else ())
-        return plain(replace(robot, root=root, tool=tool)), chosen
+        coupled = [Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own]
+        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends), tool=tool)
+        return plain(replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else (), root=root)), chosen
 
     def _bare(self, joints: tuple[Joint, ...]) -> Description:
         """A robot of some rows, without bodies, ends and root yet."""
@@ -220,22 +210,19 @@ class _Tree:
         stand = Stand(labels[joint.parent], matrix_of(mount, self.snap))
         if joint.type not in MOVING:
             return FixedRow(label, stand, link=self._body(joint.child)), Link()
-        axis = self._axis(joint)
+        axis = self._axis(joint, joint.child)
         return replace(row_of(axis, ""), name=label, stand=stand), link_of(axis, turn, self.snap)
 
-    def _axis(self, joint: UrdfJoint) -> Axis:
-        return Axis(Line(WORLD.origin, WORLD.z), joint, tuple(self._masses(joint.child)))
-
-    def _masses(self, link: str) -> Iterator[Mass]:
-        if body := self.urdf.bodies[link]:
-            yield Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link)
+    def _axis(self, joint: UrdfJoint, link: str) -> Axis:
+        body = self.urdf.bodies[link]
+        masses = (Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link),) if body else ()
+        return Axis(Line(WORLD.origin, WORLD.z), joint, masses)
 
     def _body(self, link: str) -> Link | None:
         """The body of a link that no joint drives."""
         if not self._has_bodies:
             return None
-        still = Axis(Line(WORLD.origin, WORLD.z), self.joints[0], tuple(self._masses(link)))
-        found = link_of(still, WORLD, self.snap)
+        found = link_of(self._axis(self.joints[0], link), WORLD, self.snap)
         return Link(found.mass, found.com, found.inertia)
 
     def _tool(self, link: str) -> Matrix:
@@ -257,28 +244,17 @@ class _Tree:
         if wanted:
             return list(dict.fromkeys(wanted))
         inner = {self._carriers[joint.parent] for joint in self.joints if joint.type in MOVING}
-        tips = [link for link in self._carriers if link not in self._behind and self._moved(link)]
+        carrying = {joint.parent for joint in self.joints}
+        tips = [link for link in self._carriers if link not in carrying and self._moved(link)]
         tips = [link for link in tips if self._carriers[link] not in inner]
         if not tips:
             raise RobotFileError(f"{self.urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(tips) > MOST_ENDS:  # of several on one joint the one at the end of the longest way
-            ways = {link: self._steps(link) for link in tips}
-            carriers = [self._carriers[link] for link in tips]
-            tips = [
-                max((t for t in tips if self._carriers[t] == at), key=ways.__getitem__)
-                for at in dict.fromkeys(carriers)
-            ]
+            carriers = dict.fromkeys(self._carriers[link] for link in tips)
+            tips = [max((t for t in tips if self._carriers[t] == at), key=self._steps.__getitem__) for at in carriers]
         if len(tips) > MOST_ENDS:
             self.notes.append(f"{len(tips)} ends, of which these are left out: {some(tips[MOST_ENDS:])}")
         return tips[:MOST_ENDS]
-
-    def _steps(self, link: str) -> int:
-        """How many fixed joints lead to a link from the one with which it moves."""
-        parents = {joint.child: joint.parent for joint in self.joints}
-        count = 0
-        while link != self._carriers[link]:
-            link, count = parents[link], count + 1
-        return count
 
     def _kept(self, ends: set[str]) -> list[UrdfJoint]:
         """The joints that become rows: those which move, and the fixed ones on the way to one, to a body or an end."""
@@ -294,7 +270,7 @@ class _Tree:
         return kept[::-1]
 
     def _note(self, kept: Sequence[UrdfJoint]) -> None:
-        moving = [self._axis(joint) for joint in kept if joint.type in MOVING]
+        moving = [self._axis(joint, joint.child) for joint in kept if joint.type in MOVING]
         self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(moving), WORLD, WORLD.z, (), ()), proven=False)
         if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
             n = len(changes)
@@ -331,13 +307,6 @@ def _driven(row: Joint, joint: UrdfJoint, way: tuple[str, Fraction, Fraction], n
     return replace(driven, theta=add(row.theta, added)) if row.is_revolute else replace(driven, d=add(row.d, added))
 
 
-def _free(name: str, taken: Collection[str]) -> str:
-    """A name that nothing else has."""
-    while name in taken:
-        name += "_"
-    return name
-
-
 def _named(links: Sequence[str]) -> dict[str, str]:
     """Links by names that ends may have."""
     found: dict[str, str] = {}
@@ -346,5 +315,5 @@ def _named(links: Sequence[str]) -> dict[str, str]:
         folded = name.casefold()
         is_taken = name in RESERVED_NAMES or folded in (*NOT_SYMBOLS, BASE) or SUFFIXES.fullmatch(f"{folded}_")
         name = name if name[:1].isalpha() and not is_taken else f"link_{name}"
-        found[_free(name, found)] = link
+        found[free_name(name, found)] = link
     return found

@@ -138,12 +138,17 @@ def import_urdf(
     names = tuple(plain_text(axis.joint.name) for axis in arm.axes)
     first = [replace(source, base=arm.base, tip=arm.tip).line] if source else []
     text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(table.certificate), *notes])
-    try:
-        made = Robot.from_text(text, f"{robot.name}.yaml")
-    except DeriveError as error:  # what the robot has against it is said of the URDF
-        raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+    made = read_back(text, robot.name, urdf.source)
     ends = (plain_text(arm.base), plain_text(arm.tip))
     return Imported(text, made, table.certificate, ends, names, tuple(notes), table.changes)
+
+
+def read_back(text: str, name: str, source: str) -> Robot:
+    """A robot file as others read it; what the robot has against it is said of the file that it comes from."""
+    try:
+        return Robot.from_text(text, f"{name}.yaml")
+    except DeriveError as error:
+        raise RobotFileError(f"{source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
 
 
 def snap_of(snap: str | float | Fraction) -> Fraction:

@@ -10,7 +10,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
+from derive.errors import Location, RobotFileError, optional, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
 from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint, look
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
@@ -90,10 +90,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
 
 def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     """The tree without comments; entities and the network stay off."""
-    try:
-        from lxml import etree
-    except ImportError:
-        raise TargetError("reading URDF needs lxml, which is not installed", remedy=install_extra("exchange")) from None
+    etree = optional("lxml.etree", "reading URDF needs lxml", "exchange")
     if len(data) > MOST_BYTES:
         found = f"{source} has {len(data)} bytes"
         raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")

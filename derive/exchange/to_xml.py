@@ -1,6 +1,6 @@
 """A robot as URDF, and as MJCF, the format of MuJoCo."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import atan2, hypot
@@ -10,6 +10,7 @@ from xml.sax.saxutils import escape
 from flint import arb
 
 from derive.exchange.body_chain import (
+    NO_INERTIA,
     TIP,
     BodyChain,
     ChainSegment,
@@ -23,7 +24,7 @@ from derive.exchange.body_chain import (
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.robot_of_arm import table_text
-from derive.exchange.urdf import SLIDE, UNLIMITED
+from derive.exchange.urdf import SLIDE, UNLIMITED, free_name
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
 from derive.robot.description import BASE
 from derive.targets.escape import xml_text
@@ -35,7 +36,7 @@ THICKNESS = 0.06  # radius of the cylinders, of the longest link
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as URDF."""
-    links, joints = _tree_elements(arm) if arm.parts else _chain_elements(arm)
+    links, joints = _elements(arm)
     radius = THICKNESS * arm.size
     return render(
         "exchange/robot.urdf.jinja",
@@ -48,25 +49,6 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
         thick=f"{1.4 * radius:.3g}",
         height=f"{3 * radius:.3g}",
     )
-
-
-Elements = tuple[list[dict[str, Any]], list[dict[str, Any]]]  # links and joints
-
-
-def _chain_elements(arm: BodyChain) -> Elements:
-    named = [f"link{i}" for i in range(1, len(arm.segments) + 1)]
-    root = ROOT if is_world(arm.base) else "link0"
-    taken = {segment.joint.label for segment in arm.segments}
-    base, flange, tool = (name + "_" * (name in taken) for name in ("base-joint", "flange-joint", "tool-joint"))
-    joints = [] if root == ROOT else [_fixed(base, ROOT, root, arm.base)]
-    for i, segment in enumerate(arm.segments):
-        joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
-    joints.append(_fixed(flange, named[-1], "flange", arm.segments[-1].dh))
-    joints.append(_fixed(tool, "flange", TIP, arm.tool))
-    links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
-    for name, segment in zip(named, arm.segments, strict=True):
-        links.append(_link(name, segment, THICKNESS * arm.size))
-    return links + [{"name": name, "is_frame": True} for name in ("flange", TIP)], joints
 
 
 def link_names(arm: BodyChain) -> dict[str, str]:
@@ -82,20 +64,13 @@ def link_names(arm: BodyChain) -> dict[str, str]:
     return {label: xml_text(name) for label, name in found.items()}
 
 
-def free_name(name: str, taken: Collection[str]) -> str:
-    """A name that nothing else has."""
-    while name in taken:
-        name += "_"
-    return name
-
-
-def _tree_elements(arm: BodyChain) -> Elements:
-    """Rows by their labels, ends by their names."""
-    rows, names, radius = arm.rows, link_names(arm), THICKNESS * arm.size
-    labels = {*names, *(segment.joint.label for segment in arm.segments)}
+def _elements(arm: BodyChain) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Links and joints: of a tree rows by their labels and ends by their names, of a chain links by their numbers."""
+    rows, radius = arm.rows, THICKNESS * arm.size
+    names = link_names(arm) if arm.parts else {s.joint.label: f"link{i}" for i, s in enumerate(arm.segments, 1)}
     root = ROOT if is_world(arm.base) else "link0"
     links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
-    joints = [] if root == ROOT else [_fixed(free_name("base-joint", labels), ROOT, root, arm.base)]
+    joints = [] if root == ROOT else [_fixed(free_name("base-joint", names), ROOT, root, arm.base)]
     if arm.root and arm.root.body:
         links[0] |= {"is_frame": False, "inertial": _weighed(arm.root.body), "rod": None}
     parents = {"": root, BASE: root} | names  # a root that moves in a plane has a row of its own
@@ -108,11 +83,15 @@ def _tree_elements(arm: BodyChain) -> Elements:
         placed = replace(segment, origin=_inside(segment.after, segment.origin))
         joints.append(_joint(placed, parents[segment.after], name))
         links.append(_link(name, segment, radius))
+    last = joints[-1]["child"]
+    for parent, name, frame in () if arm.parts else ((last, "flange", arm.segments[-1].dh), ("flange", TIP, arm.tool)):
+        joints.append(_fixed(free_name(f"{name}-joint", names), parent, name, frame))
+        links.append({"name": name, "is_frame": True})
     for part in arm.parts:
         if part.is_end and names.get(part.after) == part.name:
             continue
         name = part.name if part.is_end else names[part.name]
-        joint = free_name(f"{part.name}_end", labels) if part.is_end else xml_text(part.name)
+        joint = free_name(f"{part.name}_end", names) if part.is_end else xml_text(part.name)
         joints.append(_fixed(joint, parents[part.after], name, _inside(part.after, part.frame)))
         inertial = _weighed(part.body) if part.body else None
         links.append({"name": name, "is_frame": inertial is None, "inertial": inertial, "rod": None})
@@ -187,7 +166,7 @@ LEAST = 1e-15
 BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
 MOST_JOINTS = 6  # of a body in MuJoCo
 # What a link weighs whose mass is weighed with another.
-NO_BODY = RigidBody(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
+NO_BODY = RigidBody(arb(0), WORLD.origin, NO_INERTIA)
 EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
@@ -307,14 +286,7 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
 
 
 # Of a body in the file, what most have not.
-UNSAID: Mapping[str, Any] = {
-    "joints": [],
-    "rod": None,
-    "first": None,
-    "is_frame": False,
-    "is_free": False,
-    "tool": None,
-}
+UNSAID: Mapping[str, Any] = {"joints": [], **dict.fromkeys(("rod", "first", "is_frame", "is_free", "tool"))}
 
 
 def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:

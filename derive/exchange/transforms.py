@@ -10,8 +10,6 @@ second to the row behind (Corke, A simple and systematic approach to assigning D
 the aim). Right angles are kept as permutations of the axes, so cells stay exact.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

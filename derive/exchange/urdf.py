@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -116,6 +116,13 @@ class Urdf:
     table: str = ""  # robot file with the table that the URDF was written from; empty in those of other programs
     gravity: Triple | None = None  # as MJCF says it, in the frame of the root [m/s^2]
     root: str = ""  # how its root moves where the file says so, as that of a robot file: ``floating``
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """A name that nothing else has."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def look(

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from derive.arrays import Array, Flags
-from derive.errors import DeriveError, install_extra
+from derive.errors import DeriveError, optional
 from derive.workspace.critical import boundary_candidates
 from derive.workspace.point import TURN, Picture, PlaneMap
 
@@ -75,11 +75,7 @@ class Area:
 
 def shapely() -> Any:
     """The package that cuts and joins areas."""
-    try:
-        import shapely as package
-    except ImportError as error:
-        raise DeriveError("workspaces need Shapely, which is not installed", remedy=install_extra("handout")) from error
-    return package
+    return optional("shapely", "workspaces need Shapely", "handout", DeriveError)
 
 
 def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:

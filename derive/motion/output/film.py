@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import OutputError, TargetError, install_extra, pip_install
+from derive.errors import OutputError, TargetError, optional, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.projection import View, plane_normal, seen, view_along
@@ -67,11 +67,7 @@ def motion_normal(motion: Motion) -> Array | None:
 
 def require_pillow() -> Any:
     """The module PIL."""
-    if find_spec("PIL") is None:
-        raise TargetError("films need Pillow, which is not installed", remedy=install_extra("motion"))
-    import PIL
-
-    return PIL
+    return optional("PIL", "films need Pillow", "motion")
 
 
 def ffmpeg() -> str:

@@ -23,7 +23,7 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array, Indices
-from derive.errors import QuantityError, install_extra
+from derive.errors import QuantityError, optional
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
 from derive.plans.profile import ZERO
@@ -210,18 +210,18 @@ class FastestMotion:
 
 def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     """The largest x, (nodes,), from rest to rest with a u + b x + c <= 1 at each node; None where there is none."""
-    try:
-        from toppra.algorithm import TOPPRA
-        from toppra.constraint import LinearConstraint
-    except ImportError:
-        found = "the fastest motion needs toppra, which is not installed"
-        raise QuantityError(found, remedy=install_extra("motion")) from None
+    what = "the fastest motion needs toppra"
+    constraint, algorithm = (
+        optional(f"toppra.{name}", what, "motion", QuantityError) for name in ("constraint", "algorithm")
+    )
     logging.getLogger("toppra").addHandler(logging.NullHandler())
-    rows = LinearConstraint()
+    rows = constraint.LinearConstraint()
     rows.identical = True
     count = a.shape[1]
     rows.compute_constraint_params = lambda path, grid: (a, b, c, np.eye(count), np.ones(count), None, None)
-    found = TOPPRA([rows], SimpleNamespace(path_interval=grid[[0, -1]]), gridpoints=grid, solver_wrapper="seidel")
+    found = algorithm.TOPPRA(
+        [rows], SimpleNamespace(path_interval=grid[[0, -1]]), gridpoints=grid, solver_wrapper="seidel"
+    )
     _, rates, _ = found.compute_parameterization(0, 0)
     if rates is None or not np.isfinite(rates).all():
         return None

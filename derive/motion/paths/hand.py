@@ -1,7 +1,5 @@
 """The end effector of a plan's robot: configurations of points that are poses, and its way on lines and arcs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

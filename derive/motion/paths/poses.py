@@ -19,6 +19,7 @@ from sympy import Expr, Float, Symbol, sstr
 
 from derive.arrays import Array
 from derive.errors import DeriveError, Location, RobotFileError
+from derive.inverse.numeric.chain import cross_matrix
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.torques.functions import Functions
 from derive.plans.hermite import Piece
@@ -64,12 +65,6 @@ def rotation_of(vector: Array) -> Array:
     angle = float(np.linalg.norm(vector))
     cross = cross_matrix(vector / angle if angle else vector)
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
-
-
-def cross_matrix(vector: Array) -> Array:
-    """The matrix v^ of a cross product: v^ u = v x u."""
-    x, y, z = vector
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 @dataclass(frozen=True)

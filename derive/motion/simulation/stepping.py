@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import TargetError, install_extra
+from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
@@ -92,12 +92,7 @@ def integrated(
     longest: float = np.inf,
 ) -> tuple[Array, Change | None, Divergence | None]:
     """A motion by one of scipy's solvers, up to where it changes or diverges."""
-    try:
-        from scipy.integrate import solve_ivp
-    except ImportError:
-        found = "simulations need scipy, which is not installed"
-        raise TargetError(found, remedy=install_extra("motion")) from None
-
+    scipy = optional("scipy.integrate", "simulations need scipy", "motion")
     n = (state.size - 2) // 2
 
     def _bounded(_: float, state: Array) -> float:
@@ -112,7 +107,7 @@ def integrated(
         events.append(change)
     error = {"rtol": TOLERANCE, "atol": TOLERANCE, "max_step": longest}
     with np.errstate(all="ignore"):
-        found = solve_ivp(rates, span, state, method, times, events=events, **error)
+        found = scipy.solve_ivp(rates, span, state, method, times, events=events, **error)
     got = np.array(found.y).T.reshape(-1, state.size)
     if len(got) == len(times):
         return got, None, None

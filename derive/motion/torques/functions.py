@@ -109,15 +109,10 @@ def bare_robot(robot: Robot) -> Robot:
     return replace(robot, title="", digest="", source="", remarks=())
 
 
-def kinematics_alone(robot: Robot) -> Robot:
-    """A robot without links: nobody asks what it weighs."""
-    return replace(robot, links=(), gravity=None)
-
-
 def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
     """The serial arm that leads to an end, without links, and the indices of its joints; of a chain itself and all."""
     arm, places = tree.arm(robot, end)
-    return kinematics_alone(arm), places
+    return replace(arm, links=(), gravity=None), places
 
 
 @lru_cache(KEPT)
