@@ -7,17 +7,20 @@ Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions, which a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from flint import arb
 
-from derive.exchange.certificate import along_z, ball, frame_of, motions
+from derive.exchange.certificate import ball, frame_of, motions
+from derive.mechanics import vectors
+from derive.mechanics.chain import build_chain, way_frame
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
 from derive.mechanics.vectors import Symmetric, axial_tensor, conjugate, cross, dot, from_matrix, steiner, transpose
+from derive.model.identification.exact_scalars import ExactDomain
 from derive.robot import tree
-from derive.robot.description import BASE, INERTIA, Convention, FixedRow, Inertia, Joint, Link, RootType, Stand
+from derive.robot.description import BASE, INERTIA, Convention, Inertia, Joint, Link, RootType
 from derive.robot.expression import ZERO, number
 from derive.robot.remarks import ROUNDING
 from derive.robot.robot import Robot
@@ -76,11 +79,6 @@ class RigidBody:
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)
         return RigidBody(mass, com, self.about(com) + other.about(com))
-
-    @property
-    def negative(self) -> RigidBody:
-        """What is added to take the body away."""
-        return RigidBody(-self.mass, self.com, Symmetric(*(-entry for entry in self.entries)))
 
     def link(self, own: Link) -> Link:
         """The body as a link of a robot file."""
@@ -188,17 +186,7 @@ class BodyChain:
 def body_chain(robot: Robot) -> BodyChain:
     """The bodies of a robot; whoever computes with them does so inside `exactly`."""
     standard = robot.convention is Convention.STANDARD
-    origins, dh, before = [], [], WORLD
-    for joint in () if robot.is_tree else robot.joints:
-        # From a link to the next in both conventions Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha): in a
-        # standard table the row before it, in a modified one the z part of the row before and the x part of its own.
-        along, across = motions(joint)
-        origins.append(before if standard else before.then(across))
-        before = along.then(across) if standard else along
-        dh.append(before)
-    starts, parents = origins, tree.parents(robot)
-    if robot.is_tree:
-        starts, origins, dh = _tree_frames(robot)
+    starts, origins, dh = _frames(robot)
     tool, base = frame_of(robot.tool), frame_of(robot.base)
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
     # Of each joint the cosines of its axis with those of the turning joints before it, where they are constant:
@@ -213,7 +201,7 @@ def body_chain(robot: Robot) -> BodyChain:
         drags.append(None if varies else tuple(float(c) for c in turning[0]))
     links = robot.links or (Link(),) * robot.n
     segments = []
-    rows = zip(robot.joints, links, starts, origins, dh, ends, drags, parents, strict=True)
+    rows = zip(robot.joints, links, starts, origins, dh, ends, drags, tree.parents(robot), strict=True)
     for joint, link, start, origin, own, end, drag, parent in rows:
         body, rotor = RigidBody.of(link) if robot.links else None, None
         if (motor := link.motor) is not None:
@@ -227,36 +215,32 @@ def body_chain(robot: Robot) -> BodyChain:
     return _with_parts(arm) if robot.is_tree else arm
 
 
-def _start(stand: Stand | None) -> Frame:
-    return frame_of(stand.mount).then(along_z(ball(stand.gamma), ball(stand.b))) if stand else WORLD
-
-
-def _along(robot: Robot, rows: Sequence[FixedRow]) -> Frame:
-    """Over rows without motion that follow each other."""
-    found = WORLD
-    for row in rows:
-        along, across = motions(row)
-        row_frame = along.then(across) if robot.convention is Convention.STANDARD else across.then(along)
-        found = found.then(_start(row.stand)).then(row_frame)
-    return found
-
-
-def _tree_frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
+def _frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
     """Of each joint the axis and the link in the link that it follows, and its DH frame in its link.
 
-    The frame of a link stands behind Rot(z, theta) Trans(z, d) of its own row: other rows may follow in any place.
+    From a link of a chain to the next it is Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions: in
+    a standard table the row before it, in a modified one the z part of the row before and the x part of its own. The
+    frame of a link of a tree stands behind Rot(z, theta) Trans(z, d) of its own row: others may follow in any place.
     """
     standard = robot.convention is Convention.STANDARD
     starts: list[Frame] = []
     origins: list[Frame] = []
     dh: list[Frame] = []
-    for joint, way in zip(robot.joints, tree.ways(robot), strict=True):
+    for joint, row in zip(robot.joints, build_chain(robot, ExactDomain(robot)).joints, strict=True):
         along, across = motions(joint)
-        start = (dh[way.joint] if way.joint >= 0 else WORLD).then(_along(robot, way.rows)).then(_start(joint.stand))
+        start = (dh[row.parent] if row.parent >= 0 else WORLD).then(_in_balls(row.mount))
         starts.append(start if standard else start.then(across))
-        origins.append(starts[-1].then(along))
-        dh.append(across if standard else WORLD)
+        beyond = across if standard else WORLD
+        origins.append(starts[-1].then(along) if robot.is_tree else starts[-1])
+        dh.append(beyond if robot.is_tree else along.then(beyond))
     return starts, origins, dh
+
+
+def _in_balls(frame: vectors.Frame[Any] | None) -> Frame:
+    if frame is None:
+        return WORLD
+    origin, x, y, z = (vectors.scale(arb(1), vector) for vector in (frame.position, *vectors.transpose(frame.rotation)))
+    return Frame(origin, x, y, z)
 
 
 def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
@@ -269,13 +253,12 @@ def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
 
 def _with_parts(arm: BodyChain) -> BodyChain:
     """A tree with rows without motion and ends; of a root that floats the body alone, without its joints."""
-    robot, segments = arm.robot, arm.segments
+    robot, segments, domain = arm.robot, arm.segments, ExactDomain(arm.robot)
     ends = [replace(end, name=end.name or TIP) for end in tree.ends(robot)]
 
     def _placed(label: str, tool: Frame) -> tuple[int, Frame]:
-        way = tree.way_to(robot, label)
-        carrier = segments[way.joint].dh if way.joint >= 0 else WORLD
-        return way.joint, carrier.then(_along(robot, way.rows)).then(tool)
+        joint, frame = way_frame(robot, label, domain)
+        return joint, (segments[joint].dh if joint >= 0 else WORLD).then(_in_balls(frame)).then(tool)
 
     bodies = [RigidBody.of(row.link) if row.link else None for row in robot.fixed]
     rows = zip(robot.fixed, bodies, strict=True)

@@ -25,7 +25,6 @@ from derive.robot.description import (
     FixedRow,
     Joint,
     Link,
-    Matrix,
     Root,
     RootType,
     Stand,
@@ -137,8 +136,6 @@ def turn_to(axis: Point) -> Frame:
 
 
 class _Tree:
-    """The rows of a file."""
-
     def __init__(self, urdf: Urdf, root: RootType | None, options: ImportOptions) -> None:
         self.urdf, self.root, self.snap, self._options = urdf, root, snap_of(options.snap), options
         self._base, self.joints = in_order(urdf)
@@ -177,7 +174,8 @@ class _Tree:
             moving, standing = root_rows(root)
             joints, fixed = [*moving, *joints], [standing, *fixed]
             links = [*(Link() for _ in moving if self._has_bodies), *links]
-        ends = [End(name, labels[link], self._tool(link)) for name, link in chosen.items()]
+        tools = [matrix_of(WORLD.seen_from(self._turns[link]), self.snap) for link in chosen.values()]
+        ends = [End(name, labels[link], at) for (name, link), at in zip(chosen.items(), tools, strict=True)]
         above = (BASE, *(labels[joint.child] for joint in kept))
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
         if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
@@ -224,9 +222,6 @@ class _Tree:
             return None
         found = link_of(self._axis(self.joints[0], link), WORLD, self.snap)
         return Link(found.mass, found.com, found.inertia)
-
-    def _tool(self, link: str) -> Matrix:
-        return matrix_of(WORLD.seen_from(self._turns[link]), self.snap)
 
     def _moved(self, link: str) -> bool:
         return bool(self.root) or self._carriers[link] != self._base

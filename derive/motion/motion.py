@@ -22,7 +22,7 @@ from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, 
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
-from derive.motion.torques.base_torques import BaseTorques, CarriedBody
+from derive.motion.torques.base_torques import BaseTorques, carried_body
 from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
@@ -30,8 +30,10 @@ from derive.plans.hermite import TIME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.segments import Load, SegmentPeaks, Step
 from derive.plans.surroundings import PATHS, BaseCurve, check_starts
+from derive.robot.description import INERTIA
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
+from derive.robot.inertial_parameters import LINK_PARTS
 from derive.robot.names import free_symbols
 from derive.robot.tree import require_own_variables
 
@@ -305,8 +307,10 @@ class Motion:
         """
         if step.payload is None:
             return ()
-        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns()
-        return tuple((k, body[name]) for k, name in enumerate(self._functions.standard_parameters) if name in body)
+        joint, body = carried_body(self.plan.robot, step.payload, self.values)
+        numbers = (body.mass, *body.first_moment, *(getattr(body.inertia, key) for key in INERTIA))
+        named = {f"{part}{joint + 1}": number for part, number in zip(LINK_PARTS, numbers, strict=True)}
+        return tuple((k, named[name]) for k, name in enumerate(self._functions.standard_parameters) if name in named)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:

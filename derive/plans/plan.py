@@ -113,13 +113,10 @@ class _PlanReader:
     """Reads the blocks of a plan in the units of its robot."""
 
     def __init__(self, document: Document, robot: Robot) -> None:
-        self._document = document
-        self._robot = robot
-        self._numbers = PlanCells(document, robot)
+        self._document, self._robot, self._numbers = document, robot, PlanCells(document, robot)
         self._cells = self._numbers.cells
 
     def read(self) -> Plan:
-        """The whole plan."""
         document, numbers, period = self._document, self._numbers, ("control", "period")
         points = {name: self._point(name) for name in numbers.keys(("points",))}
         count = document.length(("path",))
@@ -262,6 +259,7 @@ class _PlanReader:
                 raise self._document.error(("path", k), found, remedy=f"stop between: {{to: {step.to}, via: stop}}")
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
+        """The name of a point that stands at a place, or under ``to`` there."""
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
         name = self._document.text(*path)
         if name not in points:
@@ -285,10 +283,7 @@ class _PlanReader:
         path: KeyPath = ("path", index)
         document = self._document
         time = (*path, "time")
-        through = document.text(*path, "through")
-        if document.scalar((*path, "through")) and through not in points:
-            found, allowed = f"unknown point {quoted(through)}", f"allowed: {listed(tuple(points))}"
-            raise document.error((*path, "through"), found, allowed, near_miss(through, points))
+        through = self._target((*path, "through"), points) if document.scalar((*path, "through")) else ""
         straight = document.text(*path, "line") in ("yes", "true")
         if through and straight:
             raise document.error((*path, "through"), "both line and through", "allowed: one of the two", "remove one")

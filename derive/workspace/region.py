@@ -130,8 +130,7 @@ def _cells(plane: PlaneMap, segments: Array) -> Any:
 
 
 def _places_inside(faces: Any) -> Array:
-    inside = shapely().point_on_surface(faces)
-    return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
+    return np.asarray(shapely().get_coordinates(shapely().point_on_surface(faces)).T)
 
 
 def joined(cells: Any, size: float) -> Region:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -173,18 +172,12 @@ class HeldArm:
         self._program, self._library = program, library
         self._step = FIRST
         self._constants = np.zeros(library.constant_count)
-        self._prepare(values)
-
-    def _prepare(self, values: Mapping[str, float]) -> None:
-        params = np.array([float(values[name]) for name in self._program.parameters])
-        self._library.constants(_pointer(params), _pointer(self._constants))
+        params = np.array([float(values[name]) for name in program.parameters])
+        library.constants(_pointer(params), _pointer(self._constants))
 
     def given(self, values: Mapping[str, float]) -> HeldArm:
         """The same arm with other numbers."""
-        other = copy(self)
-        other._constants = self._constants.copy()
-        other._prepare(values)
-        return other
+        return HeldArm(self._program, self._library, values)
 
     def __call__(self, plant: Plant, motors: Array, state: Array, span: tuple[float, float], times: Array) -> Steps:
         """A motion by DOP853 under torques of the motors, (n,), with the usual tolerance and smooth dry friction."""

@@ -89,12 +89,10 @@ class Functions:
         """The solution of a pose nearest to a configuration, (n,); not numbers where there is none."""
         module = self._module
         if not branches or self._inverse is None:
-            found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)
-            return found
+            return np.asarray(module.inverse_kinematics_nearest(pose, q, **self._options))
         there = {"given": q[list(self._inverse.given)]} if self._inverse.given else {}
         rows = module.inverse_kinematics(pose, near=q, **there, **self._options)
-        chosen: Array = module._nearest(rows[list(branches)], q)
-        return chosen
+        return np.asarray(module._nearest(rows[list(branches)], q))
 
 
 def check_numbers(names: Iterable[str], values: Mapping[str, float], of: str, place: Location | None = None) -> None:
