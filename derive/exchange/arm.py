@@ -22,6 +22,7 @@ from derive.mechanics.space import (
     Line,
     Point,
     Real,
+    cosine_sine,
     exactly,
     length,
     plus,
@@ -120,22 +121,12 @@ def snapped(rpy: Triple, snap: Fraction) -> Point:
 
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
     """A frame by its origin and roll, pitch, yaw."""
-    (cr, sr), (cp, sp), (cy, sy) = map(_turn, snapped(origin.rpy, snap))
+    (cr, sr), (cp, sp), (cy, sy) = map(cosine_sine, snapped(origin.rpy, snap))
     # Columns of Rz(yaw) Ry(pitch) Rx(roll).
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
     z = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
     return Frame(vector(origin.xyz), x, y, z)
-
-
-def _turn(angle: Real) -> tuple[Real, Real]:
-    """Cosine and sine, exact at multiples of pi/2."""
-    quarters = angle * 2 / arb.pi()
-    whole = round(float(quarters))
-    if abs(quarters - whole) < NOTHING:
-        zero, one = arb(0), arb(1)
-        return ((one, zero), (zero, one), (-one, zero), (zero, -one))[whole % 4]
-    return angle.cos(), angle.sin()
 
 
 def tips(urdf: Urdf) -> tuple[str, ...]:

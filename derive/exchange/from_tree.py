@@ -62,11 +62,8 @@ class ImportedTree:
         driven = sum(bool(joint.drive) for joint in self.robot.joints)
         coupled = f" ({driven} driven by others)" if driven else ""
         counts = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)}{coupled}, {fixed} fixed{moved}"
-        return (
-            f"tree: {counts}; ends: {', '.join(name or link for name, link in self.ends.items())}",
-            str(self.agreement),
-            *self.notes,
-        )
+        ends = ", ".join(name or link for name, link in self.ends.items())
+        return (f"tree: {counts}; ends: {ends}", str(self.agreement), *self.notes)
 
     def as_dict(self) -> dict[str, object]:
         """The report as plain data."""
@@ -82,9 +79,8 @@ def import_tree(
     """The robot of all joints of a file, whose root stands, or moves as ``root`` says."""
     kinds = [kind.value for kind in RootType]
     if root and root not in kinds:
-        raise DeriveError(
-            f"--root {quoted(root)}", allowed=f"allowed: {', '.join(kinds)}", remedy=near_miss(root, kinds)
-        )
+        allowed = f"allowed: {', '.join(kinds)}"
+        raise DeriveError(f"--root {quoted(root)}", allowed=allowed, remedy=near_miss(root, kinds))
     if options.inertia != "given" or options.symbols:
         word = "--symbols" if options.symbols else f"--inertia {options.inertia}"
         raise DeriveError(f"{word} with --tree", allowed="allowed: of one chain alone", remedy="leave one out")
@@ -107,9 +103,8 @@ def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
     carrying = carrying_joints(urdf)
     roots = [link for link in urdf.bodies if link not in carrying]
     if len(roots) != 1:
-        found = (
-            f"{len(roots)} links hang on no joint: {some(roots)}" if roots else "every link hangs on a joint: a loop"
-        )
+        loop = "every link hangs on a joint: a loop"
+        found = f"{len(roots)} links hang on no joint: {some(roots)}" if roots else loop
         raise RobotFileError(f"{urdf.source}: {found}", allowed="allowed: exactly one", remedy=REMEDY)
     behind: dict[str, list[UrdfJoint]] = {}
     for joint in reversed(urdf.joints):
@@ -160,12 +155,8 @@ class _Tree:
         rows = [self._row(joint, labels) for joint in kept]
         numbered = iter(range(1, len(rows) + 1))
         names = {joint.name: f"q{next(numbered)}" for joint in kept if joint.type in MOVING}
-        pairs = zip(kept, rows, strict=True)
-        joints = [
-            _driven(row, joint, followed(joint, self.joints), names)
-            for joint, (row, _) in pairs
-            if isinstance(row, Joint)
-        ]
+        moved = [(row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)]
+        joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in moved]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
         root = None
@@ -233,9 +224,8 @@ class _Tree:
                 hint = near_miss(link, self.urdf.bodies)
                 raise RobotFileError(f"{self.urdf.source}: no link {quoted(link)}", remedy=hint)
             if not self._moved(link):
-                raise RobotFileError(
-                    f"{self.urdf.source}: no joint moves {quoted(link)}", remedy="leave it out of --ends"
-                )
+                found = f"{self.urdf.source}: no joint moves {quoted(link)}"
+                raise RobotFileError(found, remedy="leave it out of --ends")
         if wanted:
             return list(dict.fromkeys(wanted))
         inner = {self._carriers[joint.parent] for joint in self.joints if joint.type in MOVING}
@@ -280,9 +270,8 @@ def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fracti
         if before is None or before.type not in MOVING or before.name in seen:
             what = "which is none that moves" if before is None or before.type not in MOVING else "in a circle"
             found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}, {what}"
-            raise RobotFileError(
-                found, remedy=near_miss(joint.mimics, known.keys() - {joint.mimics}), location=joint.location
-            )
+            remedy = near_miss(joint.mimics, known.keys() - {joint.mimics})
+            raise RobotFileError(found, remedy=remedy, location=joint.location)
         # f (m q' + o) + c, q' being the position of the joint that is followed
         factor, offset, joint = factor * joint.multiplier, offset + factor * joint.offset, before
         seen.append(joint.name)

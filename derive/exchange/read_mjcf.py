@@ -53,23 +53,18 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
                     joints.append(joint)
                     bodies[joint.child], offsets[k] = None, offset
                 bodies[reader.name("body", k)] = reader.body(k, offsets[k])
-    gravity, name = _triple(model.opt.gravity), model.names.split(b"\0", 1)[0].decode()
-    kind = "floating" if free else ""
-    notes = tuple(reader.notes())
-    return Urdf(
-        name, bodies, tuple(joints), notes, (), source, gravity=None if gravity == EARTH else gravity, root=kind
-    )
+    name, kind = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
+    gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
+    springs = [reader.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]
+    notes = (f"springs are not read: joint {', '.join(springs)}",) if springs else ()
+    return Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=kind)
 
 
 class _Reader:
-    """Bodies and joints of a compiled model."""
-
     def __init__(self, mujoco: Any, model: Any, place: Location) -> None:
         self._mujoco, self._model, self._place = mujoco, model, place
         kinds = mujoco.mjtJoint
-        self._free, self._turns, self._slides = (
-            int(k) for k in (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE)
-        )
+        self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._place)
@@ -88,17 +83,11 @@ class _Reader:
             kind = model.jnt_type[k]
             is_root = kind == self._free and model.body_parentid[model.jnt_bodyid[k]] == 0
             if kind not in (self._turns, self._slides) and not is_root:
-                raise self.refused(
-                    f"joint {quoted(self.name('joint', k))} is {'free' if kind == self._free else 'a ball'}", LOOPS
-                )
+                found = f"joint {quoted(self.name('joint', k))} is {'free' if kind == self._free else 'a ball'}"
+                raise self.refused(found, LOOPS)
         for k in range(model.ntendon):
             if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
                 raise self.refused(f"tendon {quoted(self.name('tendon', k))} acts on several joints", LOOPS)
-
-    def notes(self) -> Iterator[str]:
-        model = self._model
-        if springs := [self.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]:
-            yield f"springs are not read: joint {', '.join(springs)}"
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:
         """What a body weighs, in the frame of its link."""
@@ -133,9 +122,8 @@ class _Reader:
             found = f"joint {quoted(self.name('joint', j))}: its frame is given at {ref:g} (ref), not at 0"
             raise self.refused(found, "write the file without ref")
         lower, upper = _exact(model.jnt_range[j])
-        damping, friction, armature = (
-            _number(getattr(model, f"dof_{key}")[dof]) for key in ("damping", "frictionloss", "armature")
-        )
+        of_dof = (getattr(model, f"dof_{key}")[dof] for key in ("damping", "frictionloss", "armature"))
+        damping, friction, armature = map(_number, of_dof)
         kind = "prismatic" if not turns else "revolute" if model.jnt_limited[j] else "continuous"
         return replace(
             self._joint(self.name("joint", j), kind, parent, child, origin),

@@ -50,8 +50,7 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     """A row of the table with what its link weighs, in its own DH frame, and its motor."""
     joint, body = arm.segments[i].joint, None
     if (weighed := arm.segments[i].body) is not None:
-        # rigidBodyTree wants the tensor about the frame
-        about = weighed.about((arb(0), arb(0), arb(0)))
+        about = weighed.about((arb(0), arb(0), arb(0)))  # rigidBodyTree wants the tensor about the frame
         body = {
             "mass": text(weighed.mass),
             "com": texts(weighed.com, ", "),

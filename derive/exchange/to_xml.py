@@ -165,8 +165,6 @@ DENSITY = 1000  # of the cylinders that stand in for masses where a robot has no
 LEAST = 1e-15
 BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
 MOST_JOINTS = 6  # of a body in MuJoCo
-# What a link weighs whose mass is weighed with another.
-NO_BODY = RigidBody(arb(0), WORLD.origin, NO_INERTIA)
 EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
@@ -232,7 +230,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
         is_round = all(bool(abs(part) < LEAST) for part in (*seen.com[:2], xx - yy, xy, xz, yz))
         if arm.segments[joint].joint.is_revolute and is_too_thin(seen) and is_round and not _is_nothing(seen):
             weights[beyond] = weights[beyond] + (seen if onwards else seen.moved(way))
-            weights[link] = NO_BODY
+            weights[link] = RigidBody(arb(0), WORLD.origin, NO_INERTIA)
     last = len(arm.segments) - 1
     found, first = [], 0
     for i in range(last + 1):
@@ -258,11 +256,10 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         # A row behind a row without motion is a body in that one's.
         for part in (part for part in arm.parts if part.parent == parent and arm.rows.get(part.after) is above):
             inside = part.frame if above is None else part.frame.seen_from(above.frame)
+            inside = arm.base.then(inside) if parent < 0 and not above else inside
             name = part.name if part.is_end else names[part.name]
             if not (part.is_end and names.get(part.after) == part.name):
-                found.append(
-                    (depth, _frame(name, arm.base.then(inside) if parent < 0 and not above else inside, part.body))
-                )
+                found.append((depth, _frame(name, inside, part.body)))
             if not part.is_end:
                 _hang(part, parent, depth + 1)
 
@@ -280,8 +277,7 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         found.append((0, _frame(ROOT, WORLD, arm.root.body) | {"is_free": True}))
     _add(-1, 1 if arm.root else 0)
     if not arm.parts:
-        end = arm.segments[-1].dh.then(arm.tool)
-        found[-1][1]["tool"] = {"pos": texts(end.origin), "quat": _turn(end)}
+        found[-1][1]["tool"] = _place(arm.segments[-1].dh.then(arm.tool))
     return found
 
 
@@ -292,12 +288,11 @@ UNSAID: Mapping[str, Any] = {"joints": [], **dict.fromkeys(("rod", "first", "is_
 def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:
     """A body without joints."""
     inertial = _inertial(body) if body and not _is_nothing(body) else None
-    place = {"name": name, "pos": texts(frame.origin), "quat": _turn(frame)}
-    return {**UNSAID, **place, "inertial": inertial, "is_frame": True}
+    return {**UNSAID, "name": name, **_place(frame), "inertial": inertial, "is_frame": True}
 
 
-def _turn(frame: Frame) -> str:
-    return texts(quaternion(frame))
+def _place(frame: Frame) -> dict[str, str]:
+    return {"pos": texts(frame.origin), "quat": texts(quaternion(frame))}
 
 
 def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:
@@ -311,15 +306,13 @@ def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]
     *before, last = (arm.segments[k] for k in written.joints)
     shown = {
         "name": f"link{written.joints.start + 1}",
-        "pos": texts(start.origin),
-        "quat": _turn(start),
+        **_place(start),
         "thread": any(rod(segment.end, radius) for segment in before),
     }
     return {
         **UNSAID,
         "name": f"link{written.joints.stop}",
-        "pos": texts(place.origin),
-        "quat": _turn(place),
+        **_place(place),
         "joints": [_moved(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
         "inertial": None if written.body is None else _inertial(written.body),
         "rod": rod(last.end, radius),
@@ -368,7 +361,7 @@ def _inertial(body: RigidBody) -> dict[str, str]:
         moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
     tensor = " ".join(repr(float(moment)) for moment in moments)
-    return {"mass": mass, "pos": texts(body.com), "quat": _turn(axes), "diaginertia": tensor}
+    return {"mass": mass, **_place(axes), "diaginertia": tensor}
 
 
 def _unless_zero(value: arb) -> str:

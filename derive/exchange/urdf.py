@@ -52,7 +52,6 @@ WORDS = re.compile(
     r"quaternion|rotation|rpy|scale|transform|translation|units?|xyz)(?![a-z])"
 )
 PASSED = ("link", "origin")  # a slip that is known and that no program reads: a link has no frame but its joint's
-LABELS = ("name", "id", "comment")  # attributes that any element may have
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +141,8 @@ def look(
     texts = (element.text, *(child.tail for child in element))
     unknown += ((text.strip(), ()) for text in texts if text and text.strip())
     for name, known in unknown:
-        # Whether it could say where something is or what it weighs; no name of a namespace does.
-        harmless = ":" in name or "{" in name or name in LABELS or (tag, name) == PASSED
+        # Whether it could say where something is or what it weighs; no name of a namespace and no label does.
+        harmless = ":" in name or "{" in name or name in ("name", "id", "comment") or (tag, name) == PASSED
         meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
         if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and meant)):
             remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"

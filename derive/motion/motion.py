@@ -67,9 +67,6 @@ class Motion:
         Args:
             path: Of a YAML file, or the name of a built-in plan.
 
-        Returns:
-            The motion.
-
         Raises:
             RobotFileError: The file cannot be read or is no plan.
             UnknownRobotError: Neither a file nor the name of a plan.
@@ -79,9 +76,6 @@ class Motion:
     @classmethod
     def of(cls, plan: Plan) -> Motion:
         """The motion of a plan that its arm can follow.
-
-        Args:
-            plan: The plan.
 
         Returns:
             The motion, its trajectory computed.
@@ -108,9 +102,6 @@ class Motion:
             text: Contents of a plan.
             source: Name for messages.
 
-        Returns:
-            The motion.
-
         Raises:
             RobotFileError: The text is no plan.
         """
@@ -123,9 +114,6 @@ class Motion:
         Args:
             keys: ``{"robot": "scara-matlab", "points": {...}, "path": [...]}``, in the units of the robot file.
             source: Name for messages; the path of a robot is relative to its folder.
-
-        Returns:
-            The motion.
 
         Raises:
             RobotFileError: These are no plan.
@@ -141,9 +129,6 @@ class Motion:
             points: One row a configuration, (points, n), in the units of the robot file.
             times: Of the segments [s], (points - 1,), or one for all; None where limits decide.
             **keys: Further keys of a plan, such as ``profile="septic"``, ``via="pass"``, ``speed=[...]``.
-
-        Returns:
-            The motion.
 
         Raises:
             RobotFileError: The arm cannot move so.
@@ -298,9 +283,6 @@ class Motion:
 
     def payload_columns(self, step: Step) -> tuple[tuple[int, float], ...]:
         """What the tool carries in a segment, as parameters of the link that it is on.
-
-        Args:
-            step: The segment.
 
         Returns:
             Columns of the regressor, and the parameters that belong to them; nothing where nothing is carried.

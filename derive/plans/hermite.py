@@ -82,12 +82,6 @@ class Piece(Span):
         numbers = (self.start, self.duration, *self.values[0], *self.values[1])
         return not any(isinstance(value, float) or value.has(Float) for value in numbers)
 
-    @property
-    def middle(self) -> float:
-        """Position halfway in time."""
-        numbers = np.array([float(value) for end in self.values for value in end])
-        return float(np.polyval(power_coefficients(numbers, self.k, float(self.duration)), 0.5))
-
     def in_unit_time(self) -> Poly:
         """The polynomial in u = (t - start)/duration, exact."""
         u = Symbol("u", real=True)

@@ -320,12 +320,10 @@ class _PlanReader:
             return None
         numbers, length = self._numbers, self._cells.length
         place = path if isinstance(node, YamlScalar) else (*path, "mass")
-        return Payload(
-            numbers.not_negative(place, "zero or more [kg]"),
-            tuple(numbers.number((*path, "com", k), length) for k in range(3)),
-            tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3)),
-            self._end(path, "a payload", end),
-        )
+        mass = numbers.not_negative(place, "zero or more [kg]")
+        com = tuple(numbers.number((*path, "com", k), length) for k in range(3))
+        inertia = tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3))
+        return Payload(mass, com, inertia, self._end(path, "a payload", end))
 
     def _recording(self, file: YamlScalar) -> Path:
         beside = Path(self._document.source).parent / file.text
@@ -340,9 +338,8 @@ class _PlanReader:
             found = f"{count} gain{'s' * (count > 1)} for {n} joint{'s' * (n > 1)}"
             raise self._document.error(path, found, f"allowed: one, or {n}")
         paths = [(*path, k) for k in range(n)] if count else [path] * n
-        return tuple(
-            self._numbers.not_negative(place, "zero or more", "a gain below zero drives away") for place in paths
-        )
+        allowed, remedy = "zero or more", "a gain below zero drives away"
+        return tuple(self._numbers.not_negative(place, allowed, remedy) for place in paths)
 
     def _curves(self) -> dict[str, Expression]:
         """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""

@@ -27,7 +27,6 @@ ASSUMED_ANGLE = math.pi / 6  # drawn for an angle without a number [rad]
 # Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value.
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
 Numbers = Mapping[str, Fraction | float]  # symbol -> its number, exact where the file gives it
-_TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
 
 class RobotPoses:
@@ -51,7 +50,7 @@ class RobotPoses:
         pending += [cell for joint in joints for cell in (joint.d, joint.a)]
         while pending:
             node = pending.pop()
-            if isinstance(node, Call) and node.function in _TRIGONOMETRIC:
+            if isinstance(node, Call) and node.function in ("sin", "cos", "tan"):
                 angles |= set(names(node))
             pending += children(node)
         for pattern in PATTERNS:
@@ -70,10 +69,8 @@ class RobotPoses:
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
             self.longest = _longest(self.robot, self.values)
             return
-        raise DeriveError(
-            f"{robot.name} cannot be drawn without numbers for its symbols",
-            remedy="give them under parameters: or figure: values:",
-        )
+        found = f"{robot.name} cannot be drawn without numbers for its symbols"
+        raise DeriveError(found, remedy="give them under parameters: or figure: values:")
 
     @property
     def zero(self) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
-from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, one_second, smooth_path
+from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, smooth_path
 from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.torques.functions import Functions, arm_of
 from derive.plans.hermite import Piece
@@ -256,8 +256,7 @@ class Hand:
             joints, knots = self.follow(step, corners[0], ZERO, UNIFORM), np.array([0.0, 1.0])
             if joints == _standing(corners[0], ZERO, ONE):
                 return [joints]
-            # A line or an arc as a path q(s): its motion at constant speed in one second.
-            path = one_second(joints)
+            path = Trajectory.of(joints)  # a line or an arc as a path q(s): its motion at constant speed in one second
         elif len(run) == 1 and corners[0] == corners[1]:
             return [_standing(corners[0], ZERO, ONE)]
         else:

@@ -62,9 +62,8 @@ class OpenLinks:
         taken, stem = set(robot_symbols(robot)), "carried"
         while any(name.startswith(stem) for name in taken):
             stem += "_"
-        carrying = {
-            tree.way_to(robot, tree.end_named(robot, payload.end).after).joint for payload in payloads if payload
-        }
+        ends = (tree.end_named(robot, payload.end) for payload in payloads if payload)
+        carrying = {tree.way_to(robot, end.after).joint for end in ends}
         links, opened = list(robot.links), {}
         for place, joint in enumerate(sorted(carrying)):
             names = [f"{stem}{place or ''}{part}" for part in ("m", "x", "y", "z", *INERTIA)]
@@ -177,8 +176,7 @@ class BaseTorques:
         domain = ArrayDomain(self.robot, tuple(np.moveaxis(q, -1, 0)), self.values)
         inside = np.clip(t, 0.0, self.duration)
         base = np.array([self.base(inside, order) for order in range(3)])
-        # Before its motion and after it a base stands.
-        base[1:, inside != t] = 0.0
+        base[1:, inside != t] = 0.0  # before its motion and after it a base stands
         frames = [_frame([list(row) for row in np.moveaxis(each[:, :3], 0, -1)]) for each in base]
         return OnBase.of(build_chain(self.robot, domain), frames, self._gravity(domain))
 
