@@ -11,8 +11,9 @@ import shlex
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +124,15 @@ def install_extra(extra: str) -> str:
     except PackageNotFoundError:  # a checkout that is not installed
         return pip_install(f"{Path(__file__).parents[1]}[{extra}]")
     return pip_install(*(text[0].strip() for text in needed if re.search(rf"extra == ['\"]{extra}['\"]", text[-1])))
+
+
+def optional(module: str, what: str, extra: str, kind: type[DeriveError] = TargetError) -> Any:
+    """A module that comes with an optional part of derive; ``what`` says who needs which package."""
+    try:
+        import_module(module.partition(".")[0])  # a package may be hidden though its modules are there
+        return import_module(module)
+    except ImportError:
+        raise kind(f"{what}, which is not installed", remedy=install_extra(extra)) from None
 
 
 def pip_install(*packages: str) -> str:

@@ -22,6 +22,7 @@ from derive.mechanics.space import (
     Line,
     Point,
     Real,
+    cosine_sine,
     exactly,
     length,
     plus,
@@ -35,6 +36,8 @@ from derive.robot.reading.size_limits import FILE_LIMITS
 
 FRACTIONS = (12, 8)  # angles near multiples of pi by one of these are taken for them
 TRAVEL = Fraction(1)  # of a slide without limits, to either side [m]
+# Joints that are not part of a chain by the links beside them, and whether they are passed from child to parent there.
+Beside = dict[str, list[tuple[UrdfJoint, bool]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,22 +121,12 @@ def snapped(rpy: Triple, snap: Fraction) -> Point:
 
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
     """A frame by its origin and roll, pitch, yaw."""
-    (cr, sr), (cp, sp), (cy, sy) = map(_turn, snapped(origin.rpy, snap))
+    (cr, sr), (cp, sp), (cy, sy) = map(cosine_sine, snapped(origin.rpy, snap))
     # Columns of Rz(yaw) Ry(pitch) Rx(roll).
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
     z = (cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr)
     return Frame(vector(origin.xyz), x, y, z)
-
-
-def _turn(angle: Real) -> tuple[Real, Real]:
-    """Cosine and sine, exact at multiples of pi/2."""
-    quarters = angle * 2 / arb.pi()
-    whole = round(float(quarters))
-    if abs(quarters - whole) < NOTHING:
-        zero, one = arb(0), arb(1)
-        return ((one, zero), (zero, one), (-one, zero), (zero, -one))[whole % 4]
-    return angle.cos(), angle.sin()
 
 
 def tips(urdf: Urdf) -> tuple[str, ...]:
@@ -228,10 +221,14 @@ def _placed_chain(
     snap: Fraction,
 ) -> Arm:
     """Axes and bodies along steps, each a joint and whether it is passed from child to parent."""
-    tree = _Tree(urdf, {joint.name for joint, _ in steps}, snap)
+    passed = {joint.name for joint, _ in steps}
+    beside: Beside = {}
+    for joint in urdf.joints:
+        if joint.name not in passed:
+            beside.setdefault(joint.parent, []).append((joint, False))
+            beside.setdefault(joint.child, []).append((joint, True))
     frame = WORLD
-    lines: list[tuple[Line, UrdfJoint]] = []
-    groups: list[list[Mass]] = [[]]
+    found: list[tuple[Line, UrdfJoint, list[Mass]]] = []
     held: list[str] = []
     for joint, upwards in steps:
         if not upwards:
@@ -239,21 +236,20 @@ def _placed_chain(
         if joint.type != "fixed":
             check_kind(joint)
             direction = frame.direction(direction_of(joint, snap))
-            lines.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint))
-            groups.append([])
+            found.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint, []))
         if upwards:
             frame = frame.then(WORLD.seen_from(frame_at(joint.origin, snap)))
-        if lines:  # what moves with the base stands
-            bodies, fixed = tree.around(joint.parent if upwards else joint.child, frame)
-            groups[-1] += bodies
+        if found:  # what moves with the base stands
+            bodies, fixed = _around(urdf, beside, joint.parent if upwards else joint.child, frame, snap)
+            found[-1][2].extend(bodies)
             held += fixed
-    if not lines:
+    if not found:
         start, end = map(quoted, ends)
         raise RobotFileError(f"{urdf.source}: no joint moves between {start} and {end}", remedy="choose other links")
-    if len(lines) > FILE_LIMITS.joints:
-        found, allowed = f"{urdf.source}: {len(lines)} joints move", f"allowed: at most {FILE_LIMITS.joints}"
-        raise RobotFileError(found, allowed=allowed, remedy="choose a shorter chain")
-    axes = tuple(Axis(line, joint, tuple(group)) for (line, joint), group in zip(lines, groups[1:], strict=True))
+    if len(found) > FILE_LIMITS.joints:
+        said, allowed = f"{urdf.source}: {len(found)} joints move", f"allowed: at most {FILE_LIMITS.joints}"
+        raise RobotFileError(said, allowed=allowed, remedy="choose a shorter chain")
+    axes = tuple(Axis(line, joint, tuple(group)) for line, joint, group in found)
     snaps = [change for joint, _ in steps for change in changes_of(joint, snap)]
     base = WORLD  # seen from the root
     for joint in reversed(_ancestry(carrying, ends[0])):
@@ -261,34 +257,23 @@ def _placed_chain(
     return Arm(*ends, axes, frame, base.turned(WORLD.z), tuple(held), tuple(snaps))
 
 
-class _Tree:
-    """What hangs on the links of a chain and is not part of it."""
-
-    def __init__(self, urdf: Urdf, chain: set[str], snap: Fraction) -> None:
-        self._bodies, self._snap = urdf.bodies, snap
-        self._beside: dict[str, list[tuple[UrdfJoint, bool]]] = {}
-        for joint in urdf.joints:
-            if joint.name not in chain:
-                self._beside.setdefault(joint.parent, []).append((joint, False))
-                self._beside.setdefault(joint.child, []).append((joint, True))
-
-    def around(self, link: str, frame: Frame) -> tuple[list[Mass], list[str]]:
-        """What moves with a link, joints beside the chain at zero."""
-        found: list[Mass] = []
-        held: list[str] = []
-        seen, waiting = {link}, [(link, frame)]
-        while waiting:
-            name, at = waiting.pop()
-            if (body := self._bodies[name]) is not None:
-                found.append(Mass(body.mass, at.then(frame_at(body.origin, self._snap)), body.inertia, name))
-            for joint, upwards in self._beside.get(name, ()):
-                other = joint.parent if upwards else joint.child
-                if other not in seen:
-                    seen.add(other)
-                    held += [joint.name] if joint.type != "fixed" else []
-                    step = frame_at(joint.origin, self._snap)
-                    waiting.append((other, at.then(WORLD.seen_from(step) if upwards else step)))
-        return found, held
+def _around(urdf: Urdf, beside: Beside, link: str, frame: Frame, snap: Fraction) -> tuple[list[Mass], list[str]]:
+    """What moves with a link, joints beside the chain at zero."""
+    found: list[Mass] = []
+    held: list[str] = []
+    seen, waiting = {link}, [(link, frame)]
+    while waiting:
+        name, at = waiting.pop()
+        if (body := urdf.bodies[name]) is not None:
+            found.append(Mass(body.mass, at.then(frame_at(body.origin, snap)), body.inertia, name))
+        for joint, upwards in beside.get(name, ()):
+            other = joint.parent if upwards else joint.child
+            if other not in seen:
+                seen.add(other)
+                held += [joint.name] if joint.type != "fixed" else []
+                step = frame_at(joint.origin, snap)
+                waiting.append((other, at.then(WORLD.seen_from(step) if upwards else step)))
+    return found, held
 
 
 def changes_of(joint: UrdfJoint, snap: Fraction) -> list[float]:

@@ -7,17 +7,20 @@ Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions, which a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from flint import arb
 
-from derive.exchange.certificate import along_x, along_z, ball, frame_of
+from derive.exchange.certificate import ball, frame_of, motions
+from derive.mechanics import vectors
+from derive.mechanics.chain import build_chain, way_frame
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
-from derive.mechanics.vectors import cross, dot, matmul, transpose
+from derive.mechanics.vectors import Symmetric, axial_tensor, conjugate, cross, dot, from_matrix, steiner, transpose
+from derive.model.identification.exact_scalars import ExactDomain
 from derive.robot import tree
-from derive.robot.description import BASE, INERTIA, Convention, FixedRow, Inertia, Joint, Link, RootType, Stand
+from derive.robot.description import BASE, INERTIA, Convention, Inertia, Joint, Link, RootType
 from derive.robot.expression import ZERO, number
 from derive.robot.remarks import ROUNDING
 from derive.robot.robot import Robot
@@ -25,6 +28,7 @@ from derive.verification.oracle.frames import Array, chain_frames, joint_axes, n
 
 RESIDUE = 1e-15  # moments of inertia that are left of nothing by a URDF's decimals [kg m^2]
 TIP = "tool"  # the end effector of a robot with one end
+NO_INERTIA = Symmetric(*[arb(0)] * 6)
 CONSTANT = 1e-12  # how little the cosine of two axes varies where it does not
 
 
@@ -34,20 +38,18 @@ class RigidBody:
 
     mass: Real  # [kg]
     com: Point  # centre of mass [m]
-    inertia: tuple[Point, Point, Point]  # rows of the tensor about it, along the axes of the frame [kg m^2]
+    inertia: Symmetric[Real]  # the tensor about it, along the axes of the frame [kg m^2]
 
     @classmethod
     def of(cls, link: Link) -> RigidBody:
         """A link of numbers in its own DH frame, without its motor."""
-        xx, yy, zz, xy, xz, yz = (ball(getattr(link.inertia, key)) for key in INERTIA)
         com = (ball(link.com[0]), ball(link.com[1]), ball(link.com[2]))
-        return cls(ball(link.mass), com, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        return cls(ball(link.mass), com, Symmetric(*(ball(getattr(link.inertia, key)) for key in INERTIA)))
 
     @classmethod
     def spinning(cls, axis: Point, inertia: Real) -> RigidBody:
         """An inertia about an axis, without a mass."""
-        x, y, z = (times(axis, inertia * component) for component in axis)
-        return cls(arb(0), WORLD.origin, (x, y, z))
+        return cls(arb(0), WORLD.origin, axial_tensor(inertia, axis))
 
     def settled(self, inside: float) -> RigidBody:
         """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond.
@@ -65,32 +67,18 @@ class RigidBody:
 
     def moved(self, frame: Frame) -> RigidBody:
         """The same body seen from outside."""
-        axes = (frame.x, frame.y, frame.z)
-        return RigidBody(self.mass, frame.point(self.com), matmul(matmul(transpose(axes), self.inertia), axes))
+        turn = transpose((frame.x, frame.y, frame.z))
+        return RigidBody(self.mass, frame.point(self.com), from_matrix(conjugate(turn, self.inertia.matrix)))
 
-    def about(self, point: Point) -> list[list[Real]]:
+    def about(self, point: Point) -> Symmetric[Real]:
         """The tensor about a point (Steiner)."""
-        # I_p = I + m (r.r 1 - r r^T).
-        away = plus(self.com, point, -1)
-        far = dot(away, away)
-        return [
-            [self.inertia[i][j] + self.mass * ((far if i == j else arb(0)) - away[i] * away[j]) for j in range(3)]
-            for i in range(3)
-        ]
+        return self.inertia + steiner(self.mass, plus(self.com, point, -1))
 
     def __add__(self, other: RigidBody) -> RigidBody:
         mass, com = self.mass + other.mass, self.com
         if mass > 0:
             com = times(plus(times(self.com, self.mass), other.com, other.mass), 1 / mass)
-        pairs = zip(self.about(com), other.about(com), strict=True)
-        x, y, z = ((a[0] + b[0], a[1] + b[1], a[2] + b[2]) for a, b in pairs)
-        return RigidBody(mass, com, (x, y, z))
-
-    @property
-    def negative(self) -> RigidBody:
-        """What is added to take the body away."""
-        x, y, z = (times(row, -1) for row in self.inertia)
-        return RigidBody(-self.mass, self.com, (x, y, z))
+        return RigidBody(mass, com, self.about(com) + other.about(com))
 
     def link(self, own: Link) -> Link:
         """The body as a link of a robot file."""
@@ -101,13 +89,12 @@ class RigidBody:
     @property
     def entries(self) -> tuple[Real, ...]:
         """Inertia xx, yy, zz, xy, xz, yz."""
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
-        return xx, yy, zz, xy, xz, yz
+        return tuple(getattr(self.inertia, key) for key in INERTIA)
 
     @property
     def principal(self) -> tuple[Array, Frame]:
         """Principal moments, rising, in floats [kg m^2], and a frame at the centre of mass along their axes."""
-        moments, axes = np.linalg.eigh([[float(entry) for entry in row] for row in self.inertia])
+        moments, axes = np.linalg.eigh([[float(entry) for entry in row] for row in self.inertia.matrix])
         along, beside, _ = (unit((arb(axis[0]), arb(axis[1]), arb(axis[2]))) for axis in axes.T)
         across = unit(plus(beside, along, -dot(along, beside)))
         return moments, Frame(self.com, along, across, cross(along, across))
@@ -199,17 +186,7 @@ class BodyChain:
 def body_chain(robot: Robot) -> BodyChain:
     """The bodies of a robot; whoever computes with them does so inside `exactly`."""
     standard = robot.convention is Convention.STANDARD
-    origins, dh, before = [], [], WORLD
-    for joint in () if robot.is_tree else robot.joints:
-        # From a link to the next in both conventions Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha): in a
-        # standard table the row before it, in a modified one the z part of the row before and the x part of its own.
-        along, across = _screws(joint)
-        origins.append(before if standard else before.then(across))
-        before = along.then(across) if standard else along
-        dh.append(before)
-    starts, parents = origins, tree.parents(robot)
-    if robot.is_tree:
-        starts, origins, dh = _tree_frames(robot)
+    starts, origins, dh = _frames(robot)
     tool, base = frame_of(robot.tool), frame_of(robot.base)
     ends = [*(origin.origin for origin in origins[1:]), dh[-1].point(tool.origin)]
     # Of each joint the cosines of its axis with those of the turning joints before it, where they are constant:
@@ -223,14 +200,14 @@ def body_chain(robot: Robot) -> BodyChain:
         varies = i > 0 and float(np.ptp(turning, axis=0).max()) > CONSTANT
         drags.append(None if varies else tuple(float(c) for c in turning[0]))
     links = robot.links or (Link(),) * robot.n
-    segments, nothing = [], (arb(0), arb(0), arb(0))
-    rows = zip(robot.joints, links, starts, origins, dh, ends, drags, parents, strict=True)
+    segments = []
+    rows = zip(robot.joints, links, starts, origins, dh, ends, drags, tree.parents(robot), strict=True)
     for joint, link, start, origin, own, end, drag, parent in rows:
         body, rotor = RigidBody.of(link) if robot.links else None, None
         if (motor := link.motor) is not None:
             # A point mass where the frame of its joint's axis is: o_{i-1} in a standard table, o_i in a modified one.
             place = start.origin if standard else plus(start.origin, start.z, ball(joint.d))
-            rotating = RigidBody(ball(motor.mass), place, (nothing, nothing, nothing))
+            rotating = RigidBody(ball(motor.mass), place, NO_INERTIA)
             rotor = Rotor(rotating, origin.z, ball(motor.inertia), ball(motor.ratio), drag)
         after = joint.stand.after if joint.stand else robot.joints[parent].label if parent >= 0 else BASE
         segments.append(ChainSegment(joint, link, origin, own, body, rotor, end, parent, after))
@@ -238,41 +215,32 @@ def body_chain(robot: Robot) -> BodyChain:
     return _with_parts(arm) if robot.is_tree else arm
 
 
-def _screws(row: Joint | FixedRow) -> tuple[Frame, Frame]:
-    """Rot(z, theta) Trans(z, d) and Trans(x, a) Rot(x, alpha) of a row."""
-    return along_z(ball(row.theta), ball(row.d)), along_x(ball(row.a), ball(row.alpha))
-
-
-def _start(stand: Stand | None) -> Frame:
-    return frame_of(stand.mount).then(along_z(ball(stand.gamma), ball(stand.b))) if stand else WORLD
-
-
-def _along(robot: Robot, rows: Sequence[FixedRow]) -> Frame:
-    """Over rows without motion that follow each other."""
-    found = WORLD
-    for row in rows:
-        along, across = _screws(row)
-        row_frame = along.then(across) if robot.convention is Convention.STANDARD else across.then(along)
-        found = found.then(_start(row.stand)).then(row_frame)
-    return found
-
-
-def _tree_frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
+def _frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
     """Of each joint the axis and the link in the link that it follows, and its DH frame in its link.
 
-    The frame of a link stands behind Rot(z, theta) Trans(z, d) of its own row: other rows may follow in any place.
+    From a link of a chain to the next it is Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions: in
+    a standard table the row before it, in a modified one the z part of the row before and the x part of its own. The
+    frame of a link of a tree stands behind Rot(z, theta) Trans(z, d) of its own row: others may follow in any place.
     """
     standard = robot.convention is Convention.STANDARD
     starts: list[Frame] = []
     origins: list[Frame] = []
     dh: list[Frame] = []
-    for joint, way in zip(robot.joints, tree.ways(robot), strict=True):
-        along, across = _screws(joint)
-        start = (dh[way.joint] if way.joint >= 0 else WORLD).then(_along(robot, way.rows)).then(_start(joint.stand))
+    for joint, row in zip(robot.joints, build_chain(robot, ExactDomain(robot)).joints, strict=True):
+        along, across = motions(joint)
+        start = (dh[row.parent] if row.parent >= 0 else WORLD).then(_in_balls(row.mount))
         starts.append(start if standard else start.then(across))
-        origins.append(starts[-1].then(along))
-        dh.append(across if standard else WORLD)
+        beyond = across if standard else WORLD
+        origins.append(starts[-1].then(along) if robot.is_tree else starts[-1])
+        dh.append(beyond if robot.is_tree else along.then(beyond))
     return starts, origins, dh
+
+
+def _in_balls(frame: vectors.Frame[Any] | None) -> Frame:
+    if frame is None:
+        return WORLD
+    origin, x, y, z = (vectors.scale(arb(1), vector) for vector in (frame.position, *vectors.transpose(frame.rotation)))
+    return Frame(origin, x, y, z)
 
 
 def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
@@ -285,13 +253,12 @@ def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
 
 def _with_parts(arm: BodyChain) -> BodyChain:
     """A tree with rows without motion and ends; of a root that floats the body alone, without its joints."""
-    robot, segments = arm.robot, arm.segments
+    robot, segments, domain = arm.robot, arm.segments, ExactDomain(arm.robot)
     ends = [replace(end, name=end.name or TIP) for end in tree.ends(robot)]
 
     def _placed(label: str, tool: Frame) -> tuple[int, Frame]:
-        way = tree.way_to(robot, label)
-        carrier = segments[way.joint].dh if way.joint >= 0 else WORLD
-        return way.joint, carrier.then(_along(robot, way.rows)).then(tool)
+        joint, frame = way_frame(robot, label, domain)
+        return joint, (segments[joint].dh if joint >= 0 else WORLD).then(_in_balls(frame)).then(tool)
 
     bodies = [RigidBody.of(row.link) if row.link else None for row in robot.fixed]
     rows = zip(robot.fixed, bodies, strict=True)

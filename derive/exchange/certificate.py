@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
-from math import prod
 
 from flint import arb
 
-from derive.errors import QuantityError
+from derive.errors import ExpressionError, QuantityError
 from derive.exchange.arm import Arm
 from derive.mechanics.space import Frame, Line, Real, exactly, length, plus, real, times, unit
 from derive.mechanics.vectors import dot
-from derive.robot.description import Convention, Description, Matrix
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.model.identification.exact_scalars import exact_value
+from derive.robot.description import Convention, Description, FixedRow, Joint, Matrix
+from derive.robot.expression import Expression
 
 EXACT = 1e-30  # a bound below is one of exact numbers
 
@@ -50,7 +50,7 @@ class Certificate:
 def certify(arm: Arm, robot: Description) -> Certificate:
     """The bound."""
     with exactly():
-        base = frame_of(robot.base, dict(robot.parameters))
+        base = frame_of(robot.base, _numbers(robot))
         # The rigid frame next to the base, whose decimals are no rotation: axes of length 1 that are perpendicular.
         z = unit(base.z)
         rigid = Frame.of(base.origin, unit(plus(base.x, z, -dot(base.x, z))), z)
@@ -80,37 +80,36 @@ def certify(arm: Arm, robot: Description) -> Certificate:
 
 def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
     """The axes of a table and its end at q = 0, in the world."""
-    known = dict(robot.parameters)
-    frame, lines = base, []
+    known, frame, lines = _numbers(robot), base, []
     for joint in robot.joints:
-        theta, d, a, alpha = (ball(cell, known) for cell in (joint.theta, joint.d, joint.a, joint.alpha))
-        if robot.convention is Convention.MODIFIED:
-            frame = frame.then(along_x(a, alpha))
-        lines.append(Line(frame.origin, times(frame.z, joint.sign)))
-        frame = frame.then(along_z(theta, d))
-        if robot.convention is Convention.STANDARD:
-            frame = frame.then(along_x(a, alpha))
+        along, across = motions(joint, known)
+        standard = robot.convention is Convention.STANDARD
+        axis = frame if standard else frame.then(across)
+        lines.append(Line(axis.origin, times(axis.z, joint.sign)))
+        frame = axis.then(along).then(across) if standard else axis.then(along)
     return lines, frame.then(frame_of(robot.tool, known))
 
 
-def ball(cell: Expression, known: Mapping[str, Expression] | None = None) -> Real:
+def _numbers(robot: Description) -> dict[str, Real]:
+    found: dict[str, Real] = {}
+    for name, cell in robot.parameters:
+        found[name] = ball(cell, found)
+    return found
+
+
+def ball(cell: Expression, known: Mapping[str, Real] | None = None) -> Real:
     """A cell as a ball."""
-    match cell:
-        case Number(value):
-            return real(value)
-        case Pi():
-            return arb.pi()
-        case Sum(terms):
-            return sum((ball(term, known) for term in terms), arb(0))
-        case Product(factors):
-            return prod((ball(factor, known) for factor in factors), start=arb(1))
-        case Power(base, exponent):
-            return ball(base, known) ** exponent
-        case Name(name) if known and name in known:
-            return ball(known[name], known)
-        case Call(function, (argument,)):
-            return getattr(ball(argument, known), function)()
-    raise QuantityError("a table with symbols has no numeric poses", remedy="give them numbers under parameters:")
+    try:
+        return arb(exact_value(cell, known or {}))
+    except ExpressionError:
+        remedy = "give them numbers under parameters:"
+        raise QuantityError("a table with symbols has no numeric poses", remedy=remedy) from None
+
+
+def motions(row: Joint | FixedRow, known: Mapping[str, Real] | None = None) -> tuple[Frame, Frame]:
+    """Rot(z, theta) Trans(z, d) and Trans(x, a) Rot(x, alpha) of a row."""
+    theta, d, a, alpha = (ball(cell, known) for cell in (row.theta, row.d, row.a, row.alpha))
+    return along_z(theta, d), along_x(a, alpha)
 
 
 def along_z(theta: Real, d: Real) -> Frame:
@@ -125,7 +124,7 @@ def along_x(a: Real, alpha: Real) -> Frame:
     return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
 
 
-def frame_of(matrix: Matrix, known: Mapping[str, Expression] | None = None) -> Frame:
+def frame_of(matrix: Matrix, known: Mapping[str, Real] | None = None) -> Frame:
     """A transform of numbers."""
     rows = [[ball(cell, known) for cell in row] for row in matrix[:3]]
     x, y, z, origin = ((rows[0][k], rows[1][k], rows[2][k]) for k in range(4))

@@ -219,8 +219,7 @@ def _cheapest(arm: Arm, candidates: Sequence[Sequence[Frame]], standard: bool, l
     at = int(costs.argmin())
     if not np.isfinite(costs[at]):  # two lines have a common normal, but floats may not tell where
         raise _lost(arm)
-    # Back from the cheapest end.
-    chosen = [at]
+    chosen = [at]  # back from the cheapest end
     for choice in reversed(back):
         chosen.append(int(choice[chosen[-1]]))
     return tuple(column[k] for column, k in zip(candidates, reversed(chosen), strict=True))

@@ -51,10 +51,8 @@ def converted(robot: Robot, convention: Convention, name: str | None = None) -> 
         found = f"{robot.name} has a {convention.value} table already"
         raise DeriveError(found, remedy=f"write --convention {other.value}, or take the file as it is")
     if name is not None and not is_robot_name(name):
-        raise RobotFileError(
-            f"{quoted(name)} is not a robot name",
-            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
-        )
+        allowed = f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters"
+        raise RobotFileError(f"{quoted(name)} is not a robot name", allowed=allowed)
     # The factor that a comment names, unless it is none of this robot's symbols: it leads back.
     end = "first" if robot.convention is Convention.STANDARD else "last"
     matches = (match for line in robot.comments if (match := _BACK.fullmatch(line)) and match["row"] == end)

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.exchange.urdf import MOVING, Origin, Urdf, UrdfJoint
+from derive.inverse.numeric.chain import cross_matrix
 from derive.robot.description import RootType
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
@@ -153,8 +154,7 @@ def _placed(origin: Origin) -> Array:
 
 def _turned(axis: Array, angle: Array) -> Array:
     """Rodrigues: 1 + sin K + (1 - cos) K^2."""
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    k = cross_matrix(axis)
     s, c = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
     return np.asarray(np.eye(3) + s * k + (1 - c) * (k @ k))
 

@@ -289,6 +289,12 @@ def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
         yield f"URDF wants limits of slides: {SLIDE} m to either side of {', '.join(slides)}"
 
 
+def _of_toolbox(program: str, template: str, plain: str, compiled: str) -> ExportFormat:
+    remarks = partial(_remarks_of_toolboxes, plain, compiled)
+    write = partial(script_text, template)
+    return ExportFormat(program, ("speed", "torque", "coupling"), write, remarks, reverses=False)
+
+
 # By the name that users type.
 FORMS: Mapping[str, ExportFormat] = {
     "urdf": ExportFormat(
@@ -301,20 +307,8 @@ FORMS: Mapping[str, ExportFormat] = {
         _remarks_of_mujoco,
         says=coupled_by_tendon,
     ),
-    "rtb": ExportFormat(
-        "DHRobot",
-        ("speed", "torque", "coupling"),
-        partial(script_text, "exchange/rtb.py.jinja"),
-        partial(_remarks_of_toolboxes, "rne_python", "rne"),
-        reverses=False,
-    ),
-    "corke": ExportFormat(
-        "SerialLink",
-        ("speed", "torque", "coupling"),
-        partial(script_text, "exchange/corke.m.jinja"),
-        partial(_remarks_of_toolboxes, "rne", "its compiled form frne"),
-        reverses=False,
-    ),
+    "rtb": _of_toolbox("DHRobot", "exchange/rtb.py.jinja", "rne_python", "rne"),
+    "corke": _of_toolbox("SerialLink", "exchange/corke.m.jinja", "rne", "its compiled form frne"),
     "rigidbodytree": ExportFormat(
         "rigidBodyTree",
         ("speed", "torque", "viscous", "coulomb", "armature", "rotor", "coupling"),

@@ -4,7 +4,7 @@ No common normals are needed: the frame of a row is that of the link which it mo
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -12,9 +12,9 @@ from derive.errors import DeriveError, RobotFileError, near_miss, quoted
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
-from derive.exchange.from_urdf import ImportOptions, notes_on, plain_text, robot_name, snap_of
+from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
-from derive.exchange.urdf import MOVING, Urdf, UrdfJoint
+from derive.exchange.urdf import MOVING, Urdf, UrdfJoint, free_name
 from derive.mechanics.space import WORLD, Frame, Line, Point, exactly, unit
 from derive.robot.description import (
     BASE,
@@ -25,7 +25,6 @@ from derive.robot.description import (
     FixedRow,
     Joint,
     Link,
-    Matrix,
     Root,
     RootType,
     Stand,
@@ -63,11 +62,8 @@ class ImportedTree:
         driven = sum(bool(joint.drive) for joint in self.robot.joints)
         coupled = f" ({driven} driven by others)" if driven else ""
         counts = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)}{coupled}, {fixed} fixed{moved}"
-        return (
-            f"tree: {counts}; ends: {', '.join(name or link for name, link in self.ends.items())}",
-            str(self.agreement),
-            *self.notes,
-        )
+        ends = ", ".join(name or link for name, link in self.ends.items())
+        return (f"tree: {counts}; ends: {ends}", str(self.agreement), *self.notes)
 
     def as_dict(self) -> dict[str, object]:
         """The report as plain data."""
@@ -78,22 +74,20 @@ class ImportedTree:
 
 
 def import_tree(
-    urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions | None = None, head: str = ""
+    urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions = AS_USUAL, head: str = ""
 ) -> ImportedTree:
     """The robot of all joints of a file, whose root stands, or moves as ``root`` says."""
-    options = options or ImportOptions()
     kinds = [kind.value for kind in RootType]
     if root and root not in kinds:
-        raise DeriveError(
-            f"--root {quoted(root)}", allowed=f"allowed: {', '.join(kinds)}", remedy=near_miss(root, kinds)
-        )
+        allowed = f"allowed: {', '.join(kinds)}"
+        raise DeriveError(f"--root {quoted(root)}", allowed=allowed, remedy=near_miss(root, kinds))
     if options.inertia != "given" or options.symbols:
         word = "--symbols" if options.symbols else f"--inertia {options.inertia}"
         raise DeriveError(f"{word} with --tree", allowed="allowed: of one chain alone", remedy="leave one out")
     with exactly(len(urdf.joints)):
         tree = _Tree(urdf, RootType(root or urdf.root) if root or urdf.root else None, options)
         robot, chosen = tree.described(ends)
-    made = _read(robot_text(robot), robot.name, urdf.source)
+    made = read_back(robot_text(robot), robot.name, urdf.source)
     found = agreement(FileTree.of(urdf, tree.joints, tree.root), made, list(chosen.values()))
     if found.position > MOST_MOVED * found.reach + 1e-9:
         moved = f"--snap {float(tree.snap):g} would move an end by {found.position:.2g} m"
@@ -101,15 +95,7 @@ def import_tree(
     notes = tuple(plain_text(note) for note in tree.notes)
     text = robot_text(robot, [*([head] if head else []), str(found), *notes])
     names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)
-    return ImportedTree(text, _read(text, robot.name, urdf.source), found, chosen, names, notes)
-
-
-def _read(text: str, name: str, source: str) -> Robot:
-    """A robot file as others read it; what the robot has against it is said of the file that it comes from."""
-    try:
-        return Robot.from_text(text, f"{name}.yaml")
-    except DeriveError as error:
-        raise RobotFileError(f"{source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+    return ImportedTree(text, read_back(text, robot.name, urdf.source), found, chosen, names, notes)
 
 
 def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
@@ -117,9 +103,8 @@ def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
     carrying = carrying_joints(urdf)
     roots = [link for link in urdf.bodies if link not in carrying]
     if len(roots) != 1:
-        found = (
-            f"{len(roots)} links hang on no joint: {some(roots)}" if roots else "every link hangs on a joint: a loop"
-        )
+        loop = "every link hangs on a joint: a loop"
+        found = f"{len(roots)} links hang on no joint: {some(roots)}" if roots else loop
         raise RobotFileError(f"{urdf.source}: {found}", allowed="allowed: exactly one", remedy=REMEDY)
     behind: dict[str, list[UrdfJoint]] = {}
     for joint in reversed(urdf.joints):
@@ -146,21 +131,19 @@ def turn_to(axis: Point) -> Frame:
 
 
 class _Tree:
-    """The rows of a file."""
-
     def __init__(self, urdf: Urdf, root: RootType | None, options: ImportOptions) -> None:
         self.urdf, self.root, self.snap, self._options = urdf, root, snap_of(options.snap), options
         self._base, self.joints = in_order(urdf)
         self.notes: list[str] = []
         self._has_bodies = any(urdf.bodies.values())
-        self._behind: dict[str, list[UrdfJoint]] = {}
         # The frame of each row in that of the link which it moves, and the link with which each one moves as a body.
         self._turns, self._carriers = {self._base: WORLD}, {self._base: self._base}
+        self._steps = {self._base: 0}  # how many fixed joints lead to a link from the one with which it moves
         for joint in self.joints:
             moves, link = joint.type in MOVING, joint.child
-            self._behind.setdefault(joint.parent, []).append(joint)
             self._turns[link] = turn_to(direction_of(joint, self.snap)) if moves else WORLD
             self._carriers[link] = link if moves else self._carriers[joint.parent]
+            self._steps[link] = 0 if moves else self._steps[joint.parent] + 1
 
     def described(self, wanted: Sequence[str]) -> tuple[Description, dict[str, str]]:
         """The robot, and the links of its ends by their names."""
@@ -168,16 +151,12 @@ class _Tree:
         kept = self._kept(set(chosen.values()))
         labels = {self._base: BASE}
         for joint in kept:
-            labels[joint.child] = _free(label_of(joint.name), (*labels.values(), *variables))
+            labels[joint.child] = free_name(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
         numbered = iter(range(1, len(rows) + 1))
         names = {joint.name: f"q{next(numbered)}" for joint in kept if joint.type in MOVING}
-        pairs = zip(kept, rows, strict=True)
-        joints = [
-            _driven(row, joint, followed(joint, self.joints), names)
-            for joint, (row, _) in pairs
-            if isinstance(row, Joint)
-        ]
+        moved = [(row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)]
+        joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in moved]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
         root = None
@@ -186,18 +165,18 @@ class _Tree:
             moving, standing = root_rows(root)
             joints, fixed = [*moving, *joints], [standing, *fixed]
             links = [*(Link() for _ in moving if self._has_bodies), *links]
-        ends = [End(name, labels[link], self._tool(link)) for name, link in chosen.items()]
+        tools = [matrix_of(WORLD.seen_from(self._turns[link]), self.snap) for link in chosen.values()]
+        ends = [End(name, labels[link], at) for (name, link), at in zip(chosen.items(), tools, strict=True)]
         above = (BASE, *(labels[joint.child] for joint in kept))
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
         if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
         self._note(kept)
         tool = IDENTITY if ends[0].name else ends[0].tool
-        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends))
         own = [row for row in joints if not row.drive]
-        coupled = (Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own)
-        robot = replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else ())
-        return plain(replace(robot, root=root, tool=tool)), chosen
+        coupled = [Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own]
+        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends), tool=tool)
+        return plain(replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else (), root=root)), chosen
 
     def _bare(self, joints: tuple[Joint, ...]) -> Description:
         """A robot of some rows, without bodies, ends and root yet."""
@@ -220,26 +199,20 @@ class _Tree:
         stand = Stand(labels[joint.parent], matrix_of(mount, self.snap))
         if joint.type not in MOVING:
             return FixedRow(label, stand, link=self._body(joint.child)), Link()
-        axis = self._axis(joint)
+        axis = self._axis(joint, joint.child)
         return replace(row_of(axis, ""), name=label, stand=stand), link_of(axis, turn, self.snap)
 
-    def _axis(self, joint: UrdfJoint) -> Axis:
-        return Axis(Line(WORLD.origin, WORLD.z), joint, tuple(self._masses(joint.child)))
-
-    def _masses(self, link: str) -> Iterator[Mass]:
-        if body := self.urdf.bodies[link]:
-            yield Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link)
+    def _axis(self, joint: UrdfJoint, link: str) -> Axis:
+        body = self.urdf.bodies[link]
+        masses = (Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link),) if body else ()
+        return Axis(Line(WORLD.origin, WORLD.z), joint, masses)
 
     def _body(self, link: str) -> Link | None:
         """The body of a link that no joint drives."""
         if not self._has_bodies:
             return None
-        still = Axis(Line(WORLD.origin, WORLD.z), self.joints[0], tuple(self._masses(link)))
-        found = link_of(still, WORLD, self.snap)
+        found = link_of(self._axis(self.joints[0], link), WORLD, self.snap)
         return Link(found.mass, found.com, found.inertia)
-
-    def _tool(self, link: str) -> Matrix:
-        return matrix_of(WORLD.seen_from(self._turns[link]), self.snap)
 
     def _moved(self, link: str) -> bool:
         return bool(self.root) or self._carriers[link] != self._base
@@ -251,34 +224,22 @@ class _Tree:
                 hint = near_miss(link, self.urdf.bodies)
                 raise RobotFileError(f"{self.urdf.source}: no link {quoted(link)}", remedy=hint)
             if not self._moved(link):
-                raise RobotFileError(
-                    f"{self.urdf.source}: no joint moves {quoted(link)}", remedy="leave it out of --ends"
-                )
+                found = f"{self.urdf.source}: no joint moves {quoted(link)}"
+                raise RobotFileError(found, remedy="leave it out of --ends")
         if wanted:
             return list(dict.fromkeys(wanted))
         inner = {self._carriers[joint.parent] for joint in self.joints if joint.type in MOVING}
-        tips = [link for link in self._carriers if link not in self._behind and self._moved(link)]
+        carrying = {joint.parent for joint in self.joints}
+        tips = [link for link in self._carriers if link not in carrying and self._moved(link)]
         tips = [link for link in tips if self._carriers[link] not in inner]
         if not tips:
             raise RobotFileError(f"{self.urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(tips) > MOST_ENDS:  # of several on one joint the one at the end of the longest way
-            ways = {link: self._steps(link) for link in tips}
-            carriers = [self._carriers[link] for link in tips]
-            tips = [
-                max((t for t in tips if self._carriers[t] == at), key=ways.__getitem__)
-                for at in dict.fromkeys(carriers)
-            ]
+            carriers = dict.fromkeys(self._carriers[link] for link in tips)
+            tips = [max((t for t in tips if self._carriers[t] == at), key=self._steps.__getitem__) for at in carriers]
         if len(tips) > MOST_ENDS:
             self.notes.append(f"{len(tips)} ends, of which these are left out: {some(tips[MOST_ENDS:])}")
         return tips[:MOST_ENDS]
-
-    def _steps(self, link: str) -> int:
-        """How many fixed joints lead to a link from the one with which it moves."""
-        parents = {joint.child: joint.parent for joint in self.joints}
-        count = 0
-        while link != self._carriers[link]:
-            link, count = parents[link], count + 1
-        return count
 
     def _kept(self, ends: set[str]) -> list[UrdfJoint]:
         """The joints that become rows: those which move, and the fixed ones on the way to one, to a body or an end."""
@@ -294,7 +255,7 @@ class _Tree:
         return kept[::-1]
 
     def _note(self, kept: Sequence[UrdfJoint]) -> None:
-        moving = [self._axis(joint) for joint in kept if joint.type in MOVING]
+        moving = [self._axis(joint, joint.child) for joint in kept if joint.type in MOVING]
         self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(moving), WORLD, WORLD.z, (), ()), proven=False)
         if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
             n = len(changes)
@@ -309,9 +270,8 @@ def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fracti
         if before is None or before.type not in MOVING or before.name in seen:
             what = "which is none that moves" if before is None or before.type not in MOVING else "in a circle"
             found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}, {what}"
-            raise RobotFileError(
-                found, remedy=near_miss(joint.mimics, known.keys() - {joint.mimics}), location=joint.location
-            )
+            remedy = near_miss(joint.mimics, known.keys() - {joint.mimics})
+            raise RobotFileError(found, remedy=remedy, location=joint.location)
         # f (m q' + o) + c, q' being the position of the joint that is followed
         factor, offset, joint = factor * joint.multiplier, offset + factor * joint.offset, before
         seen.append(joint.name)
@@ -331,13 +291,6 @@ def _driven(row: Joint, joint: UrdfJoint, way: tuple[str, Fraction, Fraction], n
     return replace(driven, theta=add(row.theta, added)) if row.is_revolute else replace(driven, d=add(row.d, added))
 
 
-def _free(name: str, taken: Collection[str]) -> str:
-    """A name that nothing else has."""
-    while name in taken:
-        name += "_"
-    return name
-
-
 def _named(links: Sequence[str]) -> dict[str, str]:
     """Links by names that ends may have."""
     found: dict[str, str] = {}
@@ -346,5 +299,5 @@ def _named(links: Sequence[str]) -> dict[str, str]:
         folded = name.casefold()
         is_taken = name in RESERVED_NAMES or folded in (*NOT_SYMBOLS, BASE) or SUFFIXES.fullmatch(f"{folded}_")
         name = name if name[:1].isalpha() and not is_taken else f"link_{name}"
-        found[_free(name, found)] = link
+        found[free_name(name, found)] = link
     return found

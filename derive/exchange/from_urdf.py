@@ -138,12 +138,17 @@ def import_urdf(
     names = tuple(plain_text(axis.joint.name) for axis in arm.axes)
     first = [replace(source, base=arm.base, tip=arm.tip).line] if source else []
     text = robot_text(description, [*first, f"joints: {', '.join(names)}", str(table.certificate), *notes])
-    try:
-        made = Robot.from_text(text, f"{robot.name}.yaml")
-    except DeriveError as error:  # what the robot has against it is said of the URDF
-        raise RobotFileError(f"{urdf.source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
+    made = read_back(text, robot.name, urdf.source)
     ends = (plain_text(arm.base), plain_text(arm.tip))
     return Imported(text, made, table.certificate, ends, names, tuple(notes), table.changes)
+
+
+def read_back(text: str, name: str, source: str) -> Robot:
+    """A robot file as others read it; what the robot has against it is said of the file that it comes from."""
+    try:
+        return Robot.from_text(text, f"{name}.yaml")
+    except DeriveError as error:
+        raise RobotFileError(f"{source}: {error.found}", allowed=error.allowed, remedy=error.remedy) from error
 
 
 def snap_of(snap: str | float | Fraction) -> Fraction:
@@ -161,8 +166,6 @@ def snap_of(snap: str | float | Fraction) -> Fraction:
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """A table, and what it was made of."""
-
     arm: Arm  # with angles as they were understood
     placement: Placement  # the frames
     description: Description  # the robot
@@ -205,11 +208,10 @@ class _Chain:
         table = plain if other.is_far or other.certificate.position > worth else other
         if table.moves_far:
             most, moved = MOST_MOVED * table.arm.reach, table.certificate.position
-            raise RobotFileError(
-                f"{self.urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m",
-                allowed=f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m",
-                remedy=f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else "",
-            )
+            found = f"{self.urdf.source}: --snap {float(snap):g} would move a pose by up to {moved:.2g} m"
+            allowed = f"allowed: at most {MOST_MOVED:.0%} of the reach, {most:.2g} m"
+            remedy = f"write --snap {float(snap) * most / moved / 2:.0e}" if snap else ""
+            raise RobotFileError(found, allowed=allowed, remedy=remedy)
         on_slants = self._remarks_on_slants(table, far, cut if is_slanting else (), table is not plain)
         return table, [*on_slants, *self._remarks_on_cut(table, cut if snap and not is_slanting else ())]
 
@@ -230,7 +232,13 @@ class _Chain:
     ) -> Iterator[str]:
         """What was done with axes that are almost parallel, and which snap makes them so at what cost."""
         told = [(i, slant(self.written, i), parallel or not table.is_far) for i, parallel in far]
-        yield from (slanted(self.written, i, parallel) for i, sine, parallel in told if not parallel or sine > ALIKE)
+        for i, sine, parallel in told:
+            if not parallel or sine > ALIKE:
+                before, axis = self.written.axes[i - 1 : i + 1]
+                away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
+                joints = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
+                said = f"{joints} are {sine:.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away"
+                yield f"{said}: {'taken as parallel' if parallel else 'kept'}"
         if cut:
             yield named(cut, taken)
         kept = [sine for _, sine, parallel in told if not parallel]
@@ -344,15 +352,6 @@ def snap_for(widest: float) -> Fraction:
 def slant(arm: Arm, i: int) -> float:
     """Sine of the angle between an axis and the one before."""
     return float(length(cross(arm.axes[i - 1].line.direction, arm.axes[i].line.direction)))
-
-
-def slanted(arm: Arm, i: int, taken: bool) -> str:
-    """What was done with an axis that is almost parallel to the one before, as a sentence."""
-    before, axis = arm.axes[i - 1], arm.axes[i]
-    away = float(length(plus(before.line.nearest(axis.line), before.line.point, -1)))
-    joints = f"joints {before.joint.name} and {axis.joint.name} (line {axis.joint.location.line})"
-    said = f"{joints} are {slant(arm, i):.2g} rad from parallel, their common normal {float(f'{away:.3g}'):g} m away"
-    return f"{said}: {'taken as parallel' if taken else 'kept'}"
 
 
 def named(cut: CutOff, taken: bool) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
-from derive.errors import DeriveError
+from derive.errors import DeriveError, QuantityError
 from derive.exchange.certificate import ball
 from derive.mechanics.space import Real, decimal
 from derive.robot.description import Convention, Description
@@ -28,11 +28,9 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
     if missing:
         shown = ", ".join(missing[:MOST_SYMBOLS]) + (", ..." if len(missing) > MOST_SYMBOLS else "")
         example = ",".join(f"{name}=0.5" for name in missing[:2])
-        raise DeriveError(
-            f"{robot.name}: symbols without a number: {shown}",
-            allowed="other programs accept numbers only",
-            remedy=f"give them under parameters:, or write --values {example}",
-        )
+        found = f"{robot.name}: symbols without a number: {shown}"
+        remedy = f"give them under parameters:, or write --values {example}"
+        raise DeriveError(found, allowed="other programs accept numbers only", remedy=remedy)
     cells = {name: _filled(getattr(robot, name), values) for name in PARTS}
     return replace(robot, **cells, parameters=(), runtime=())
 
@@ -45,7 +43,7 @@ def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
             found = substitute(part, values)
             if ball(found).is_finite():
                 return found
-        except ZeroDivisionError:
+        except (ZeroDivisionError, QuantityError):
             pass
         raise DeriveError(f"{cell_text(part)} has no finite value", remedy="choose other numbers")
     if hasattr(part, "__dataclass_fields__"):

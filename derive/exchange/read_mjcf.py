@@ -35,16 +35,16 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
         raise RobotFileError(f"MuJoCo: {said}", remedy="correct the file", location=Location(source)) from None
     reader = _Reader(mujoco, model, Location(source))
     reader.refuse_loops()
-    bodies: dict[str, UrdfBody | None] = {reader.body_name(0): None}
+    bodies: dict[str, UrdfBody | None] = {reader.name("body", 0): None}
     joints: list[UrdfJoint] = []
     free = [k for k in range(model.njnt) if model.jnt_type[k] == int(mujoco.mjtJoint.mjJNT_FREE)]
     top = int(model.jnt_bodyid[free[0]]) if free else 0
     others = [k for k in range(1, model.nbody) if model.body_rootid[k] not in (0, top) and top]
     if len(free) > 1 or any(model.body_weldid[k] for k in others):
-        found = f"joint {quoted(reader.joint_name(free[0]))} is free, and other bodies move beside it"
+        found = f"joint {quoted(reader.name('joint', free[0]))} is free, and other bodies move beside it"
         raise reader.refused(found, "remove all bodies but those of one robot")
     if free:
-        bodies = {reader.body_name(top): reader.body(top, ZEROS)}
+        bodies = {reader.name("body", top): reader.body(top, ZEROS)}
     with exactly(model.nbody):
         offsets = {0: ZEROS, top: ZEROS}  # of the origin of a link in its body's frame
         for k in range(1, model.nbody):
@@ -52,59 +52,42 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
                 for joint, offset in reader.joints(k, offsets[int(model.body_parentid[k])]):
                     joints.append(joint)
                     bodies[joint.child], offsets[k] = None, offset
-                bodies[reader.body_name(k)] = reader.body(k, offsets[k])
-    gravity, name = _triple(model.opt.gravity), model.names.split(b"\0", 1)[0].decode()
-    kind = "floating" if free else ""
-    notes = tuple(reader.notes())
-    return Urdf(
-        name, bodies, tuple(joints), notes, (), source, gravity=None if gravity == EARTH else gravity, root=kind
-    )
+                bodies[reader.name("body", k)] = reader.body(k, offsets[k])
+    name, kind = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
+    gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
+    springs = [reader.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]
+    notes = (f"springs are not read: joint {', '.join(springs)}",) if springs else ()
+    return Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=kind)
 
 
 class _Reader:
-    """Bodies and joints of a compiled model."""
-
     def __init__(self, mujoco: Any, model: Any, place: Location) -> None:
         self._mujoco, self._model, self._place = mujoco, model, place
         kinds = mujoco.mjtJoint
-        self._free, self._turns, self._slides = (
-            int(k) for k in (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE)
-        )
+        self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._place)
 
-    def _name(self, kind: str, k: int) -> str:
+    def name(self, kind: str, k: int) -> str:
         kinds = self._mujoco.mjtObj
         found = self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k)
         return str(found or f"{kind}{k}")
-
-    def body_name(self, k: int) -> str:
-        return self._name("body", k)
-
-    def joint_name(self, k: int) -> str:
-        return self._name("joint", k)
 
     def refuse_loops(self) -> None:
         """Refuse what ties joints together, and joints with several variables that are not the root's."""
         model = self._model
         for k in range(model.neq):
-            raise self.refused(f"equality {quoted(self._name('equality', k))}: joints that depend on each other", LOOPS)
+            raise self.refused(f"equality {quoted(self.name('equality', k))}: joints that depend on each other", LOOPS)
         for k in range(model.njnt):
             kind = model.jnt_type[k]
             is_root = kind == self._free and model.body_parentid[model.jnt_bodyid[k]] == 0
             if kind not in (self._turns, self._slides) and not is_root:
-                raise self.refused(
-                    f"joint {quoted(self.joint_name(k))} is {'free' if kind == self._free else 'a ball'}", LOOPS
-                )
+                found = f"joint {quoted(self.name('joint', k))} is {'free' if kind == self._free else 'a ball'}"
+                raise self.refused(found, LOOPS)
         for k in range(model.ntendon):
             if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
-                raise self.refused(f"tendon {quoted(self._name('tendon', k))} acts on several joints", LOOPS)
-
-    def notes(self) -> Iterator[str]:
-        model = self._model
-        if springs := [self.joint_name(k) for k in range(model.njnt) if model.jnt_stiffness[k]]:
-            yield f"springs are not read: joint {', '.join(springs)}"
+                raise self.refused(f"tendon {quoted(self.name('tendon', k))} acts on several joints", LOOPS)
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:
         """What a body weighs, in the frame of its link."""
@@ -117,15 +100,15 @@ class _Reader:
 
     def joints(self, k: int, before: Triple) -> Iterator[tuple[UrdfJoint, Triple]]:
         """The joints of a body, or one that is fixed, each with the place of its link in the frame of the body."""
-        model, parent = self._model, self.body_name(int(self._model.body_parentid[k]))
+        model, parent = self._model, self.name("body", int(self._model.body_parentid[k]))
         turn = Origin(_less(_exact(model.body_pos[k]), before), _angles(model.body_quat[k]))
         first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
         if not count:
-            yield self._joint(self.body_name(k), "fixed", parent, self.body_name(k), turn), ZEROS
+            yield self._joint(self.name("body", k), "fixed", parent, self.name("body", k), turn), ZEROS
         here, frame = ZEROS, turn
         for j in range(first, first + count):
             last = j == first + count - 1
-            child = self.body_name(k) if last else f"{self.joint_name(j)}_link"
+            child = self.name("body", k) if last else f"{self.name('joint', j)}_link"
             there = _triple(model.jnt_pos[j])
             x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(_less(there, here))))
             yield self._moving(j, parent, child, Origin((x, y, z), frame.rpy)), there
@@ -136,15 +119,14 @@ class _Reader:
         axis, dof = model.jnt_axis[j], int(model.jnt_dofadr[j])
         ref = float(model.qpos0[model.jnt_qposadr[j]])
         if ref:
-            found = f"joint {quoted(self.joint_name(j))}: its frame is given at {ref:g} (ref), not at 0"
+            found = f"joint {quoted(self.name('joint', j))}: its frame is given at {ref:g} (ref), not at 0"
             raise self.refused(found, "write the file without ref")
         lower, upper = _exact(model.jnt_range[j])
-        damping, friction, armature = (
-            _number(getattr(model, f"dof_{key}")[dof]) for key in ("damping", "frictionloss", "armature")
-        )
+        of_dof = (getattr(model, f"dof_{key}")[dof] for key in ("damping", "frictionloss", "armature"))
+        damping, friction, armature = map(_number, of_dof)
         kind = "prismatic" if not turns else "revolute" if model.jnt_limited[j] else "continuous"
         return replace(
-            self._joint(self.joint_name(j), kind, parent, child, origin),
+            self._joint(self.name("joint", j), kind, parent, child, origin),
             axis=_triple(axis),
             limits=(lower, upper) if model.jnt_limited[j] else None,
             effort=self._effort(j),

@@ -10,7 +10,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
+from derive.errors import Location, RobotFileError, optional, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
 from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint, look
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
@@ -27,11 +27,7 @@ VERSIONS = ("1.0", "1.1", "1.2")  # of URDF; a file that says none is of the fir
 ONE = Fraction(1, 10**6)  # how far the squared length of a quaternion may be from 1 without a word
 MOST_ROOTS = 8  # of those that are named
 ANGLE_DIGITS = 70  # of the roll, pitch and yaw of a quaternion
-_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_DECLARATION = re.compile(rb"(\s+)(<\?xml\s[^>]*\?>)")
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
-_INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
-_XACRO = re.compile(r"\{[^}]*xacro")
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
 
 
@@ -53,7 +49,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     if len(elements) > MOST_ELEMENTS:
         found = f"{len(elements)} links and joints"
         raise reader.refused(root, found, "give one robot", f"allowed: at most {MOST_ELEMENTS}")
-    macro = next((child for child in root if _XACRO.match(str(child.tag))), None)
+    macro = next((child for child in root if re.match(r"\{[^}]*xacro", str(child.tag))), None)
     if macro is not None:
         found = f"an element {quoted('xacro:' + str(macro.tag).rpartition('}')[2])}"
         raise reader.refused(macro, found, "give it as a file: derive import expands xacro in files only")
@@ -90,10 +86,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
 
 def _parsed(data: bytes, source: str) -> tuple[etree._Element, tuple[str, ...]]:
     """The tree without comments; entities and the network stay off."""
-    try:
-        from lxml import etree
-    except ImportError:
-        raise TargetError("reading URDF needs lxml, which is not installed", remedy=install_extra("exchange")) from None
+    etree = optional("lxml.etree", "reading URDF needs lxml", "exchange")
     if len(data) > MOST_BYTES:
         found = f"{source} has {len(data)} bytes"
         raise RobotFileError(found, allowed=f"allowed: at most {MOST_BYTES}", remedy="give the URDF without meshes")
@@ -150,10 +143,10 @@ def angles_of(x: Fraction, y: Fraction, z: Fraction, w: Fraction) -> Triple:
 def _mended(data: bytes) -> tuple[bytes, list[str]]:
     """A file with slips mended over which other readers of URDF pass, with the same lines, and what they were."""
     slips = []
-    if late := _DECLARATION.match(data):
+    if late := re.match(rb"(\s+)(<\?xml\s[^>]*\?>)", data):
         data = late[2] + late[1] + data[late.end() :]
         slips.append("space before the XML declaration")
-    if data.startswith(_UTF_16):
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):  # UTF-16
         return data, slips
     whole = data.rstrip(b"\0\x1a\r\n\t ")
     if data[len(whole) :].strip():
@@ -215,7 +208,7 @@ class _UrdfReader:
             if value.adjusted() <= GREATEST:
                 return Fraction(value)
             word = "-inf" if infinite and value < 0 else "inf" if infinite else word
-        if infinite and _INFINITE.fullmatch(word):
+        if infinite and re.fullmatch(r"[+-]?inf(inity)?", word, re.IGNORECASE):
             return Fraction((-1 if word[0] == "-" else 1) * 10**GREATEST)
         found = f"{element.tag}, {attribute}: {quoted(word)} is no number"
         allowed = f"allowed: finite decimals below 1e{GREATEST}"
@@ -277,10 +270,9 @@ class _UrdfReader:
         axis = element.find("axis")
         x, y, z = (Fraction(1), *ZEROS[:2]) if axis is None else self.numbers(axis, "xyz", 3) or ZEROS
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
-        lower, upper, effort, velocity = (
-            None if limit is None else self.number(limit, key, infinite=True)
-            for key in ("lower", "upper", "effort", "velocity")
-        )
+        keys = ("lower", "upper", "effort", "velocity")
+        bounds = (None if limit is None else self.number(limit, key, infinite=True) for key in keys)
+        lower, upper, effort, velocity = bounds
         bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
         if kind in ("revolute", "prismatic") and not bounded:
             said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"

@@ -9,14 +9,15 @@ from math import floor, log10
 from flint import arb
 
 from derive.errors import DeriveError, RobotFileError, quoted
-from derive.exchange.arm import FRACTIONS, Arm, Axis, Mass
-from derive.exchange.body_chain import RigidBody, body_chain
-from derive.exchange.certificate import along_x, along_z, ball, certify, frame_of
+from derive.exchange.arm import FRACTIONS, Arm, Axis
+from derive.exchange.body_chain import NO_INERTIA, RigidBody, body_chain
+from derive.exchange.certificate import ball, certify, frame_of, motions
 from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
 from derive.exchange.urdf import SLIDE, UNLIMITED, Urdf
-from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, exactly, plus, real
-from derive.robot.description import Convention, Description, Inertia, Joint, JointType, Link, Matrix
+from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly, plus, real
+from derive.mechanics.vectors import Symmetric
+from derive.robot.description import INERTIA, Convention, Description, Inertia, Joint, JointType, Link, Matrix
 from derive.robot.expression import ONE, ZERO, Call, Expression, Name, Pi, multiply, number
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
@@ -132,29 +133,19 @@ def link_of(axis: Axis, frame: Frame, snap: Fraction) -> Link:
     mass = sum((body.mass for body in axis.bodies), Fraction(0))
     cells = (axis.joint.armature, axis.joint.damping, axis.joint.friction)
     armature, viscous, coulomb = (number(rounded(cell)) for cell in cells)
-    if mass == 0:
-        if heavy := next((body.link for body in axis.bodies if body.mass), ""):
-            found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
-            raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
-        tensor = _tensor(axis.bodies, frame, (arb(0), arb(0), arb(0)))
-        return Link(inertia=Inertia(*_written(tensor, snap)), armature=armature, viscous=viscous, coulomb=coulomb)
+    if not mass and (heavy := next((body.link for body in axis.bodies if body.mass), "")):
+        found = f"link {quoted(heavy)}: its mass and those of what it carries add up to nothing"
+        raise RobotFileError(found, remedy="correct the masses", location=axis.joint.location)
     com = (arb(0), arb(0), arb(0))
-    for body in axis.bodies:
+    for body in axis.bodies if mass else ():
         com = plus(com, frame.inside(body.axes.origin), real(body.mass) / real(mass))
-    tensor = _tensor(axis.bodies, frame, com)
+    tensor = NO_INERTIA
+    for body in axis.bodies:
+        own = RigidBody(real(body.mass), WORLD.origin, Symmetric(*map(real, body.inertia)))
+        tensor = tensor + own.moved(body.axes.seen_from(frame)).about(com)
+    inertia = Inertia(*_written([getattr(tensor, key) for key in INERTIA], snap))
     x, y, z = _written(com, snap, arb(1))
-    return Link(number(rounded(mass)), (x, y, z), Inertia(*_written(tensor, snap)), None, armature, viscous, coulomb)
-
-
-def _tensor(bodies: Sequence[Mass], frame: Frame, com: Point) -> list[Real]:
-    """xx, yy, zz, xy, xz, yz of some bodies about a point of a frame, along its axes."""
-    tensors = []
-    for body in bodies:
-        xx, yy, zz, xy, xz, yz = map(real, body.inertia)
-        own = RigidBody(real(body.mass), WORLD.origin, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-        tensors.append(own.moved(body.axes.seen_from(frame)).about(com))
-    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return [sum((tensor[i][j] for tensor in tensors), arb(0)) for i, j in places]
+    return Link(number(rounded(mass)), (x, y, z), inertia, None, armature, viscous, coulomb)
 
 
 # -- the table that a URDF of `derive export` carries: of the many that are right for an arm, that it was made from
@@ -182,11 +173,10 @@ def placement_of(table: Robot) -> Placement:
     with exactly():
         frames, rows = [frame_of(table.base)], []
         for joint in table.joints:
-            row = DHRow(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha)))
-            along, across = along_z(row.theta, row.d), along_x(row.a, row.alpha)
+            along, across = motions(joint)
             standard = table.convention is Convention.STANDARD
             frames.append(frames[-1].then(along.then(across) if standard else across.then(along)))
-            rows.append(row)
+            rows.append(DHRow(*(ball(cell) for cell in (joint.theta, joint.d, joint.a, joint.alpha))))
         return Placement(table.convention, tuple(frames), tuple(rows), frame_of(table.tool), ())
 
 
@@ -225,5 +215,5 @@ def with_table(robot: Description, table: Robot) -> Description:
     for i, (segment, following) in enumerate(pairwise(segments)):
         if following.rotor is not None and segment.body is not None:
             rotor = following.rotor.carried.moved(WORLD.seen_from(segment.dh))
-            bodies[i] = segment.body + rotor.negative
+            bodies[i] = segment.body + RigidBody(-rotor.mass, rotor.com, Symmetric(*(-part for part in rotor.entries)))
     return replace(robot, links=tuple(b.link(own) if b else own for b, own in zip(bodies, links, strict=True)))

@@ -50,13 +50,12 @@ def _row(arm: BodyChain, i: int) -> dict[str, Any]:
     """A row of the table with what its link weighs, in its own DH frame, and its motor."""
     joint, body = arm.segments[i].joint, None
     if (weighed := arm.segments[i].body) is not None:
-        # rigidBodyTree wants the tensor about the frame
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = weighed.about((arb(0), arb(0), arb(0)))
+        about = weighed.about((arb(0), arb(0), arb(0)))  # rigidBodyTree wants the tensor about the frame
         body = {
             "mass": text(weighed.mass),
             "com": texts(weighed.com, ", "),
-            "inertia": [texts(row, ", ") for row in weighed.inertia],
-            "origin": texts((xx, yy, zz, yz, xz, xy), ", "),
+            "inertia": [texts(row, ", ") for row in weighed.inertia.matrix],
+            "origin": texts((getattr(about, key) for key in ("xx", "yy", "zz", "yz", "xz", "xy")), ", "),
         }
     cells = {"theta": angle_text(joint.theta), "alpha": angle_text(joint.alpha)}
     cells |= {"d": text(ball(joint.d)), "a": text(ball(joint.a))}

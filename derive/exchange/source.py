@@ -22,7 +22,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from derive.errors import Location, RobotFileError, TargetError, install_extra, quoted
+from derive.errors import Location, RobotFileError, optional, quoted
 from derive.exchange.certificate import Certificate
 from derive.exchange.read_urdf import MOST_BYTES, read_urdf
 from derive.exchange.urdf import Urdf
@@ -107,11 +107,7 @@ def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -
 
 def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str]) -> bytes:
     """What xacro makes of a file; what it prints is kept from the terminal."""
-    try:
-        import xacrodoc
-    except ImportError:
-        found = "reading xacro needs xacrodoc, which is not installed"
-        raise TargetError(found, remedy=install_extra("exchange")) from None
+    xacrodoc = optional("xacrodoc", "reading xacro needs xacrodoc", "exchange")
     said = io.StringIO()
     xacrodoc.packages.reset()
     xacrodoc.packages.look_in([str(Path(text).resolve()) for text in packages if "=" not in text])

@@ -1,6 +1,6 @@
 """A robot as URDF, and as MJCF, the format of MuJoCo."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import atan2, hypot
@@ -10,6 +10,7 @@ from xml.sax.saxutils import escape
 from flint import arb
 
 from derive.exchange.body_chain import (
+    NO_INERTIA,
     TIP,
     BodyChain,
     ChainSegment,
@@ -23,7 +24,7 @@ from derive.exchange.body_chain import (
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.robot_of_arm import table_text
-from derive.exchange.urdf import SLIDE, UNLIMITED
+from derive.exchange.urdf import SLIDE, UNLIMITED, free_name
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
 from derive.robot.description import BASE
 from derive.targets.escape import xml_text
@@ -35,7 +36,7 @@ THICKNESS = 0.06  # radius of the cylinders, of the longest link
 
 def urdf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as URDF."""
-    links, joints = _tree_elements(arm) if arm.parts else _chain_elements(arm)
+    links, joints = _elements(arm)
     radius = THICKNESS * arm.size
     return render(
         "exchange/robot.urdf.jinja",
@@ -48,25 +49,6 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
         thick=f"{1.4 * radius:.3g}",
         height=f"{3 * radius:.3g}",
     )
-
-
-Elements = tuple[list[dict[str, Any]], list[dict[str, Any]]]  # links and joints
-
-
-def _chain_elements(arm: BodyChain) -> Elements:
-    named = [f"link{i}" for i in range(1, len(arm.segments) + 1)]
-    root = ROOT if is_world(arm.base) else "link0"
-    taken = {segment.joint.label for segment in arm.segments}
-    base, flange, tool = (name + "_" * (name in taken) for name in ("base-joint", "flange-joint", "tool-joint"))
-    joints = [] if root == ROOT else [_fixed(base, ROOT, root, arm.base)]
-    for i, segment in enumerate(arm.segments):
-        joints.append(_joint(segment, named[i - 1] if i else root, named[i]))
-    joints.append(_fixed(flange, named[-1], "flange", arm.segments[-1].dh))
-    joints.append(_fixed(tool, "flange", TIP, arm.tool))
-    links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
-    for name, segment in zip(named, arm.segments, strict=True):
-        links.append(_link(name, segment, THICKNESS * arm.size))
-    return links + [{"name": name, "is_frame": True} for name in ("flange", TIP)], joints
 
 
 def link_names(arm: BodyChain) -> dict[str, str]:
@@ -82,20 +64,13 @@ def link_names(arm: BodyChain) -> dict[str, str]:
     return {label: xml_text(name) for label, name in found.items()}
 
 
-def free_name(name: str, taken: Collection[str]) -> str:
-    """A name that nothing else has."""
-    while name in taken:
-        name += "_"
-    return name
-
-
-def _tree_elements(arm: BodyChain) -> Elements:
-    """Rows by their labels, ends by their names."""
-    rows, names, radius = arm.rows, link_names(arm), THICKNESS * arm.size
-    labels = {*names, *(segment.joint.label for segment in arm.segments)}
+def _elements(arm: BodyChain) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Links and joints: of a tree rows by their labels and ends by their names, of a chain links by their numbers."""
+    rows, radius = arm.rows, THICKNESS * arm.size
+    names = link_names(arm) if arm.parts else {s.joint.label: f"link{i}" for i, s in enumerate(arm.segments, 1)}
     root = ROOT if is_world(arm.base) else "link0"
     links: list[dict[str, Any]] = [{"name": name, "is_frame": True} for name in dict.fromkeys((ROOT, root))]
-    joints = [] if root == ROOT else [_fixed(free_name("base-joint", labels), ROOT, root, arm.base)]
+    joints = [] if root == ROOT else [_fixed(free_name("base-joint", names), ROOT, root, arm.base)]
     if arm.root and arm.root.body:
         links[0] |= {"is_frame": False, "inertial": _weighed(arm.root.body), "rod": None}
     parents = {"": root, BASE: root} | names  # a root that moves in a plane has a row of its own
@@ -108,11 +83,15 @@ def _tree_elements(arm: BodyChain) -> Elements:
         placed = replace(segment, origin=_inside(segment.after, segment.origin))
         joints.append(_joint(placed, parents[segment.after], name))
         links.append(_link(name, segment, radius))
+    last = joints[-1]["child"]
+    for parent, name, frame in () if arm.parts else ((last, "flange", arm.segments[-1].dh), ("flange", TIP, arm.tool)):
+        joints.append(_fixed(free_name(f"{name}-joint", names), parent, name, frame))
+        links.append({"name": name, "is_frame": True})
     for part in arm.parts:
         if part.is_end and names.get(part.after) == part.name:
             continue
         name = part.name if part.is_end else names[part.name]
-        joint = free_name(f"{part.name}_end", labels) if part.is_end else xml_text(part.name)
+        joint = free_name(f"{part.name}_end", names) if part.is_end else xml_text(part.name)
         joints.append(_fixed(joint, parents[part.after], name, _inside(part.after, part.frame)))
         inertial = _weighed(part.body) if part.body else None
         links.append({"name": name, "is_frame": inertial is None, "inertial": inertial, "rod": None})
@@ -186,8 +165,6 @@ DENSITY = 1000  # of the cylinders that stand in for masses where a robot has no
 LEAST = 1e-15
 BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
 MOST_JOINTS = 6  # of a body in MuJoCo
-# What a link weighs whose mass is weighed with another.
-NO_BODY = RigidBody(arb(0), WORLD.origin, (WORLD.origin, WORLD.origin, WORLD.origin))
 EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
@@ -253,7 +230,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
         is_round = all(bool(abs(part) < LEAST) for part in (*seen.com[:2], xx - yy, xy, xz, yz))
         if arm.segments[joint].joint.is_revolute and is_too_thin(seen) and is_round and not _is_nothing(seen):
             weights[beyond] = weights[beyond] + (seen if onwards else seen.moved(way))
-            weights[link] = NO_BODY
+            weights[link] = RigidBody(arb(0), WORLD.origin, NO_INERTIA)
     last = len(arm.segments) - 1
     found, first = [], 0
     for i in range(last + 1):
@@ -279,11 +256,10 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         # A row behind a row without motion is a body in that one's.
         for part in (part for part in arm.parts if part.parent == parent and arm.rows.get(part.after) is above):
             inside = part.frame if above is None else part.frame.seen_from(above.frame)
+            inside = arm.base.then(inside) if parent < 0 and not above else inside
             name = part.name if part.is_end else names[part.name]
             if not (part.is_end and names.get(part.after) == part.name):
-                found.append(
-                    (depth, _frame(name, arm.base.then(inside) if parent < 0 and not above else inside, part.body))
-                )
+                found.append((depth, _frame(name, inside, part.body)))
             if not part.is_end:
                 _hang(part, parent, depth + 1)
 
@@ -301,31 +277,22 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         found.append((0, _frame(ROOT, WORLD, arm.root.body) | {"is_free": True}))
     _add(-1, 1 if arm.root else 0)
     if not arm.parts:
-        end = arm.segments[-1].dh.then(arm.tool)
-        found[-1][1]["tool"] = {"pos": texts(end.origin), "quat": _turn(end)}
+        found[-1][1]["tool"] = _place(arm.segments[-1].dh.then(arm.tool))
     return found
 
 
 # Of a body in the file, what most have not.
-UNSAID: Mapping[str, Any] = {
-    "joints": [],
-    "rod": None,
-    "first": None,
-    "is_frame": False,
-    "is_free": False,
-    "tool": None,
-}
+UNSAID: Mapping[str, Any] = {"joints": [], **dict.fromkeys(("rod", "first", "is_frame", "is_free", "tool"))}
 
 
 def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:
     """A body without joints."""
     inertial = _inertial(body) if body and not _is_nothing(body) else None
-    place = {"name": name, "pos": texts(frame.origin), "quat": _turn(frame)}
-    return {**UNSAID, **place, "inertial": inertial, "is_frame": True}
+    return {**UNSAID, "name": name, **_place(frame), "inertial": inertial, "is_frame": True}
 
 
-def _turn(frame: Frame) -> str:
-    return texts(quaternion(frame))
+def _place(frame: Frame) -> dict[str, str]:
+    return {"pos": texts(frame.origin), "quat": texts(quaternion(frame))}
 
 
 def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:
@@ -339,15 +306,13 @@ def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]
     *before, last = (arm.segments[k] for k in written.joints)
     shown = {
         "name": f"link{written.joints.start + 1}",
-        "pos": texts(start.origin),
-        "quat": _turn(start),
+        **_place(start),
         "thread": any(rod(segment.end, radius) for segment in before),
     }
     return {
         **UNSAID,
         "name": f"link{written.joints.stop}",
-        "pos": texts(place.origin),
-        "quat": _turn(place),
+        **_place(place),
         "joints": [_moved(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
         "inertial": None if written.body is None else _inertial(written.body),
         "rod": rod(last.end, radius),
@@ -396,7 +361,7 @@ def _inertial(body: RigidBody) -> dict[str, str]:
         moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
     tensor = " ".join(repr(float(moment)) for moment in moments)
-    return {"mass": mass, "pos": texts(body.com), "quat": _turn(axes), "diaginertia": tensor}
+    return {"mass": mass, **_place(axes), "diaginertia": tensor}
 
 
 def _unless_zero(value: arb) -> str:

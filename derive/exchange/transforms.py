@@ -10,8 +10,6 @@ second to the row behind (Corke, A simple and systematic approach to assigning D
 the aim). Right angles are kept as permutations of the axes, so cells stay exact.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -27,7 +25,7 @@ from derive.exchange.convert import converted
 from derive.mechanics.chain import build_chain
 from derive.mechanics.convention import Cells
 from derive.mechanics.forward_kinematics import forward_kinematics
-from derive.mechanics.vectors import Frame, Matrix, S, identity, matmul
+from derive.mechanics.vectors import Frame, Matrix, about_axis, identity, matmul
 from derive.robot import expression as tree
 from derive.robot.description import IDENTITY, Convention, Description, Joint, JointType
 from derive.robot.expression import ZERO, Call, Expression, Name, Pi, names
@@ -38,7 +36,6 @@ from derive.robot.writer import robot_text
 _SOURCE = "--from-transforms"
 _TRANSFORM = re.compile(r"(?P<kind>[RrTt])(?P<axis>[xyz])\s*\(")
 _BETWEEN = " \t\r\n*@.\u2295\u00b7"  # what may stand between two transforms
-_DEGREES = re.compile(r"(?P<number>[^a-z\u00b0]+?)\s*(?:deg|\u00b0)\s*")
 _VARIABLE = re.compile(r"q[0-9]*|(?:theta|th)[0-9]+")
 _FORM = "allowed: Rx, Ry, Rz, Tx, Ty and Tz with a cell, such as Rz(q1) Tz(d1) Rx(pi/2); q1 or theta1 is a joint"
 
@@ -112,8 +109,8 @@ def _read(text: str) -> Iterator[Elementary]:
 
 def _elementary(turns: bool, axis: int, text: str, place: Location) -> Elementary:
     """A transform by the text of its cell."""
-    degrees = _DEGREES.fullmatch(text) if turns else None
-    cell = parse_expression(degrees["number"] if degrees else text, place)
+    degrees = re.fullmatch(r"([^a-z\u00b0]+?)\s*(?:deg|\u00b0)\s*", text) if turns else None
+    cell = parse_expression(degrees[1] if degrees else text, place)
     if degrees:
         cell = tree.multiply(tree.number(Fraction(1, 180)), cell, Pi())
     exact = decompose(cell)
@@ -133,15 +130,7 @@ RIGHT = ((1, 0), (0, 1), (-1, 0), (0, -1))  # cosine and sine of 0, 1, 2 and 3 r
 
 
 def _right(axis: int, quarters: int) -> Permutation:
-    return _turn(axis, *RIGHT[quarters % 4], 0, 1)
-
-
-def _turn(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:
-    return (
-        ((one, zero, zero), (zero, c, -s), (zero, s, c)),
-        ((c, zero, s), (zero, one, zero), (-s, zero, c)),
-        ((c, -s, zero), (s, c, zero), (zero, zero, one)),
-    )[axis]
+    return about_axis(axis, *RIGHT[quarters % 4], 0, 1)
 
 
 def _image(turn: Permutation, axis: int) -> tuple[int, int]:
@@ -256,8 +245,7 @@ def _split(word: Sequence[Elementary]) -> _Split:
             turned = _plus(turned, _signed(direction, part.cell))
         elif part.axis != normal:
             phi = _plus(turned, _angle(1)) if part.axis == Z else turned
-            # Rot(z, pi/2) takes y to -x
-            sign = 1 if normal == 0 or part.axis == Z else -direction
+            sign = 1 if normal == 0 or part.axis == Z else -direction  # Rot(z, pi/2) takes y to -x
             v = tree.multiply(_signed(sign, part.cell), tree.power(_cosine(_plus(alpha, _angle(-1))), -1))
             d = _plus(d, tree.multiply(_cosine(_plus(alpha, tree.negate(phi))), v))
             beyond = _plus(beyond, tree.multiply(tree.MINUS_ONE, _cosine(phi), v))
@@ -335,7 +323,7 @@ def _product(product: Sequence[Elementary], domain: PolynomialDomain) -> Frame[P
     for part in product:
         if part.turns:
             c, s = domain.cosine_sine(part.written)
-            found = found @ Frame(_turn(part.axis, c, s, zero, one), (zero, zero, zero))
+            found = found @ Frame(about_axis(part.axis, c, s, zero, one), (zero, zero, zero))
         else:
             x, y, z = (domain.constant(part.written) if axis == part.axis else zero for axis in range(3))
             found = found @ Frame(unit, (x, y, z))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -52,7 +52,6 @@ WORDS = re.compile(
     r"quaternion|rotation|rpy|scale|transform|translation|units?|xyz)(?![a-z])"
 )
 PASSED = ("link", "origin")  # a slip that is known and that no program reads: a link has no frame but its joint's
-LABELS = ("name", "id", "comment")  # attributes that any element may have
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +117,13 @@ class Urdf:
     root: str = ""  # how its root moves where the file says so, as that of a robot file: ``floating``
 
 
+def free_name(name: str, taken: Collection[str]) -> str:
+    """A name that nothing else has."""
+    while name in taken:
+        name += "_"
+    return name
+
+
 def look(
     element: etree._Element,
     unread: Counter[str],
@@ -135,8 +141,8 @@ def look(
     texts = (element.text, *(child.tail for child in element))
     unknown += ((text.strip(), ()) for text in texts if text and text.strip())
     for name, known in unknown:
-        # Whether it could say where something is or what it weighs; no name of a namespace does.
-        harmless = ":" in name or "{" in name or name in LABELS or (tag, name) == PASSED
+        # Whether it could say where something is or what it weighs; no name of a namespace and no label does.
+        harmless = ":" in name or "{" in name or name in ("name", "id", "comment") or (tag, name) == PASSED
         meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
         if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and meant)):
             remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"

@@ -48,6 +48,16 @@ def decimal(value: Real, digits: int = DIGITS) -> Fraction:
     return Fraction(round(exact * 10**places), 1) / Fraction(10) ** places
 
 
+def cosine_sine(angle: Real) -> tuple[Real, Real]:
+    """Cosine and sine, exact at multiples of pi/2."""
+    quarters = angle * 2 / arb.pi()
+    whole = round(float(quarters))
+    if abs(quarters - whole) < NOTHING:
+        zero, one = arb(0), arb(1)
+        return ((one, zero), (zero, one), (-one, zero), (zero, -one))[whole % 4]
+    return angle.cos(), angle.sin()
+
+
 def vector(values: Sequence[Fraction | int]) -> Point:
     """Three rational numbers."""
     x, y, z = map(real, values)

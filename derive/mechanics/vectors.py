@@ -72,6 +72,15 @@ def identity(zero: S, one: S) -> Matrix[S]:
     return ((one, zero, zero), (zero, one, zero), (zero, zero, one))
 
 
+def about_axis(axis: int, c: S, s: S, zero: S, one: S) -> Matrix[S]:
+    """The rotation about the x, y or z axis, 0 to 2, by an angle with a cosine and a sine."""
+    return (
+        ((one, zero, zero), (zero, c, -s), (zero, s, c)),
+        ((c, zero, s), (zero, one, zero), (-s, zero, c)),
+        ((c, -s, zero), (s, c, zero), (zero, zero, one)),
+    )[axis]
+
+
 def matmul(a: Matrix[S], b: Matrix[S]) -> Matrix[S]:
     """a b."""
     x, y, z = (multiply(a, column(b, j)) for j in range(3))

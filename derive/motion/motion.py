@@ -22,7 +22,7 @@ from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, 
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
-from derive.motion.torques.base_torques import BaseTorques, CarriedBody
+from derive.motion.torques.base_torques import BaseTorques, carried_body
 from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
@@ -30,8 +30,10 @@ from derive.plans.hermite import TIME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.segments import Load, SegmentPeaks, Step
 from derive.plans.surroundings import PATHS, BaseCurve, check_starts
+from derive.robot.description import INERTIA
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
+from derive.robot.inertial_parameters import LINK_PARTS
 from derive.robot.names import free_symbols
 from derive.robot.tree import require_own_variables
 
@@ -65,9 +67,6 @@ class Motion:
         Args:
             path: Of a YAML file, or the name of a built-in plan.
 
-        Returns:
-            The motion.
-
         Raises:
             RobotFileError: The file cannot be read or is no plan.
             UnknownRobotError: Neither a file nor the name of a plan.
@@ -77,9 +76,6 @@ class Motion:
     @classmethod
     def of(cls, plan: Plan) -> Motion:
         """The motion of a plan that its arm can follow.
-
-        Args:
-            plan: The plan.
 
         Returns:
             The motion, its trajectory computed.
@@ -106,9 +102,6 @@ class Motion:
             text: Contents of a plan.
             source: Name for messages.
 
-        Returns:
-            The motion.
-
         Raises:
             RobotFileError: The text is no plan.
         """
@@ -121,9 +114,6 @@ class Motion:
         Args:
             keys: ``{"robot": "scara-matlab", "points": {...}, "path": [...]}``, in the units of the robot file.
             source: Name for messages; the path of a robot is relative to its folder.
-
-        Returns:
-            The motion.
 
         Raises:
             RobotFileError: These are no plan.
@@ -139,9 +129,6 @@ class Motion:
             points: One row a configuration, (points, n), in the units of the robot file.
             times: Of the segments [s], (points - 1,), or one for all; None where limits decide.
             **keys: Further keys of a plan, such as ``profile="septic"``, ``via="pass"``, ``speed=[...]``.
-
-        Returns:
-            The motion.
 
         Raises:
             RobotFileError: The arm cannot move so.
@@ -297,16 +284,15 @@ class Motion:
     def payload_columns(self, step: Step) -> tuple[tuple[int, float], ...]:
         """What the tool carries in a segment, as parameters of the link that it is on.
 
-        Args:
-            step: The segment.
-
         Returns:
             Columns of the regressor, and the parameters that belong to them; nothing where nothing is carried.
         """
         if step.payload is None:
             return ()
-        body = CarriedBody.payload(self.plan.robot, step.payload, self.values).columns()
-        return tuple((k, body[name]) for k, name in enumerate(self._functions.standard_parameters) if name in body)
+        joint, body = carried_body(self.plan.robot, step.payload, self.values)
+        numbers = (body.mass, *body.first_moment, *(getattr(body.inertia, key) for key in INERTIA))
+        named = {f"{part}{joint + 1}": number for part, number in zip(LINK_PARTS, numbers, strict=True)}
+        return tuple((k, named[name]) for k, name in enumerate(self._functions.standard_parameters) if name in named)
 
     @cached_property
     def peaks(self) -> tuple[SegmentPeaks, ...]:

@@ -29,11 +29,9 @@ def basis(k: int) -> tuple[tuple[int, ...], ...]:
     """Coefficients of ``i! h_i``, then of ``i! (-1)**i h_i(1 - u)``, from the constant on; all are integers."""
     starts, ends = [], []
     for i in range(k):
-        start = [0] * (2 * k)
         # i! h_i = u^i (1 - u)^k sum_j C(k - 1 + j, j) u^j, with (1 - u)^k by the binomial theorem.
-        for j in range(k - i):
-            for power in range(k + 1):
-                start[i + j + power] += comb(k - 1 + j, j) * comb(k, power) * (-1) ** power
+        falling, rising = [comb(k, j) * (-1) ** j for j in range(k + 1)], [comb(k - 1 + j, j) for j in range(k - i)]
+        start: list[int] = [0] * i + np.convolve(falling, rising).tolist()
         end = [0] * (2 * k)
         # (-1)^i h_i(1 - u): (1 - u)^p = sum_m C(p, m) (-u)^m.
         for power, coefficient in enumerate(start):
@@ -47,10 +45,8 @@ def basis(k: int) -> tuple[tuple[int, ...], ...]:
 @cache
 def _derived(k: int, order: int) -> Array:
     """A derivative of `basis` by u, (2k, 2k), the highest power first."""
-    rows = np.array(basis(k), dtype=float)
-    for _ in range(order):
-        rows = np.pad(rows[:, 1:] * np.arange(1, 2 * k), ((0, 0), (0, 1)))
-    return rows[:, ::-1]
+    rows = np.polynomial.polynomial.polyder(np.array(basis(k), dtype=float), order, axis=1)
+    return np.pad(rows, ((0, 0), (0, order)))[:, ::-1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +81,6 @@ class Piece(Span):
         """Whether no float is in it."""
         numbers = (self.start, self.duration, *self.values[0], *self.values[1])
         return not any(isinstance(value, float) or value.has(Float) for value in numbers)
-
-    @property
-    def middle(self) -> float:
-        """Position halfway in time."""
-        numbers = np.array([float(value) for end in self.values for value in end])
-        return float(np.polyval(power_coefficients(numbers, self.k, float(self.duration)), 0.5))
 
     def in_unit_time(self) -> Poly:
         """The polynomial in u = (t - start)/duration, exact."""

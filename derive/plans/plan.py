@@ -113,13 +113,10 @@ class _PlanReader:
     """Reads the blocks of a plan in the units of its robot."""
 
     def __init__(self, document: Document, robot: Robot) -> None:
-        self._document = document
-        self._robot = robot
-        self._numbers = PlanCells(document, robot)
+        self._document, self._robot, self._numbers = document, robot, PlanCells(document, robot)
         self._cells = self._numbers.cells
 
     def read(self) -> Plan:
-        """The whole plan."""
         document, numbers, period = self._document, self._numbers, ("control", "period")
         points = {name: self._point(name) for name in numbers.keys(("points",))}
         count = document.length(("path",))
@@ -262,6 +259,7 @@ class _PlanReader:
                 raise self._document.error(("path", k), found, remedy=f"stop between: {{to: {step.to}, via: stop}}")
 
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
+        """The name of a point that stands at a place, or under ``to`` there."""
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
         name = self._document.text(*path)
         if name not in points:
@@ -285,10 +283,7 @@ class _PlanReader:
         path: KeyPath = ("path", index)
         document = self._document
         time = (*path, "time")
-        through = document.text(*path, "through")
-        if document.scalar((*path, "through")) and through not in points:
-            found, allowed = f"unknown point {quoted(through)}", f"allowed: {listed(tuple(points))}"
-            raise document.error((*path, "through"), found, allowed, near_miss(through, points))
+        through = self._target((*path, "through"), points) if document.scalar((*path, "through")) else ""
         straight = document.text(*path, "line") in ("yes", "true")
         if through and straight:
             raise document.error((*path, "through"), "both line and through", "allowed: one of the two", "remove one")
@@ -325,12 +320,10 @@ class _PlanReader:
             return None
         numbers, length = self._numbers, self._cells.length
         place = path if isinstance(node, YamlScalar) else (*path, "mass")
-        return Payload(
-            numbers.not_negative(place, "zero or more [kg]"),
-            tuple(numbers.number((*path, "com", k), length) for k in range(3)),
-            tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3)),
-            self._end(path, "a payload", end),
-        )
+        mass = numbers.not_negative(place, "zero or more [kg]")
+        com = tuple(numbers.number((*path, "com", k), length) for k in range(3))
+        inertia = tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3))
+        return Payload(mass, com, inertia, self._end(path, "a payload", end))
 
     def _recording(self, file: YamlScalar) -> Path:
         beside = Path(self._document.source).parent / file.text
@@ -345,9 +338,8 @@ class _PlanReader:
             found = f"{count} gain{'s' * (count > 1)} for {n} joint{'s' * (n > 1)}"
             raise self._document.error(path, found, f"allowed: one, or {n}")
         paths = [(*path, k) for k in range(n)] if count else [path] * n
-        return tuple(
-            self._numbers.not_negative(place, "zero or more", "a gain below zero drives away") for place in paths
-        )
+        allowed, remedy = "zero or more", "a gain below zero drives away"
+        return tuple(self._numbers.not_negative(place, allowed, remedy) for place in paths)
 
     def _curves(self) -> dict[str, Expression]:
         """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""

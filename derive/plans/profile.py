@@ -114,8 +114,7 @@ def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> t
     if way == 0:
         return (Piece(start, duration, ((q0, ZERO), (q1, ZERO))),)
     velocity = sign(way) * speed
-    # D = V (T - t_b): the area under the trapezoid of velocity.
-    blend = together(duration - way / velocity)
+    blend = together(duration - way / velocity)  # D = V (T - t_b): the area under the trapezoid of velocity
     gone = velocity * blend / 2
     points = [(ZERO, q0, ZERO), (blend, q0 + gone, velocity), (duration - blend, q1 - gone, velocity)]
     if together(duration - 2 * blend) == 0:

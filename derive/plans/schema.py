@@ -51,6 +51,7 @@ def _form(value: Any) -> str:
 
 
 Gains = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[list[Cell], Tag(_LIST)], Discriminator(_form)]
+GivenPoint = Annotated[Annotated[list[Cell], Tag(_LIST)] | Annotated[PosePoint, Tag(_BLOCK)], Discriminator(_form)]
 Carried = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]
 
 
@@ -120,9 +121,7 @@ class PlanFile(Strict):
         description="Largest torque or force of each joint in the fastest motion; default: that of the robot file.",
     )
     values: dict[str, Cell] = Field(default={}, description="Numbers of symbols of the robot that have none.")
-    points: dict[
-        str, Annotated[Annotated[list[Cell], Tag(_LIST)] | Annotated[PosePoint, Tag(_BLOCK)], Discriminator(_form)]
-    ] = Field(default={}, description="Joint values or poses, by name.")
+    points: dict[str, GivenPoint] = Field(default={}, description="Joint values or poses, by name.")
     path: list[Annotated[Annotated[str, Tag(_TEXT)] | Annotated[StepRow, Tag(_BLOCK)], Discriminator(_form)]] = Field(
         default=[], description="Points one after the other."
     )

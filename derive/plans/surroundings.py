@@ -14,6 +14,7 @@ from sympy import Expr, Integer, Matrix, cos, eye, sin
 
 from derive.arrays import Array
 from derive.errors import Location, RobotFileError, listed, near_miss, quoted
+from derive.mechanics.vectors import about_axis
 from derive.plans.cells import PlanCells
 from derive.plans.hermite import TIME
 from derive.plans.profile import Curve
@@ -96,11 +97,9 @@ def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
     """The block ``base`` of a plan; None where the base stands still."""
     if document.find(("base",)) is None:
         return None
-    lengths, angles = list(PATHS.values())[:3], list(PATHS.values())[3:]
-    return MovingBase(
-        tuple(numbers.formula(path, numbers.cells.length) for path in lengths),
-        tuple(numbers.formula(path, numbers.cells.angle) for path in angles),
-    )
+    paths, cells = list(PATHS.values()), numbers.cells
+    place = tuple(numbers.formula(path, cells.length) for path in paths[:3])
+    return MovingBase(place, tuple(numbers.formula(path, cells.angle) for path in paths[3:]))
 
 
 @dataclass(frozen=True)
@@ -113,10 +112,8 @@ class BaseCurve:
     def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> BaseCurve:
         """The transform of formulas."""
         # R = Rz(yaw) Ry(pitch) Rx(roll).
-        (ca, sa), (cb, sb), (cc, sc) = ((cos(angle), sin(angle)) for angle in angles)
-        roll = Matrix([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
-        pitch = Matrix([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
-        yaw = Matrix([[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]])
+        turns = (about_axis(k, cos(angle), sin(angle), Integer(0), Integer(1)) for k, angle in enumerate(angles))
+        roll, pitch, yaw = map(Matrix, turns)
         whole = eye(4)
         whole[:3, :3], whole[:3, 3] = yaw * pitch * roll, Matrix(place)
         return cls(whole)

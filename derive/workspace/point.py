@@ -126,13 +126,11 @@ class ArmPoint:
 
     def position(self, q: Array, joints: Sequence[int]) -> Array:
         """Where the point is in the frame of the axis, (3, samples) [m]; joints that are not given are at zero."""
-        return self._moved(q, joints, ())[0]
+        return self.motion(q, joints, ())[0]
 
-    def motion(self, q: Array, joints: Sequence[int]) -> tuple[Array, Array]:
-        """Positions (3, samples) as `position` has them, and derivatives (3, joints, samples)."""
-        return self._moved(q, joints, joints)
-
-    def _moved(self, q: Array, joints: Sequence[int], by: Sequence[int]) -> tuple[Array, Array]:
+    def motion(self, q: Array, joints: Sequence[int], by: Sequence[int] | None = None) -> tuple[Array, Array]:
+        """Positions (3, samples) as `position` has them, and derivatives (3, joints, samples); None by all of them."""
+        by = joints if by is None else by
         (rotation, origin), count = self.axis, q.shape[1]
         values: list[float | Array] = [0.0] * len(self.ranges)
         for row, joint in enumerate(joints):

@@ -1,7 +1,7 @@
 """Where the frames of a robot are, in numbers, for figures; symbols without one get a length or an angle to draw."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from derive.errors import DeriveError, ExpressionError
-from derive.mechanics.chain import Chain, build_chain, constant_frame, stand_frame, way_frame
+from derive.mechanics.chain import Chain, ChainJoint, build_chain, constant_frame, stand_frame, way_frame
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.joint_motion import advance
+from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.vectors import Frame
 from derive.robot import tree
 from derive.robot.description import Joint
@@ -27,7 +27,6 @@ ASSUMED_ANGLE = math.pi / 6  # drawn for an angle without a number [rad]
 # Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value.
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
 Numbers = Mapping[str, Fraction | float]  # symbol -> its number, exact where the file gives it
-_TRIGONOMETRIC = frozenset({"sin", "cos", "tan"})
 
 
 class RobotPoses:
@@ -51,7 +50,7 @@ class RobotPoses:
         pending += [cell for joint in joints for cell in (joint.d, joint.a)]
         while pending:
             node = pending.pop()
-            if isinstance(node, Call) and node.function in _TRIGONOMETRIC:
+            if isinstance(node, Call) and node.function in ("sin", "cos", "tan"):
                 angles |= set(names(node))
             pending += children(node)
         for pattern in PATTERNS:
@@ -70,10 +69,8 @@ class RobotPoses:
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
             self.longest = _longest(self.robot, self.values)
             return
-        raise DeriveError(
-            f"{robot.name} cannot be drawn without numbers for its symbols",
-            remedy="give them under parameters: or figure: values:",
-        )
+        found = f"{robot.name} cannot be drawn without numbers for its symbols"
+        raise DeriveError(found, remedy="give them under parameters: or figure: values:")
 
     @property
     def zero(self) -> tuple[float, ...]:
@@ -116,7 +113,7 @@ class RobotPoses:
         Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
         they begin, and last the ends.
         """
-        inner, chain = list(self._joint_frames(q, math.cos, math.sin)), self._chain
+        inner, chain = self._joint_frames(q, math.cos, math.sin), self._chain
         rows = [chain.base, *(frame @ end for frame, end in zip(inner, chain.ends, strict=True))]
         tips = [rows[joint + 1] @ end for joint, end in self._ends] or [(inner[-1] if inner else rows[0]) @ chain.tool]
         if self.robot.is_tree:
@@ -133,7 +130,7 @@ class RobotPoses:
 
     def joint_frames(self, q: Sequence[Any]) -> list[Frame[Any]]:
         """Frames with the axes of the joints as z; joint positions are numbers, or arrays of one shape."""
-        frames = list(self._joint_frames(q, np.cos, np.sin))
+        frames = self._joint_frames(q, np.cos, np.sin)
         return [*frames, frames[-1] @ self._chain.tool]
 
     def end_point(self, q: Sequence[Any], place: Sequence[float], joints: Sequence[int] = ()) -> list[list[Any]]:
@@ -141,13 +138,10 @@ class RobotPoses:
         # A vector goes through the constant frames of the joints, from the tool inwards; most of their entries are
         # zero, so that this is cheaper than frames. Joint positions are numbers, or arrays of one shape.
         point, slopes = _placed(self._chain.tool, place), dict[int, list[Any]]()
+        moved = self._moved(q, np.cos, np.sin)
         for index in reversed(range(len(q))):
-            row, joint, value = self._chain.joints[index], self.robot.joints[index], q[index]
-            if joint.is_revolute:
-                angle = joint.sign * value + to_float(joint.theta, self.values)
-                c, s, offset = np.cos(angle), np.sin(angle), row.offset
-            else:
-                c, s, offset = row.cosine, row.sine, joint.sign * value + to_float(joint.d, self.values)
+            row, joint = moved[index], self.robot.joints[index]
+            c, s = row.cosine, row.sine
             # The motion of the joint about (along) its z axis, of the point and of the derivatives by joints beyond.
             vectors = [[c * x - s * y, s * x + c * y, z] for x, y, z in (point, *slopes.values())]
             x, y, z = vectors[0]
@@ -155,8 +149,8 @@ class RobotPoses:
             if index in joints:
                 # dp/dq = z x p of a joint that turns, z of one that slides.
                 slopes[index] = [-joint.sign * y, joint.sign * x, 0.0] if joint.is_revolute else [0.0, 0.0, joint.sign]
-            slopes = {moved: _turned(row.fixed, slope) for moved, slope in slopes.items()}
-            point = _placed(row.fixed, (x, y, z + offset))
+            slopes = {place: _turned(row.fixed, slope) for place, slope in slopes.items()}
+            point = _placed(row.fixed, (x, y, z + row.offset))
         base = self._chain.base
         return [_placed(base, point), *(_turned(base, slopes[index]) for index in joints)]
 
@@ -165,17 +159,17 @@ class RobotPoses:
         frames = [self._chain.base, *self._joint_frames(self.zero, math.cos, math.sin)]
         return frames[joint] @ self._chain.joints[joint].fixed
 
-    def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> Iterator[Frame[Any]]:
+    def _joint_frames(self, q: Any, cosine: Any, sine: Any) -> list[Frame[Any]]:
         """Frames 1 to n that move with the joints, each with the axis of its joint as z."""
-        frames = [self._chain.base]
+        return joint_poses(replace(self._chain, joints=tuple(self._moved(q, cosine, sine))))
+
+    def _moved(self, q: Any, cosine: Any, sine: Any) -> list[ChainJoint[Any]]:
+        found = []
         for value, row, joint in zip(q, self._chain.joints, self.robot.joints, strict=True):
-            if joint.is_revolute:
-                angle = joint.sign * value + to_float(joint.theta, self.values)
-                moved = replace(row, cosine=cosine(angle), sine=sine(angle))
-            else:
-                moved = replace(row, offset=joint.sign * value + to_float(joint.d, self.values))
-            frames.append(advance(frames[row.parent + 1], moved))
-            yield frames[-1]
+            moved = joint.sign * value + to_float(joint.theta if joint.is_revolute else joint.d, self.values)
+            changed = {"cosine": cosine(moved), "sine": sine(moved)} if joint.is_revolute else {"offset": moved}
+            found.append(replace(row, **changed))
+        return found
 
 
 def _turned(frame: Frame[float], vector: Sequence[Any]) -> list[Any]:

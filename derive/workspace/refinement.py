@@ -108,11 +108,8 @@ class _Cells:
 def _rank(rows: Indices) -> Indices:
     """For each entry of a list how many equal ones stand before it."""
     order = np.argsort(rows, kind="stable")
-    ordered = rows[order]
-    first = np.flatnonzero(np.r_[True, ordered[1:] != ordered[:-1]])
-    position = np.arange(len(rows)) - np.repeat(first, np.diff(np.r_[first, len(rows)]))
     rank = np.empty(len(rows), dtype=int)
-    rank[order] = position
+    rank[order] = np.arange(len(rows)) - np.searchsorted(rows[order], rows[order])
     return rank
 
 

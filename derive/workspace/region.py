@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from derive.arrays import Array, Flags
-from derive.errors import DeriveError, install_extra
+from derive.errors import DeriveError, optional
 from derive.workspace.critical import boundary_candidates
 from derive.workspace.point import TURN, Picture, PlaneMap
 
@@ -75,11 +75,7 @@ class Area:
 
 def shapely() -> Any:
     """The package that cuts and joins areas."""
-    try:
-        import shapely as package
-    except ImportError as error:
-        raise DeriveError("workspaces need Shapely, which is not installed", remedy=install_extra("handout")) from error
-    return package
+    return optional("shapely", "workspaces need Shapely", "handout", DeriveError)
 
 
 def exact_area(plane: PlaneMap, cells: int = CELLS) -> Area:
@@ -134,8 +130,7 @@ def _cells(plane: PlaneMap, segments: Array) -> Any:
 
 
 def _places_inside(faces: Any) -> Array:
-    inside = shapely().point_on_surface(faces)
-    return np.stack([shapely().get_x(inside), shapely().get_y(inside)])
+    return np.asarray(shapely().get_coordinates(shapely().point_on_surface(faces)).T)
 
 
 def joined(cells: Any, size: float) -> Region:

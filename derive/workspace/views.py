@@ -20,7 +20,6 @@ from derive.workspace.refinement import refined_area
 from derive.workspace.region import Area, Measure, Region
 
 _SAME = 1e-9
-_CONFIGURATIONS = 4  # configurations at which it is seen whether axes meet
 _PLACES = 2_500  # places in space for one estimate of a volume
 _SEEDS = 8_000  # configurations among which those are chosen from which it is tried to reach a place in space
 _ESTIMATES = 8  # estimates of a volume; their spread is its error
@@ -79,7 +78,7 @@ def find_workspace(poses: RobotPoses, tell: Callable[[str], None] | None = None)
 def find_wrist(point: ArmPoint) -> Wrist | None:
     """The wrist of an arm: three last joints whose axes meet, or the last one of an arm whose axes are parallel."""
     n, revolute = len(point.ranges), [j for j, way in enumerate(point.ranges) if way.revolute]
-    q = point.random(_CONFIGURATIONS, range(len(point.ranges)), seed=3)
+    q = point.random(4, range(len(point.ranges)), seed=3)  # at which it is seen whether axes meet
     joints: tuple[int, ...]
     frames = [point.poses.joint_frames(list(column)) for column in q.T]
     axes = np.array([[[row[2] for row in frame.rotation] for frame in arm[:-1]] for arm in frames], dtype=float)

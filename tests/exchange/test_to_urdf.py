@@ -18,6 +18,7 @@ from derive.exchange.read_urdf import read_urdf
 from derive.exchange.robot_of_arm import carried_table
 from derive.exchange.to_xml import rod
 from derive.mechanics.space import WORLD, Frame, exactly, unit, vector
+from derive.mechanics.vectors import Symmetric
 from derive.robot.description import Convention
 from derive.robot.expression import Pi, multiply, number
 from derive.robot.names import robot_symbols
@@ -47,16 +48,16 @@ def test_roll_pitch_yaw_and_quaternion_are_the_rotation(x: tuple[int, int, int])
 
 def test_bodies_that_exist_are_possible_and_points_rods_and_plates_are_limits_of_them() -> None:
     with exactly():
-        one = RigidBody(arb(1), vector((0, 0, 0)), (vector((2, 0, 0)), vector((0, 3, 0)), vector((0, 0, 4))))
+        one = RigidBody(arb(1), vector((0, 0, 0)), Symmetric(*vector((2, 3, 4)), arb(0), arb(0), arb(0)))
         assert one.is_possible
         assert not RigidBody(arb(-1), one.com, one.inertia).is_possible
-        assert not RigidBody(one.mass, one.com, (one.inertia[0], one.inertia[1], vector((0, 0, 6)))).is_possible
+        assert not RigidBody(one.mass, one.com, replace(one.inertia, zz=arb(6))).is_possible
         links = numeric("puma560-corke").links
         assert [i for i, body in enumerate(map(RigidBody.of, links), 1) if not body.is_possible] == [1, 3]
     with exactly():
         for mass, moments in ((1, (0, 0, 0)), (1, (0, 3, 3)), (1, (1, 3, 4)), (0, (0, 0, 0)), (0, (1, 2, 2))):
-            rows = [vector(tuple(m if i == j else 0 for j in range(3))) for i, m in enumerate(moments)]
-            assert RigidBody(arb(mass), vector((0, 0, 0)), (rows[0], rows[1], rows[2])).is_possible
+            inertia = Symmetric(*vector(moments), arb(0), arb(0), arb(0))
+            assert RigidBody(arb(mass), vector((0, 0, 0)), inertia).is_possible
 
 
 def test_the_drag_of_rotors_is_known_where_axes_keep_their_angles() -> None:

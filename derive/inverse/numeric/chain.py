@@ -82,7 +82,7 @@ class NumericChain:
         # dR/dq = [z]x R and dp/dq = z x (p - o); of a slide 0 and z (Siciliano et al., section 3.1.3).
         z, o = np.stack(axes, axis=-2), np.stack(places, axis=-2)
         turning = self.revolute[:, None]
-        rotation = _cross_matrix(z * turning) @ pose[..., None, :3, :3]
+        rotation = cross_matrix(z * turning) @ pose[..., None, :3, :3]
         shift = np.where(turning, np.cross(z, pose[..., None, :3, 3] - o), z)
         slope = np.concatenate([rotation, shift[..., None]], axis=-1)
         return pose, slope
@@ -130,7 +130,7 @@ class Problem:
         return worst
 
 
-def _cross_matrix(v: Array) -> Array:
+def cross_matrix(v: Array) -> Array:
     """(..., 3, 3) the matrix S with S u = v x u."""
     matrix: Array = np.cross(np.eye(3), v[..., None, :])
     return matrix

@@ -4,7 +4,7 @@ Cosines and sines of quarter turns are rational; those of other angles are balls
 Whoever computes with them does so inside `derive.mechanics.space.exactly`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import prod
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from flint import arb, fmpq
 
 from derive.errors import ExpressionError
-from derive.mechanics.space import NOTHING
+from derive.mechanics.space import NOTHING, cosine_sine
 from derive.robot.description import Joint
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
 from derive.robot.names import robot_symbols
@@ -27,7 +27,7 @@ class ExactDomain:
     def __init__(self, robot: Robot) -> None:
         self._values: dict[str, Exact] = {}
         for name, cell in dict(robot.parameters).items():
-            self._values[name] = self._value(cell)
+            self._values[name] = exact_value(cell, self._values)
         missing = [name for name in robot_symbols(robot) if name not in self._values]
         if missing:
             found = f"{robot.name}: no number for {', '.join(missing)}"
@@ -39,7 +39,7 @@ class ExactDomain:
 
     def constant(self, expression: Expression) -> Exact:
         """The value of a cell."""
-        found = self._value(expression)
+        found = exact_value(expression, self._values)
         if isinstance(found, arb) and not found.is_finite():
             raise ExpressionError("an expression has no finite value")
         return found
@@ -47,13 +47,8 @@ class ExactDomain:
     def cosine_sine(self, angle: Expression) -> tuple[Exact, Exact]:
         """Cosine and sine of a constant angle, rational where it is a multiple of pi/2."""
         # Quarter turns exactly, so that planar arms stay rational.
-        value = arb(self.constant(angle))
-        quarters = value * 2 / arb.pi()
-        whole = round(float(quarters))
-        if abs(quarters - whole) < NOTHING:
-            cosine, sine = ((1, 0), (0, 1), (-1, 0), (0, -1))[whole % 4]
-            return fmpq(cosine), fmpq(sine)
-        return value.cos(), value.sin()
+        cosine, sine = (fmpq(int(float(c))) if c.is_integer() else c for c in cosine_sine(arb(self.constant(angle))))
+        return cosine, sine
 
     def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Exact, Exact]:
         """Those of zero: nothing that is asked of these scalars depends on where the joints stand."""
@@ -63,27 +58,29 @@ class ExactDomain:
         """Zero, see `joint_cosine_sine`."""
         return fmpq(0)
 
-    def _value(self, expression: Expression) -> Exact:
-        match expression:
-            case Number(value):
-                return fmpq(value.numerator, value.denominator)
-            case Pi():
-                return arb.pi()
-            case Name(name):
-                if name not in self._values:
-                    raise ExpressionError(f"the parameter {name!r} has no number", remedy="give it one")
-                return self._values[name]
-            case Sum(parts):
-                return sum(map(self._value, parts), fmpq(0))
-            case Product(parts):
-                return prod(map(self._value, parts), start=fmpq(1))
-            case Power(base, exponent):
-                number = self._value(base)
-                if exponent < 0 and is_zero(number):
-                    raise ExpressionError("an expression has no finite value: division by zero")
-                return number**exponent
-            case Call(function, arguments):
-                return getattr(arb(self._value(arguments[0])), function)()  # of sin, cos, tan and sqrt
+
+def exact_value(expression: Expression, values: Mapping[str, Exact]) -> Exact:
+    """The value of a cell by those of its symbols."""
+    match expression:
+        case Number(value):
+            return fmpq(value.numerator, value.denominator)
+        case Pi():
+            return arb.pi()
+        case Name(name):
+            if name not in values:
+                raise ExpressionError(f"the parameter {name!r} has no number", remedy="give it one")
+            return values[name]
+        case Sum(parts):
+            return sum((exact_value(part, values) for part in parts), fmpq(0))
+        case Product(parts):
+            return prod((exact_value(part, values) for part in parts), start=fmpq(1))
+        case Power(base, exponent):
+            number = exact_value(base, values)
+            if exponent < 0 and is_zero(number):
+                raise ExpressionError("an expression has no finite value: division by zero")
+            return number**exponent
+        case Call(function, arguments):
+            return getattr(arb(exact_value(arguments[0], values)), function)()  # of sin, cos, tan and sqrt
 
 
 def is_zero(value: Exact) -> bool:

@@ -132,9 +132,8 @@ _Place = tuple[Expr, Expr, bool]  # a place, the value of a polynomial there, an
 
 def _at(polynomial: Poly, place: Expr, factor: Poly | None = None) -> _Place:
     """The value at a place; at a root of a factor that of the remainder, which is short."""
-    if factor is None:
-        return place, polynomial(place), True
-    return place, expand(polynomial.rem(factor).as_expr().subs(_U, place)), True
+    value = expand(polynomial.rem(factor).as_expr().subs(_U, place)) if factor else polynomial(place)
+    return place, value, True
 
 
 def _stationary(polynomial: Poly) -> Iterator[_Place]:

@@ -12,7 +12,7 @@ import numpy as np
 from sympy import Abs, Expr, Float, Integer, Pow, cos, preorder_traversal, tan
 
 from derive.arrays import Array
-from derive.errors import Location, QuantityError, RobotFileError, TargetError, install_extra, listed, quoted
+from derive.errors import Location, QuantityError, RobotFileError, listed, optional, quoted
 from derive.motion.curves.extremes import refined
 from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import TIME, joined
@@ -131,13 +131,9 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     orders = (numbers.shape[1] - 1) // robot.n
     states = numbers[:, 1:].reshape(len(times), orders, robot.n)
     if orders == 1:
-        try:
-            from scipy.interpolate import CubicSpline
-        except ImportError:
-            found = "rates of a recorded motion need scipy, which is not installed"
-            raise TargetError(found, remedy=install_extra("motion")) from None
+        scipy = optional("scipy.interpolate", "rates of a recorded motion need scipy", "motion")
         # Velocities of the cubic spline without a knot at the second point and the last but one.
-        states = np.stack([states[:, 0], CubicSpline(times, states[:, 0])(times, 1)], axis=1)
+        states = np.stack([states[:, 0], scipy.CubicSpline(times, states[:, 0])(times, 1)], axis=1)
     when = [Float(t) for t in times]
     joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.n))
     return Trajectory((Segment("recording", when[0], when[-1], joints),))

@@ -13,7 +13,7 @@ from sympy import Expr, Integer
 from derive.arrays import Array, Indices
 from derive.plans.hermite import Piece, power_coefficients, sampled
 from derive.plans.profile import AnyPiece, Cosine, Curve
-from derive.plans.segments import Segment
+from derive.plans.segments import Joints, Segment
 
 Corner = tuple[Expr, ...]  # joint variables at a point
 ONE = Integer(1)
@@ -26,6 +26,11 @@ class Trajectory:
     """Joint variables as functions of time."""
 
     segments: tuple[Segment, ...]  # one after the other
+
+    @classmethod
+    def of(cls, joints: Joints, duration: Expr = ONE) -> Trajectory:
+        """One segment from time 0 on [s]."""
+        return cls((Segment("", Integer(0), duration, joints),))
 
     @property
     def duration(self) -> Expr:
@@ -78,12 +83,9 @@ class _Track:
         # How a piece is computed: a polynomial by its number of values at each end; a formula is alone in its motion.
         kinds = {Cosine: _COSINE, Curve: _CURVE}
         self.kinds = np.array([piece.k if isinstance(piece, Piece) else kinds[type(piece)] for piece in pieces])
-        self.numbers = [
-            np.array([] if isinstance(piece, Curve) else [float(value) for end in piece.values for value in end])
-            for piece in pieces
-        ]
-        # The numbers of all pieces of each kind, and zeros of others.
-        self.rows: dict[int, Array] = {}
+        values = [getattr(piece, "values", ()) for piece in pieces]  # none of a formula
+        self.numbers = [np.array([float(value) for end in ends for value in end]) for ends in values]
+        self.rows: dict[int, Array] = {}  # the numbers of all pieces of each kind, and zeros of others
         for kind in set(self.kinds.tolist()):
             places = np.flatnonzero(self.kinds == kind)
             self.rows[kind] = np.zeros((len(pieces), max(self.numbers[i].size for i in places)))

@@ -251,6 +251,8 @@ class MotionCode:
             pairs = [f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True)]
             joints.append({"variable": c_comment(variable), "kinds": wrapped(kinds), "rows": rows, "pairs": pairs})
         counts = np.cumsum([0, *(len(pieces) for _, pieces in self._pieces)])
+        segments = motion.trajectory.segments
+        spans = [(each.name, float(each.start), float(each.start + each.duration)) for each in segments]
         title = plan.title or f"A motion of {plan.robot.title or plan.robot.name}"
         operations = {node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}
         return {
@@ -261,15 +263,11 @@ class MotionCode:
             "joint_lines": joint_lines(plan.robot, c_comment),
             "docstring_joint_lines": joint_lines(plan.robot, python_docstring),
             "joint_names": ", ".join(python_string(joint.label) for joint in plan.robot.joints),
-            "segments": tuple(
-                f"{c_comment(segment.name)}: {float(segment.start):.6g} s to "
-                f"{float(segment.start + segment.duration):.6g} s"
-                for segment in motion.trajectory.segments
-            ),
+            "segments": [f"{c_comment(name)}: {start:.6g} s to {end:.6g} s" for name, start, end in spans],
             "prefix": self.prefix,
             "guard": f"DERIVE_{self.prefix.upper()}MOTION_H",
             "dof": plan.robot.n,
-            "start": repr(float(motion.trajectory.segments[0].start)),
+            "start": repr(spans[0][1]),
             "end": repr(float(motion.duration)),
             "joints": joints,
             "piece_count": int(counts[-1]),

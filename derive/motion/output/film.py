@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import OutputError, TargetError, install_extra, pip_install
+from derive.errors import OutputError, TargetError, optional, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
 from derive.handouts.figure.projection import View, plane_normal, seen, view_along
@@ -39,18 +39,14 @@ TIMES = 9  # when is looked whether a base that moves leaves the plane of its ar
 _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 
-def frames_of(motion: Motion, times: Array, q: Array) -> Array:
-    """Where the frames of the arm are."""
-    return _frames(motion, motion.plan.robot, times, q)
-
-
 def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
     """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
     arms = [arm_of(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
-    return [_frames(motion, arm, times, q[:, list(places)])[:, -1, :3, 3] for arm, places in arms]
+    return [frames_of(motion, arm, times, q[:, list(places)])[:, -1, :3, 3] for arm, places in arms]
 
 
-def _frames(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
+def frames_of(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
+    """Where the frames of an arm are."""
     values = (*robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
     frames = np.array([poses.frames([float(value) for value in row]) for row in q])
@@ -62,16 +58,12 @@ def motion_normal(motion: Motion) -> Array | None:
     """The unit normal of the plane in which an arm moves; None where it moves in space, by its joints or its base."""
     times = np.linspace(0.0, motion.duration, TIMES)
     robot = motion.plan.robot
-    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, times, motion(times)[0])])
+    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, robot, times, motion(times)[0])])
 
 
 def require_pillow() -> Any:
     """The module PIL."""
-    if find_spec("PIL") is None:
-        raise TargetError("films need Pillow, which is not installed", remedy=install_extra("motion"))
-    import PIL
-
-    return PIL
+    return optional("PIL", "films need Pillow", "motion")
 
 
 def ffmpeg() -> str:
@@ -117,8 +109,8 @@ class Film:
 
     @cached_property
     def _scenes(self) -> list[Scene]:
-        poses = frames_of(self.motion, self.times, self._q)
-        return [arm_scene(self.motion.plan.robot, frames) for frames in poses]
+        robot = self.motion.plan.robot
+        return [arm_scene(robot, frames) for frames in frames_of(self.motion, robot, self.times, self._q)]
 
     @cached_property
     def _view(self) -> View:

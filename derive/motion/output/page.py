@@ -100,6 +100,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     reached = motion(np.linspace(0, motion.duration, SAMPLES))[0]
     reached = reached if run is None else np.concatenate([reached, run.q])
     violations = motion.violations if run is None else motion.violations_of(run)
+    told = [item for item in violations if functions or item.what != "torque"]
     lengths = {len(piece.values) // 2 for track in tracks for piece in track if piece.kind == "hermite"}
     base, base_rates, base_torques = _base_of(motion, loads if functions else ())
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
@@ -124,9 +125,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
             for what, ends in motion.near_bounds(run).items()
             if np.isfinite(ends).any()
         },
-        exceeded=tuple(
-            (item.what, item.joint, item.time, item.value) for item in violations if functions or item.what != "torque"
-        ),
+        exceeded=tuple((item.what, item.joint, item.time, item.value) for item in told),
         run=None if run is None else _played_run(motion, run),
         places=places,
     )
@@ -148,9 +147,8 @@ def _tracks(motion: Motion, room: int) -> tuple[tuple[tuple[PlayedPiece, ...], .
     places = room // (2 * len(joints))
     times = np.linspace(0.0, motion.duration, places)
     ends = list(pairwise(zip(times.tolist(), np.stack(motion(times)[:2], axis=2).tolist(), strict=True)))
-    return tuple(
-        tuple(PlayedPiece("hermite", a, b - a, (*here[j], *there[j])) for (a, here), (b, there) in ends) for j in joints
-    ), places
+    pairs = ([(a, b - a, (*here[j], *there[j])) for (a, here), (b, there) in ends] for j in joints)
+    return tuple(tuple(PlayedPiece("hermite", *pair) for pair in track) for track in pairs), places
 
 
 def _base_of(

@@ -94,14 +94,9 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
                 row, k = np.unravel_index(np.abs(off).argmax(), off.shape)
                 variable = robot.joints[joints[k]].variable
                 worst.append(f"{variable} {off[row, k]:.1e} {unit} at {run.t[inside][row]:.4g} s")
-        rows.append(
-            (
-                segment.name,
-                ", ".join(worst),
-                _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at])),
-                *(_joules(float(entry[last] - entry[first]), most) for entry in ledger),
-            )
-        )
+        torque = _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at]))
+        works = (_joules(float(entry[last] - entry[first]), most) for entry in ledger)
+        rows.append((segment.name, ", ".join(worst), torque, *works))
     return rows
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -23,11 +24,11 @@ import numpy as np
 from sympy import Expr, Float
 
 from derive.arrays import Array, Indices
-from derive.errors import QuantityError, install_extra
+from derive.errors import QuantityError, optional
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import MOST_PRINTED, Piece, joined, sampled, symbolic
 from derive.plans.profile import ZERO
-from derive.plans.segments import Joints, Segment
+from derive.plans.segments import Joints
 
 # Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each.
 Torques = Callable[[Indices, Array, Array, Array], Array]
@@ -113,8 +114,7 @@ class FastestMotion:
     def _rows(self, place: float) -> Rows:
         """The coefficients near one end of each interval, from the torques at few velocities and accelerations."""
         a, b = self.grid[:-1], self.grid[1:]
-        # q, q' and q'' by s near an end of each interval.
-        q, slope, bend = self.path(a + place * (b - a))
+        q, slope, bend = self.path(a + place * (b - a))  # q, q' and q'' by s near an end of each interval
         zero = np.zeros_like(q)
 
         def _at(qd: Array, qdd: Array) -> Array:
@@ -210,18 +210,13 @@ class FastestMotion:
 
 def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
     """The largest x, (nodes,), from rest to rest with a u + b x + c <= 1 at each node; None where there is none."""
-    try:
-        from toppra.algorithm import TOPPRA
-        from toppra.constraint import LinearConstraint
-    except ImportError:
-        found = "the fastest motion needs toppra, which is not installed"
-        raise QuantityError(found, remedy=install_extra("motion")) from None
+    load = partial(optional, what="the fastest motion needs toppra", extra="motion", kind=QuantityError)
+    solver, rows = load("toppra.algorithm").TOPPRA, load("toppra.constraint").LinearConstraint()
     logging.getLogger("toppra").addHandler(logging.NullHandler())
-    rows = LinearConstraint()
     rows.identical = True
     count = a.shape[1]
     rows.compute_constraint_params = lambda path, grid: (a, b, c, np.eye(count), np.ones(count), None, None)
-    found = TOPPRA([rows], SimpleNamespace(path_interval=grid[[0, -1]]), gridpoints=grid, solver_wrapper="seidel")
+    found = solver([rows], SimpleNamespace(path_interval=grid[[0, -1]]), gridpoints=grid, solver_wrapper="seidel")
     _, rates, _ = found.compute_parameterization(0, 0)
     if rates is None or not np.isfinite(rates).all():
         return None
@@ -232,12 +227,7 @@ def _by_toppra(grid: Array, a: Array, b: Array, c: Array) -> Array | None:
 # -- paths of the joints, q(s) from s = 0 to 1, and motions along them by their values at many times
 
 
-def one_second(joints: Joints) -> Trajectory:
-    """A path of pieces from s = 0 to 1."""
-    return Trajectory((Segment("", ZERO, ONE, joints),))
-
-
-UNIFORM = one_second(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s itself
+UNIFORM = Trajectory.of(((Piece(ZERO, ONE, ((ZERO, ONE), (ONE, ONE))),),))  # s itself
 
 
 def smooth_path(knots: Array, corners: Array) -> Trajectory:
@@ -248,7 +238,7 @@ def smooth_path(knots: Array, corners: Array) -> Trajectory:
     places = [Float(s) for s in knots]
     states = np.stack([corners, slopes], axis=-1)
     tracks = ([tuple(map(Float, node)) for node in states[:, j]] for j in range(corners.shape[1]))
-    return one_second(tuple(joined(track, places) for track in tracks))
+    return Trajectory.of(tuple(joined(track, places) for track in tracks))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,8 @@
 """The end effector of a plan's robot: configurations of points that are poses, and its way on lines and arcs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from math import isfinite, nan
 
@@ -15,7 +13,7 @@ from derive.arrays import Array
 from derive.errors import QuantityError, RobotFileError, quoted
 from derive.motion.curves.limits import Limits
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
-from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, one_second, smooth_path
+from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, smooth_path
 from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.torques.functions import Functions, arm_of
 from derive.plans.hermite import Piece
@@ -51,8 +49,7 @@ class Hand:
         self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
     ) -> None:
         self._plan, self._values, self._exact, self._torques = plan, values, exact, torques
-        self._arms: dict[str, Arm] = {}
-        self._names_of: dict[str, tuple[str, ...]] = {}
+        self._arm, self._names = cache(self._arm_to), cache(self._names_of)
 
     @cached_property
     def limits(self) -> Limits:
@@ -66,14 +63,11 @@ class Hand:
         """A cell with the numbers of its symbols."""
         return self._exact((value,))[0]
 
-    def _arm(self, end: str) -> Arm:
-        """The arm to an end."""
-        if end not in self._arms:
-            names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
-            poses = any(point.pose and point.end == end for point in self._plan.points.values())
-            arm, places = arm_of(self._plan.robot, end)
-            self._arms[end] = Arm(arm, places, Functions(arm, names, self._values, inverse=poses))
-        return self._arms[end]
+    def _arm_to(self, end: str) -> Arm:
+        names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
+        poses = any(point.pose and point.end == end for point in self._plan.points.values())
+        arm, places = arm_of(self._plan.robot, end)
+        return Arm(arm, places, Functions(arm, names, self._values, inverse=poses))
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
@@ -116,16 +110,14 @@ class Hand:
                 raise RobotFileError(said, allowed=allowed, remedy=remedy, location=point.location)
         return found
 
-    def _names(self, end: str) -> tuple[str, ...]:
+    def _names_of(self, end: str) -> tuple[str, ...]:
         """Of the solutions of an end."""
         from derive.inverse.closed.solve import solve
         from derive.inverse.words.postures import postures
 
-        if end not in self._names_of:
-            arm = self._arm(end)
-            names = postures(arm.robot, solve(arm.robot)).names if arm.functions.branches > 1 else ()
-            self._names_of[end] = tuple(name or f"#{k}" for k, name in enumerate(names, 1))
-        return self._names_of[end]
+        arm = self._arm(end)
+        names = postures(arm.robot, solve(arm.robot)).names if arm.functions.branches > 1 else ()
+        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
 
     def _pose(self, point: Point, arm: Arm) -> Array:
         if point.pose is None:
@@ -264,8 +256,7 @@ class Hand:
             joints, knots = self.follow(step, corners[0], ZERO, UNIFORM), np.array([0.0, 1.0])
             if joints == _standing(corners[0], ZERO, ONE):
                 return [joints]
-            # A line or an arc as a path q(s): its motion at constant speed in one second.
-            path = one_second(joints)
+            path = Trajectory.of(joints)  # a line or an arc as a path q(s): its motion at constant speed in one second
         elif len(run) == 1 and corners[0] == corners[1]:
             return [_standing(corners[0], ZERO, ONE)]
         else:

@@ -19,11 +19,11 @@ from sympy import Expr, Float, Symbol, sstr
 
 from derive.arrays import Array
 from derive.errors import DeriveError, Location, RobotFileError
+from derive.inverse.numeric.chain import cross_matrix
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.torques.functions import Functions
 from derive.plans.hermite import Piece
 from derive.plans.profile import spline
-from derive.plans.segments import Segment
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -64,12 +64,6 @@ def rotation_of(vector: Array) -> Array:
     angle = float(np.linalg.norm(vector))
     cross = cross_matrix(vector / angle if angle else vector)
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
-
-
-def cross_matrix(vector: Array) -> Array:
-    """The matrix v^ of a cross product: v^ u = v x u."""
-    x, y, z = vector
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
 @dataclass(frozen=True)
@@ -135,7 +129,7 @@ def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
         turns.append(turn + 2 * np.pi * np.round((turns[-1] - turn) @ axis / (2 * np.pi)) * axis)
     rows = np.array([[*pose[:3, 3], *turn] for pose, turn in zip(poses, turns, strict=True)])
     tracks = tuple(spline(times, [Float(value) for value in column]) for column in rows.T)
-    trajectory = Trajectory((Segment("", times[0], times[-1] - times[0], tracks),))
+    trajectory = Trajectory.of(tracks)
 
     def _place(t: float) -> tuple[Array, Array, Array]:
         p, v, a = (value[:3] for value in trajectory(t))
@@ -217,8 +211,9 @@ class Follower:
 
     def farthest(self, way: Way, pieces: Sequence[Sequence[Piece]], s: Array) -> float:
         """How far the end effector is from its way between the nodes [m or rad]."""
-        middles = np.array([[piece.middle for piece in track] for track in pieces]).T
-        return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, middles, strict=True))
+        middles = np.array([float(piece.start + piece.duration / 2) for piece in pieces[0]])
+        rows = Trajectory.of(tuple(map(tuple, pieces)))(middles)[0]
+        return max(float(np.abs(self._off(way.pose(float(at)), q)).max()) for at, q in zip(s, rows, strict=True))
 
     def arrived(self, way: Way, q: Array) -> bool:
         """Whether the end effector is where its way ends."""

@@ -84,7 +84,7 @@ def _in_space(hand: Hand, step: Step, here: Corner, start: Expr) -> Timed:
 
     def _followed(begin: Expr, duration: Expr) -> Joints:
         pieces = _single(step.profile, ZERO, duration, ZERO, ONE, cruise)
-        return hand.follow(step, here, begin, Trajectory((Segment("", ZERO, duration, (pieces,)),)))
+        return hand.follow(step, here, begin, Trajectory.of((pieces,), duration))
 
     if step.time is not None:
         duration = hand.exact(step.time)

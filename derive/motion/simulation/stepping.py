@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
-from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import TargetError, install_extra
+from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
@@ -92,12 +91,7 @@ def integrated(
     longest: float = np.inf,
 ) -> tuple[Array, Change | None, Divergence | None]:
     """A motion by one of scipy's solvers, up to where it changes or diverges."""
-    try:
-        from scipy.integrate import solve_ivp
-    except ImportError:
-        found = "simulations need scipy, which is not installed"
-        raise TargetError(found, remedy=install_extra("motion")) from None
-
+    scipy = optional("scipy.integrate", "simulations need scipy", "motion")
     n = (state.size - 2) // 2
 
     def _bounded(_: float, state: Array) -> float:
@@ -112,7 +106,7 @@ def integrated(
         events.append(change)
     error = {"rtol": TOLERANCE, "atol": TOLERANCE, "max_step": longest}
     with np.errstate(all="ignore"):
-        found = solve_ivp(rates, span, state, method, times, events=events, **error)
+        found = scipy.solve_ivp(rates, span, state, method, times, events=events, **error)
     got = np.array(found.y).T.reshape(-1, state.size)
     if len(got) == len(times):
         return got, None, None
@@ -178,18 +172,12 @@ class HeldArm:
         self._program, self._library = program, library
         self._step = FIRST
         self._constants = np.zeros(library.constant_count)
-        self._prepare(values)
-
-    def _prepare(self, values: Mapping[str, float]) -> None:
-        params = np.array([float(values[name]) for name in self._program.parameters])
-        self._library.constants(_pointer(params), _pointer(self._constants))
+        params = np.array([float(values[name]) for name in program.parameters])
+        library.constants(_pointer(params), _pointer(self._constants))
 
     def given(self, values: Mapping[str, float]) -> HeldArm:
         """The same arm with other numbers."""
-        other = copy(self)
-        other._constants = self._constants.copy()
-        other._prepare(values)
-        return other
+        return HeldArm(self._program, self._library, values)
 
     def __call__(self, plant: Plant, motors: Array, state: Array, span: tuple[float, float], times: Array) -> Steps:
         """A motion by DOP853 under torques of the motors, (n,), with the usual tolerance and smooth dry friction."""

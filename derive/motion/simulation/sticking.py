@@ -103,12 +103,6 @@ class Contact:
             found = np.where(self.stands, np.minimum(most - friction, friction - least), found)
         return float(found.min())
 
-    def rested(self, state: Array) -> Array:
-        """A state at the end of this contact: what no longer slips its way is at rest."""
-        n, after = self.way.size, state.copy()
-        after[n : 2 * n][(self.way != 0) & (self.way * after[n : 2 * n] <= 2 * RESTS)] = 0.0
-        return after
-
 
 def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
     """With Coulomb friction that sticks: |qd| is zero, not small, below the torque of breakaway.
@@ -138,8 +132,10 @@ def exact(plant: Plant, law: Law, state: Array, span: tuple[float, float], times
         got, change, divergence = integrated(contact.rates, state, span, wanted, method, contact.margin, LONGEST)
         rows += list(got)
         if change is not None:
-            t, state = change[0], contact.rested(change[1])
+            t, state = change
             changes.append(t)
+            slow = contact.way * state[n : 2 * n] <= 2 * RESTS
+            state[n : 2 * n][(contact.way != 0) & slow] = 0.0  # what no longer slips its way is at rest
     return np.array(rows).reshape(-1, state.size), divergence
 
 

@@ -20,7 +20,8 @@ from typing import Any, Generic
 import numpy as np
 
 from derive.arrays import Array
-from derive.mechanics.chain import Body, Chain, Domain, build_chain, constant_vector
+from derive.mechanics import vectors
+from derive.mechanics.chain import Body, Chain, Domain, body_in, build_chain, constant_vector
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.floats import ArrayDomain, FloatDomain
 from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, inverse_dynamics, torques_and_wrench
@@ -33,63 +34,19 @@ from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.tape import Tape
 from derive.programs.tape.value import Value
 from derive.robot import tree
-from derive.robot.description import Inertia
+from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, Name
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
-_ENTRIES = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
-
-@dataclass(frozen=True)
-class CarriedBody:
-    """A rigid body in the frame of a link."""
-
-    mass: float  # [kg]
-    com: Array  # centre of mass, (3,) [m]
-    inertia: Array  # about it, (3, 3) [kg m^2]
-    joint: int  # index of the joint that moves the link
-
-    @classmethod
-    def payload(cls, robot: Robot, payload: Payload, values: Mapping[str, float]) -> CarriedBody:
-        """What the tool carries."""
-        arm, joints = tree.arm(robot, payload.end)
-        tip = build_chain(arm, FloatDomain(arm, [0.0] * arm.n, values)).tip
-        rotation, place = np.array(tip.rotation, dtype=float), np.array(tip.position, dtype=float)
-        # From the frame of the end effector to that of the last link: r = R r_e + p, I = R I_e R^T.
-        com = rotation @ [evaluate(cell, values) for cell in payload.com] + place
-        own = np.diag([evaluate(cell, values) for cell in payload.inertia])
-        return cls(evaluate(payload.mass, values), com, rotation @ own @ rotation.T, joints[-1])
-
-    @classmethod
-    def link(cls, robot: Robot, joint: int, values: Mapping[str, float]) -> CarriedBody:
-        """A link without its motor."""
-        link, inertia = robot.links[joint], np.zeros((3, 3))
-        for entry, (i, j) in _ENTRIES.items():
-            inertia[i, j] = inertia[j, i] = evaluate(getattr(link.inertia, entry), values)
-        com = np.array([evaluate(cell, values) for cell in link.com])
-        return cls(evaluate(link.mass, values), com, inertia, joint)
-
-    def about(self, point: Array) -> Array:
-        """The inertia about a point in the frame of the link [m] (Steiner), (3, 3) [kg m^2]."""
-        # I_point = I_com + m (r.r 1 - r r^T).
-        r = self.com - point
-        return self.inertia + self.mass * (r @ r * np.eye(3) - np.outer(r, r))
-
-    def __add__(self, other: CarriedBody) -> CarriedBody:
-        """Both as one body of the same link."""
-        mass = self.mass + other.mass
-        com = (self.mass * self.com + other.mass * other.com) / mass if mass else self.com
-        return CarriedBody(mass, com, self.about(com) + other.about(com), self.joint)
-
-    def columns(self) -> dict[str, float]:
-        """Its parameters as the columns of the regressor are named, the inertia about the origin of the frame."""
-        # Dynamics are linear in m, m r and the inertia about the origin of the frame (Siciliano et al., 7.2.2).
-        parts = {"m": self.mass, **dict(zip(("mx", "my", "mz"), self.mass * self.com, strict=True))}
-        inertia = self.about(np.zeros(3))
-        parts |= {f"I{entry}": inertia[place] for entry, place in _ENTRIES.items()}
-        return {f"{part}{self.joint + 1}": float(value) for part, value in parts.items()}
+def carried_body(robot: Robot, payload: Payload, values: Mapping[str, float]) -> tuple[int, Body[float]]:
+    """The joint that moves what the tool carries, and the body in the frame of its link."""
+    arm, joints = tree.arm(robot, payload.end)
+    domain, (x, y, z) = FloatDomain(arm, [0.0] * arm.n, values), payload.com
+    link = Link(payload.mass, (x, y, z), Inertia(*payload.inertia))
+    return joints[-1], body_in(build_chain(arm, domain).tip, link, domain)
 
 
 @dataclass(frozen=True)
@@ -105,12 +62,11 @@ class OpenLinks:
         taken, stem = set(robot_symbols(robot)), "carried"
         while any(name.startswith(stem) for name in taken):
             stem += "_"
-        carrying = {
-            tree.way_to(robot, tree.end_named(robot, payload.end).after).joint for payload in payloads if payload
-        }
+        ends = (tree.end_named(robot, payload.end) for payload in payloads if payload)
+        carrying = {tree.way_to(robot, end.after).joint for end in ends}
         links, opened = list(robot.links), {}
         for place, joint in enumerate(sorted(carrying)):
-            names = [f"{stem}{place or ''}{part}" for part in ("m", "x", "y", "z", *_ENTRIES)]
+            names = [f"{stem}{place or ''}{part}" for part in ("m", "x", "y", "z", *INERTIA)]
             mass, x, y, z, *inertia = map(Name, names)
             links[joint] = replace(links[joint], mass=mass, com=(x, y, z), inertia=Inertia(*inertia))
             opened[joint] = tuple(names)
@@ -120,12 +76,14 @@ class OpenLinks:
         self, robot: Robot, values: Mapping[str, float], payloads: Iterable[Payload | None] = ()
     ) -> dict[str, float]:
         """The numbers of a robot, and those of the symbols for its open links with what is carried."""
-        found, carried = dict(values), [CarriedBody.payload(robot, each, values) for each in payloads if each]
+        found, carried = dict(values), [carried_body(robot, each, values) for each in payloads if each]
+        domain, unit = FloatDomain(robot, (), values), Frame(vectors.identity(0.0, 1.0), (0.0, 0.0, 0.0))
         for joint, names in self.names.items():
-            body = CarriedBody.link(robot, joint, values)
-            for other in carried:
-                body = body + other if other.joint == joint else body
-            numbers = map(float, (body.mass, *body.com, *[body.inertia[place] for place in _ENTRIES.values()]))
+            own = body_in(unit, robot.links[joint], domain)
+            body = sum((other for place, other in carried if place == joint), own)
+            com = vectors.scale(1 / body.mass if body.mass else 0.0, body.first_moment)
+            inertia = body.inertia + vectors.steiner(-body.mass, com)
+            numbers = (body.mass, *com, *(getattr(inertia, key) for key in INERTIA))
             found |= zip(names, numbers, strict=True)
         return found
 
@@ -218,8 +176,7 @@ class BaseTorques:
         domain = ArrayDomain(self.robot, tuple(np.moveaxis(q, -1, 0)), self.values)
         inside = np.clip(t, 0.0, self.duration)
         base = np.array([self.base(inside, order) for order in range(3)])
-        # Before its motion and after it a base stands.
-        base[1:, inside != t] = 0.0
+        base[1:, inside != t] = 0.0  # before its motion and after it a base stands
         frames = [_frame([list(row) for row in np.moveaxis(each[:, :3], 0, -1)]) for each in base]
         return OnBase.of(build_chain(self.robot, domain), frames, self._gravity(domain))
 

@@ -89,12 +89,10 @@ class Functions:
         """The solution of a pose nearest to a configuration, (n,); not numbers where there is none."""
         module = self._module
         if not branches or self._inverse is None:
-            found: Array = module.inverse_kinematics_nearest(pose, q, **self._options)
-            return found
+            return np.asarray(module.inverse_kinematics_nearest(pose, q, **self._options))
         there = {"given": q[list(self._inverse.given)]} if self._inverse.given else {}
         rows = module.inverse_kinematics(pose, near=q, **there, **self._options)
-        chosen: Array = module._nearest(rows[list(branches)], q)
-        return chosen
+        return np.asarray(module._nearest(rows[list(branches)], q))
 
 
 def check_numbers(names: Iterable[str], values: Mapping[str, float], of: str, place: Location | None = None) -> None:
@@ -109,15 +107,10 @@ def bare_robot(robot: Robot) -> Robot:
     return replace(robot, title="", digest="", source="", remarks=())
 
 
-def kinematics_alone(robot: Robot) -> Robot:
-    """A robot without links: nobody asks what it weighs."""
-    return replace(robot, links=(), gravity=None)
-
-
 def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
     """The serial arm that leads to an end, without links, and the indices of its joints; of a chain itself and all."""
     arm, places = tree.arm(robot, end)
-    return kinematics_alone(arm), places
+    return replace(arm, links=(), gravity=None), places
 
 
 @lru_cache(KEPT)

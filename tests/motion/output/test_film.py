@@ -1,5 +1,6 @@
 """Films of a motion."""
 
+import sys
 from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
@@ -82,5 +83,6 @@ def test_without_ffmpeg_one_message_says_what_to_do(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(film, "find_spec", lambda name: None)
     with pytest.raises(DeriveError, match=r"MP4 needs ffmpeg, which was not found; install ffmpeg.*--gif"):
         film.ffmpeg()
+    monkeypatch.setitem(sys.modules, "PIL", None)
     with pytest.raises(DeriveError, match=r"films need Pillow.*-m pip install 'pillow>="):
         film.require_pillow()

@@ -8,8 +8,9 @@ from scipy.interpolate import CubicSpline
 from sympy import Float, Integer, Rational, pi, sqrt
 
 from derive.errors import RobotFileError
+from derive.motion.curves.trajectory import Trajectory
 from derive.motion.motion import Motion
-from derive.motion.paths.fastest import INTERVALS, Nodes, grid_of, one_second, smooth_path
+from derive.motion.paths.fastest import INTERVALS, Nodes, grid_of, smooth_path
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.poses import Way, rotation_of, rotation_vector, usual_rank, vanishing_factor
 from derive.motion.paths.segments import trajectory_of
@@ -281,7 +282,7 @@ def test_pieces_are_what_the_nodes_say_and_slower_is_the_same_way_in_more_time(n
     assert first[-1].values[1][0] == pi  # type: ignore[union-attr]
     assert len(second) == 1
     assert second[0].values[1] == (Float(5), 0, 0)  # type: ignore[union-attr]
-    whole = one_second(nodes.pieces(0, 4, {}))
+    whole = Trajectory.of(nodes.pieces(0, 4, {}))
     for place in (0.1, 0.8):
         times = nodes.times[:-1] + place * np.diff(nodes.times)
         for found, expected in zip(whole(times), nodes.inside(np.array([place])), strict=True):

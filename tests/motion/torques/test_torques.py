@@ -1,6 +1,7 @@
 """Torques of motions on moving bases, with bodies that are carried, and their figures."""
 
 import random
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,12 @@ from sympy import Rational, cos, sin
 
 from derive.arrays import Array
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import BaseTorques, CarriedBody, OpenLinks
+from derive.motion.torques.base_torques import BaseTorques, OpenLinks
 from derive.motion.torques.functions import loads
 from derive.plans.hermite import TIME
 from derive.plans.segments import Payload
 from derive.plans.surroundings import BaseCurve
+from derive.robot.description import Link
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name
 from derive.robot.names import free_symbols
@@ -218,9 +220,12 @@ def test_computed_torque_follows_on_a_base_that_turns() -> None:
 
 
 def test_two_bodies_that_are_nothing_are_nothing() -> None:
-    none = CarriedBody(0.0, np.zeros(3), np.zeros((3, 3)), 0)
-    assert (none + none).mass == 0
-    assert not (none + none).inertia.any()
+    robot = Robot.load("puma560-corke")
+    light = replace(robot, links=(*robot.links[:-1], Link()))
+    opened = OpenLinks.of(light, [Payload()])
+    values = {name: float(value) for name, value in parameter_values(robot).items()}
+    found = opened.carrying(light, values, [Payload()])
+    assert [found[name] for name in opened.names[5]] == [0.0] * 10
 
 
 def test_an_open_link_has_ten_symbols_that_nobody_else_has() -> None:
