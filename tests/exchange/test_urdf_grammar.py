@@ -10,8 +10,7 @@ import pytest
 
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.from_urdf import Imported, import_urdf
-from derive.exchange.read_urdf import read_urdf
-from derive.exchange.urdf import READ, look
+from derive.exchange.read_urdf import READ, read_urdf
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import J, Reading, body, urdf
 from tests.random_robots import swept
@@ -201,7 +200,6 @@ def test_frames_may_stand_in_each_other_by_the_hundred() -> None:
 def test_every_element_within_one_that_is_read_is_itself_known() -> None:
     inner = {name for _, elements in READ.values() for name in elements}
     assert inner - READ.keys() == {"dh_table"}
-    assert callable(look)
 
 
 def bare(text: str) -> str:
