@@ -15,22 +15,8 @@ from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
 from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
-from derive.mechanics.space import (
-    NOTHING,
-    WORLD,
-    Frame,
-    Line,
-    Point,
-    Real,
-    cosine_sine,
-    exactly,
-    length,
-    plus,
-    real,
-    times,
-    unit,
-    vector,
-)
+from derive.mechanics import space
+from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, exactly, length, plus, real, unit, vector
 from derive.mechanics.vectors import cross
 from derive.robot.reading.size_limits import FILE_LIMITS
 
@@ -121,7 +107,7 @@ def snapped(rpy: Triple, snap: Fraction) -> Point:
 
 def frame_at(origin: Origin, snap: Fraction) -> Frame:
     """A frame by its origin and roll, pitch, yaw."""
-    (cr, sr), (cp, sp), (cy, sy) = map(cosine_sine, snapped(origin.rpy, snap))
+    (cr, sr), (cp, sp), (cy, sy) = map(space.cosine_sine, snapped(origin.rpy, snap))
     # Columns of Rz(yaw) Ry(pitch) Rx(roll).
     x = (cy * cp, sy * cp, -sp)
     y = (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr)
@@ -236,7 +222,7 @@ def _placed_chain(
         if joint.type != "fixed":
             check_kind(joint)
             direction = frame.direction(direction_of(joint, snap))
-            found.append((Line(frame.origin, times(direction, -1) if upwards else direction), joint, []))
+            found.append((Line(frame.origin, space.times(direction, -1) if upwards else direction), joint, []))
         if upwards:
             frame = frame.then(WORLD.seen_from(frame_at(joint.origin, snap)))
         if found:  # what moves with the base stands

@@ -243,14 +243,6 @@ def _in_balls(frame: vectors.Frame[Any] | None) -> Frame:
     return Frame(origin, x, y, z)
 
 
-def _placed_on(segment: ChainSegment, frame: Frame, own: int) -> ChainSegment:
-    """A segment seen from the body of a root that floats, with its rotor; ``own``: how many joints the root has."""
-    rotor = segment.rotor
-    if rotor is not None:
-        rotor = replace(rotor, body=rotor.body.moved(frame), axis=frame.direction(rotor.axis))
-    return replace(segment, origin=frame.then(segment.origin), rotor=rotor, parent=max(segment.parent - own, -1))
-
-
 def _with_parts(arm: BodyChain) -> BodyChain:
     """A tree with rows without motion and ends; of a root that floats the body alone, without its joints."""
     robot, segments, domain = arm.robot, arm.segments, ExactDomain(arm.robot)
@@ -277,7 +269,12 @@ def _with_parts(arm: BodyChain) -> BodyChain:
         inwards = WORLD.seen_from(root.frame)
         moved = [(p, inwards.then(p.frame) if p.parent < own else p.frame) for p in parts]
         parts = [replace(part, frame=frame, parent=max(part.parent - own, -1)) for part, frame in moved]
-        segments = tuple(_placed_on(s, inwards if s.parent < own else WORLD, own) for s in segments[own:])
+        seen = []
+        for segment in segments[own:]:
+            frame, rotor, parent = inwards if segment.parent < own else WORLD, segment.rotor, segment.parent - own
+            rotor = rotor and replace(rotor, body=rotor.body.moved(frame), axis=frame.direction(rotor.axis))
+            seen.append(replace(segment, origin=frame.then(segment.origin), rotor=rotor, parent=max(parent, -1)))
+        segments = tuple(seen)
     beyond = [(s.parent, s.origin.origin) for s in segments] + [(part.parent, part.frame.origin) for part in parts]
     shown = []
     for i, segment in enumerate(segments):  # the farthest thing on a link is what it is drawn to

@@ -80,9 +80,16 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
     columns = [*options, free] if standard else [free, *options]
     candidates = _candidates(arm, columns, spots, standard, snap)
     frames = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
-    rows = tuple(_row(a, b, standard) for a, b in pairwise(frames))
+    # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), about and along the z before and the x behind;
+    # modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), about and along the x before and the z behind.
+    rows = []
+    for before, after in pairwise(frames):
+        z, x = (before.z, after.x) if standard else (after.z, before.x)
+        apart = plus(after.origin, before.origin, -1)
+        theta, alpha = _angle(before.x, after.x, z), _angle(before.z, after.z, x)
+        rows.append(DHRow(theta, dot(apart, z), dot(apart, x), alpha))
     tool, changes = arm.end.seen_from(frames[-1]), tuple(float(sine) for sine in turned if sine > NOTHING)
-    return Placement(convention, frames, rows, tool, changes, far)
+    return Placement(convention, frames, tuple(rows), tool, changes, far)
 
 
 def parallel(a: Point, b: Point, snap: float) -> bool:
@@ -182,15 +189,6 @@ def _normals(
             yield from ((foot, unit(apart)) for foot in feet)
         else:
             yield from ((foot, x) for foot in feet for x in across)
-
-
-def _row(before: Frame, after: Frame, standard: bool) -> DHRow:
-    """Cells from one frame to the next; what is below `NOTHING` is zero."""
-    # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), about and along the z before and the x behind;
-    # modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), about and along the x before and the z behind.
-    z, x = (before.z, after.x) if standard else (after.z, before.x)
-    apart = plus(after.origin, before.origin, -1)
-    return DHRow(_angle(before.x, after.x, z), dot(apart, z), dot(apart, x), _angle(before.z, after.z, x))
 
 
 def _angle(a: Point, b: Point, about: Point) -> Real:

@@ -4,11 +4,9 @@ Poses and torques come from the joints as they stand in the file, by Rodrigues' 
 Newton and Euler in the axes of the world. Nothing is shared with the making of the rows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -55,7 +53,7 @@ class FileTree:
     offset: Array  # (joints,) and what is added
 
     @classmethod
-    def of(cls, urdf: Urdf, joints: Sequence[UrdfJoint], root: RootType | None) -> FileTree:
+    def of(cls, urdf: Urdf, joints: Sequence[UrdfJoint], root: RootType | None) -> Self:
         """The joints of a file, from the root outwards, in the order of the rows."""
         kinds = ROOTS[root]
         base = next((joint.parent for joint in joints), next(iter(urdf.bodies)))
@@ -83,8 +81,12 @@ class FileTree:
         values, found = dict(zip(self.moving, np.moveaxis(q, -1, 0), strict=True)), list[Array]()
         for k, step in enumerate(self.steps):
             before = found[step.parent] if step.parent >= 0 else np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
-            pose = before @ step.origin
-            found.append(pose if step.turns is None else pose @ _motion(step, values[k]))
+            pose, motion = before @ step.origin, np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4)).copy()
+            if step.turns:
+                motion[..., :3, :3] = _turned(step.axis, values[k])
+            elif step.turns is not None:
+                motion[..., :3, 3] = step.axis * values[k][..., None]
+            found.append(pose if step.turns is None else pose @ motion)
         return np.stack(found, axis=-3)
 
     def torques(self, q: Array, qd: Array, qdd: Array) -> Array:
@@ -157,15 +159,6 @@ def _turned(axis: Array, angle: Array) -> Array:
     k = cross_matrix(axis)
     s, c = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
     return np.asarray(np.eye(3) + s * k + (1 - c) * (k @ k))
-
-
-def _motion(step: Step, value: Array) -> Array:
-    frame = np.broadcast_to(np.eye(4), (*value.shape, 4, 4)).copy()
-    if step.turns:
-        frame[..., :3, :3] = _turned(step.axis, value)
-    else:
-        frame[..., :3, 3] = step.axis * value[..., None]
-    return frame
 
 
 def _body(urdf: Urdf, link: str) -> tuple[float, Array, Array]:

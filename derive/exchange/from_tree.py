@@ -16,20 +16,8 @@ from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_t
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
 from derive.exchange.urdf import MOVING, Urdf, UrdfJoint, free_name
 from derive.mechanics.space import WORLD, Frame, Line, Point, exactly, unit
-from derive.robot.description import (
-    BASE,
-    IDENTITY,
-    Convention,
-    Description,
-    End,
-    FixedRow,
-    Joint,
-    Link,
-    Root,
-    RootType,
-    Stand,
-    Variable,
-)
+from derive.robot import description
+from derive.robot.description import BASE, Description, End, FixedRow, Joint, Link, Root, RootType, Stand, Variable
 from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -153,9 +141,8 @@ class _Tree:
         for joint in kept:
             labels[joint.child] = free_name(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
-        numbered = iter(range(1, len(rows) + 1))
-        names = {joint.name: f"q{next(numbered)}" for joint in kept if joint.type in MOVING}
         moved = [(row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)]
+        names = {joint.name: f"q{k}" for k, (_, joint) in enumerate(moved, 1)}
         joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in moved]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
@@ -171,26 +158,31 @@ class _Tree:
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
         if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
-        self._note(kept)
-        tool = IDENTITY if ends[0].name else ends[0].tool
+        axes = tuple(self._axis(joint, joint.child) for _, joint in moved)
+        self.notes += notes_on(self.urdf, Arm(self._base, "", axes, WORLD, WORLD.z, (), ()), proven=False)
+        if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
+            n = len(changes)
+            self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
+        tool = description.IDENTITY if ends[0].name else ends[0].tool
         own = [row for row in joints if not row.drive]
         coupled = [Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own]
-        robot = replace(self._bare(tuple(joints)), links=tuple(links), fixed=tuple(fixed), ends=tuple(ends), tool=tool)
-        return plain(replace(robot, coupled=tuple(coupled) if len(own) < len(joints) else (), root=root)), chosen
-
-    def _bare(self, joints: tuple[Joint, ...]) -> Description:
-        """A robot of some rows, without bodies, ends and root yet."""
-        options, urdf = self._options, self.urdf
-        given = urdf.gravity and [number(rounded(component)) for component in urdf.gravity]
+        given = self.urdf.gravity and [number(rounded(component)) for component in self.urdf.gravity]
         x, y, z = given or (ZERO, ZERO, multiply(number(-1), Name("g")))
-        return Description(
-            name=robot_name(options.name or urdf.name or "tree"),
-            title=plain_text(" ".join(urdf.name.split()))[: FILE_LIMITS.title_length],
-            convention=convention_named(options.convention) if options.convention else Convention.MODIFIED,
+        robot = Description(
+            name=robot_name(self._options.name or self.urdf.name or "tree"),
+            title=plain_text(" ".join(self.urdf.name.split()))[: FILE_LIMITS.title_length],
+            convention=convention_named(self._options.convention or "modified"),
             gravity=(x, y, z) if self._has_bodies else None,
             parameters=(("g", number(GRAVITY)),) if self._has_bodies and not given else (),
-            joints=joints,
+            joints=tuple(joints),
+            links=tuple(links),
+            fixed=tuple(fixed),
+            ends=tuple(ends),
+            tool=tool,
+            coupled=tuple(coupled) if len(coupled) < len(joints) else (),
+            root=root,
         )
+        return plain(robot), chosen
 
     def _row(self, joint: UrdfJoint, labels: Mapping[str, str]) -> tuple[Joint | FixedRow, Link]:
         """The row of a joint without its variable or place yet, and its link."""
@@ -253,13 +245,6 @@ class _Tree:
         if gone := [joint.child for joint in self.joints if joint not in kept and self._moved(joint.child)]:
             self.notes.append(f"links without a body that are left out, as long as --ends names none: {some(gone)}")
         return kept[::-1]
-
-    def _note(self, kept: Sequence[UrdfJoint]) -> None:
-        moving = [self._axis(joint, joint.child) for joint in kept if joint.type in MOVING]
-        self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(moving), WORLD, WORLD.z, (), ()), proven=False)
-        if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
-            n = len(changes)
-            self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
 
 
 def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fraction, Fraction]:

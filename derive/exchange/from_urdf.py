@@ -102,16 +102,9 @@ class Imported:
 
     def as_dict(self) -> dict[str, object]:
         """The report as plain data."""
-        return {
-            "robot": self.robot.name,
-            "base": self.links[0],
-            "tip": self.links[1],
-            "joints": list(self.joints),
-            "convention": self.robot.convention.value,
-            "position_error": self.certificate.position,
-            "rotation_error": self.certificate.rotation,
-            "notes": list(self.notes),
-        }
+        errors = {f"{name}_error": getattr(self.certificate, name) for name in ("position", "rotation")}
+        who = {"robot": self.robot.name, "base": self.links[0], "tip": self.links[1], "joints": list(self.joints)}
+        return who | {"convention": self.robot.convention.value} | errors | {"notes": list(self.notes)}
 
 
 def import_urdf(

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -100,15 +99,15 @@ class _Reader:
 
     def joints(self, k: int, before: Triple) -> Iterator[tuple[UrdfJoint, Triple]]:
         """The joints of a body, or one that is fixed, each with the place of its link in the frame of the body."""
-        model, parent = self._model, self.name("body", int(self._model.body_parentid[k]))
+        model, parent, own = self._model, self.name("body", int(self._model.body_parentid[k])), self.name("body", k)
         turn = Origin(_less(_exact(model.body_pos[k]), before), _angles(model.body_quat[k]))
         first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
         if not count:
-            yield self._joint(self.name("body", k), "fixed", parent, self.name("body", k), turn), ZEROS
+            yield UrdfJoint(own, "fixed", parent, own, turn, ZEROS, self._place), ZEROS
         here, frame = ZEROS, turn
         for j in range(first, first + count):
             last = j == first + count - 1
-            child = self.name("body", k) if last else f"{self.name('joint', j)}_link"
+            child = own if last else f"{self.name('joint', j)}_link"
             there = _triple(model.jnt_pos[j])
             x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(_less(there, here))))
             yield self._moving(j, parent, child, Origin((x, y, z), frame.rpy)), there
@@ -125,15 +124,9 @@ class _Reader:
         of_dof = (getattr(model, f"dof_{key}")[dof] for key in ("damping", "frictionloss", "armature"))
         damping, friction, armature = map(_number, of_dof)
         kind = "prismatic" if not turns else "revolute" if model.jnt_limited[j] else "continuous"
-        return replace(
-            self._joint(self.name("joint", j), kind, parent, child, origin),
-            axis=_triple(axis),
-            limits=(lower, upper) if model.jnt_limited[j] else None,
-            effort=self._effort(j),
-            damping=damping,
-            friction=friction,
-            armature=armature,
-        )
+        limits, effort = (lower, upper) if model.jnt_limited[j] else None, self._effort(j)
+        place = (self.name("joint", j), kind, parent, child, origin, _triple(axis), self._place)
+        return UrdfJoint(*place, limits, effort, damping=damping, friction=friction, armature=armature)
 
     def _effort(self, j: int) -> Fraction | None:
         """The largest torque of a joint, or of the only motor on it."""
@@ -151,11 +144,6 @@ class _Reader:
         is_plain = not model.actuator_biastype[k] and not model.actuator_gaintype[k] and model.actuator_ctrllimited[k]
         most = model.actuator_ctrlrange[k] * gear * model.actuator_gainprm[k][0]
         return max(map(abs, _exact(most))) if is_plain else None
-
-    def _joint(self, name: str, kind: str, parent: str, child: str, origin: Origin) -> UrdfJoint:
-        """One that neither resists nor is limited."""
-        none, up = ZEROS[0], (*ZEROS[:2], Fraction(1))
-        return UrdfJoint(name, kind, parent, child, origin, up, None, None, None, none, none, None, self._place)
 
 
 def _number(value: float) -> Fraction:

@@ -1,18 +1,22 @@
-"""URDF files, read exactly, each element with its line."""
+"""URDF files, read exactly, each element with its line.
+
+What else stands in a file than an arm is made of is not read: it is told, or refused where it could change the arm.
+"""
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from derive.errors import Location, RobotFileError, optional, quoted
+from derive.errors import Location, RobotFileError, near_miss, optional, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
-from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint, look
+from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 
 if TYPE_CHECKING:
@@ -29,6 +33,31 @@ MOST_ROOTS = 8  # of those that are named
 ANGLE_DIGITS = 70  # of the roll, pitch and yaw of a quaternion
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
+
+# The attributes and the elements within each element that an arm is made of, as urdfdom reads them up to URDF 1.2.
+READ: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "robot": (("name", "version"), ("link", "joint", "dh_table")),
+    "link": (("name",), ("inertial",)),
+    "inertial": ((), ("origin", "mass", "inertia")),
+    "mass": (("value",), ()),
+    "inertia": (("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), ()),
+    "joint": (("name", "type"), ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic")),
+    "parent": (("link",), ()),
+    "child": (("link",), ()),
+    "origin": (("xyz", "rpy", "quat_xyzw"), ()),
+    "axis": (("xyz",), ()),
+    "limit": (("lower", "upper", "effort", "velocity"), ()),
+    "dynamics": (("damping", "friction"), ()),
+    "mimic": (("joint", "multiplier", "offset"), ()),
+}
+# Elements that say where something is or what it weighs: what else stands in one may change that.
+SHAPING = ("inertial", "mass", "inertia", "parent", "child", "origin", "axis")
+# Words of names by which robots, links and joints would say such a thing, too.
+WORDS = re.compile(
+    r"(?<![a-z])(axis|child|com|density|frame|inertial?|length|mass|offset|orientation|origin|parent|pose|position|quat|"
+    r"quaternion|rotation|rpy|scale|transform|translation|units?|xyz)(?![a-z])"
+)
+PASSED = ("link", "origin")  # a slip that is known and that no program reads: a link has no frame but its joint's
 
 
 def read_urdf(data: bytes, source: str) -> Urdf:
@@ -68,9 +97,8 @@ def read_urdf(data: bytes, source: str) -> Urdf:
         raise reader.refused(root, "a robot without links", "give a URDF with links and joints")
     if not root.get("name"):
         reader.note(root, "a robot without a name, which other programs refuse")
-    unread: Counter[str] = Counter()
     for element in (root, *elements):
-        look(element, unread, reader.note, reader.refused)
+        reader.look(element)
     carried = {joint.child for joint in joints.values()}
     roots = [quoted(link) for link in bodies if link not in carried]
     some = f"{', '.join(roots[:MOST_ROOTS])}{', ...' if len(roots) > MOST_ROOTS else ''}"
@@ -80,7 +108,7 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     points = [f"{quoted(name)} (line {body.location.line})" for name, body in bodies.items() if body and body.is_point]
     notes += (f"inertial without inertia, a mass at a point: link {', '.join(points)}",) if points else ()
     table = root.findtext("dh_table", "").strip()
-    kinds = tuple(name for name, _ in unread.most_common())
+    kinds = tuple(name for name, _ in reader.unread.most_common())
     return Urdf(root.get("name", ""), bodies, tuple(joints.values()), notes, kinds, source, table)
 
 
@@ -166,6 +194,7 @@ class _UrdfReader:
     source: str  # file name for messages
     version: str  # of URDF
     notes: list[str] = field(default_factory=list)  # what was read though it is not in order, as sentences
+    unread: Counter[str] = field(default_factory=Counter)  # kinds of elements that were not read, and how often
 
     def note(self, element: etree._Element, said: str) -> None:
         self.notes.append(f"{said} (line {element.sourceline or 1})")
@@ -296,3 +325,29 @@ class _UrdfReader:
             multiplier=Fraction(1) if times is None else times,
             offset=plus or Fraction(0),
         )
+
+    def look(self, element: etree._Element) -> None:
+        """Look at an element and at what is read within it; joints and links of a robot are looked at one by one."""
+        tag, (attributes, elements) = str(element.tag), READ[str(element.tag)]
+        if tag == "limit" and element.getparent().get("type", "").strip() == "continuous":
+            attributes = ("effort", "velocity")
+        # Names in an element that nothing reads, and texts, with what might stand in their place.
+        unknown: list[tuple[str, Sequence[str]]] = []
+        unknown += ((str(name), attributes) for name in element.attrib if name not in attributes)
+        unknown += ((str(child.tag), elements) for child in element if child.tag not in elements)
+        texts = (element.text, *(child.tail for child in element))
+        unknown += ((text.strip(), ()) for text in texts if text and text.strip())
+        for name, known in unknown:
+            # Whether it could say where something is or what it weighs; no name of a namespace and no label does.
+            harmless = ":" in name or "{" in name or name in ("name", "id", "comment") or (tag, name) == PASSED
+            meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
+            if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and meant)):
+                remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"
+                found, allowed = f"{tag}: {quoted(name)} is not known, and could change the arm", ", ".join(known)
+                raise self.refused(element, found, remedy, allowed and f"allowed: {allowed}")
+            self.unread[quoted(name)[1:-1] + ("" if known is elements else f" of {tag}")] += 1
+        within = Counter(child.tag for child in element)
+        for child in () if tag == "robot" else [child for child in elements if child in within]:
+            if within[child] > 1:
+                self.note(element, f"{within[child]} elements {child} in one {tag}: the first is taken")
+            self.look(element.find(child))

@@ -9,18 +9,8 @@ from xml.sax.saxutils import escape
 
 from flint import arb
 
-from derive.exchange.body_chain import (
-    NO_INERTIA,
-    TIP,
-    BodyChain,
-    ChainSegment,
-    Part,
-    RigidBody,
-    Rotor,
-    is_world,
-    quaternion,
-    roll_pitch_yaw,
-)
+from derive.exchange import body_chain
+from derive.exchange.body_chain import TIP, BodyChain, ChainSegment, Part, RigidBody, Rotor, is_world, roll_pitch_yaw
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
 from derive.exchange.robot_of_arm import table_text
@@ -230,7 +220,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
         is_round = all(bool(abs(part) < LEAST) for part in (*seen.com[:2], xx - yy, xy, xz, yz))
         if arm.segments[joint].joint.is_revolute and is_too_thin(seen) and is_round and not _is_nothing(seen):
             weights[beyond] = weights[beyond] + (seen if onwards else seen.moved(way))
-            weights[link] = RigidBody(arb(0), WORLD.origin, NO_INERTIA)
+            weights[link] = RigidBody(arb(0), WORLD.origin, body_chain.NO_INERTIA)
     last = len(arm.segments) - 1
     found, first = [], 0
     for i in range(last + 1):
@@ -292,7 +282,7 @@ def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:
 
 
 def _place(frame: Frame) -> dict[str, str]:
-    return {"pos": texts(frame.origin), "quat": texts(quaternion(frame))}
+    return {"pos": texts(frame.origin), "quat": texts(body_chain.quaternion(frame))}
 
 
 def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:

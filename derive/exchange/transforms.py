@@ -108,7 +108,6 @@ def _read(text: str) -> Iterator[Elementary]:
 
 
 def _elementary(turns: bool, axis: int, text: str, place: Location) -> Elementary:
-    """A transform by the text of its cell."""
     degrees = re.fullmatch(r"([^a-z\u00b0]+?)\s*(?:deg|\u00b0)\s*", text) if turns else None
     cell = parse_expression(degrees[1] if degrees else text, place)
     if degrees:

@@ -29,7 +29,7 @@ from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.hermite import TIME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
 from derive.plans.segments import Load, SegmentPeaks, Step
-from derive.plans.surroundings import PATHS, BaseCurve, check_starts
+from derive.plans.surroundings import PATHS, BaseCurve
 from derive.robot.description import INERTIA
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
@@ -85,7 +85,10 @@ class Motion:
         """
         motion = cls(plan)
         motion._samples_in(motion.duration)
-        check_starts(plan.disturbances, plan.places, motion.values, motion.duration)
+        for k, each in enumerate(plan.disturbances):
+            if (start := evaluate(each.start, motion.values)) >= motion.duration:
+                found = f"a disturbance from {start:.6g} s on, and the motion ends after {motion.duration:.6g} s"
+                raise RobotFileError(found, remedy="leave it out", location=plan.places[f"disturbance, {k}"])
         if plan.control.period is not None:
             from derive.motion.simulation.simulation import period_of
 

@@ -20,8 +20,8 @@ from sympy import Expr, Float, Integer, Poly, Rational, Symbol, expand
 from derive.arrays import Array
 
 MOST_PRINTED = 8  # pieces of a joint in a segment that are printed
-ORDERS = 4  # position and its derivatives up to the jerk
 TIME = Symbol("t", real=True)
+ZERO = Rational(0)
 
 
 @cache

@@ -127,6 +127,10 @@ class _PlanReader:
         given = self._check_way([("path", count), ("curves", len(curves)), ("recorded", recorded is not None)])
         check_effects(document, self._robot, given, points, steps)
         self._check_ends(steps, points)
+        recording = Path(document.source).parent / recorded.text if recorded else None
+        if recorded and recording and not recording.is_file():
+            allowed = "allowed: a CSV file, its path relative to the plan"
+            raise RobotFileError(f"no file {quoted(str(recording))}", allowed=allowed, location=recorded.location)
         plan = Plan(
             robot=self._robot,
             title=document.text("title"),
@@ -137,7 +141,7 @@ class _PlanReader:
             steps=steps,
             curves=curves,
             duration=numbers.positive(("time",), ZERO) if curves else ZERO,
-            recording=self._recording(recorded) if recorded else None,
+            recording=recording,
             base=read_base(document, numbers),
             speed=self._most("speed", tuple(joint.speed for joint in joints)),
             acceleration=self._most("acceleration", (None,) * self._robot.n),
@@ -324,13 +328,6 @@ class _PlanReader:
         com = tuple(numbers.number((*path, "com", k), length) for k in range(3))
         inertia = tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3))
         return Payload(mass, com, inertia, self._end(path, "a payload", end))
-
-    def _recording(self, file: YamlScalar) -> Path:
-        beside = Path(self._document.source).parent / file.text
-        if not beside.is_file():
-            allowed = "allowed: a CSV file, its path relative to the plan"
-            raise RobotFileError(f"no file {quoted(str(beside))}", allowed=allowed, location=file.location)
-        return beside
 
     def _gains(self, path: KeyPath) -> Vector:
         n, count = self._robot.n, self._document.length(path)

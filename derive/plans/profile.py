@@ -15,9 +15,7 @@ import numpy as np
 from sympy import Abs, Add, Expr, Matrix, Mul, Pow, Rational, atan, atan2, cos, pi, sign, sin, sqrt, tan, together
 
 from derive.arrays import Array
-from derive.plans.hermite import TIME, Piece, Span, joined
-
-ZERO = Rational(0)
+from derive.plans.hermite import TIME, ZERO, Piece, Span, joined
 
 KEPT = 4096  # how many parts of formulas a process keeps as functions
 

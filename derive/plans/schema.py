@@ -51,6 +51,7 @@ def _form(value: Any) -> str:
 
 
 Gains = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[list[Cell], Tag(_LIST)], Discriminator(_form)]
+GivenRobot = Annotated[Annotated[str, Tag(_TEXT)] | Annotated[RobotFile, Tag(_BLOCK)], Discriminator(_form)]
 GivenPoint = Annotated[Annotated[list[Cell], Tag(_LIST)] | Annotated[PosePoint, Tag(_BLOCK)], Discriminator(_form)]
 Carried = Annotated[Annotated[Cell, Tag(_TEXT)] | Annotated[Payload, Tag(_BLOCK)], Discriminator(_form)]
 
@@ -101,9 +102,7 @@ class DisturbanceRow(Strict):
 class PlanFile(Strict):
     """A motion: the robot, its points and the way between them."""
 
-    robot: Annotated[Annotated[str, Tag(_TEXT)] | Annotated[RobotFile, Tag(_BLOCK)], Discriminator(_form)] = Field(
-        description="A built-in name, the path of a robot file, or the robot itself."
-    )
+    robot: GivenRobot = Field(description="A built-in name, the path of a robot file, or the robot itself.")
     title: str | None = Field(default=None, description="Free text for people.")
     profile: ProfileName = Field(default="quintic", description="How the arm goes from point to point.")
     via: Via = Field(default="stop", description="Whether the arm stops at the points between.")

@@ -5,7 +5,7 @@ Such a base moves by formulas of time, as the root of a skeleton does (document 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -13,12 +13,11 @@ import numpy as np
 from sympy import Expr, Integer, Matrix, cos, eye, sin
 
 from derive.arrays import Array
-from derive.errors import Location, RobotFileError, listed, near_miss, quoted
+from derive.errors import listed, near_miss, quoted
 from derive.mechanics.vectors import about_axis
 from derive.plans.cells import PlanCells
 from derive.plans.hermite import TIME
 from derive.plans.profile import Curve
-from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
@@ -70,16 +69,6 @@ def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[
             raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
         found.append(Disturbance(variables.index(name), torque, start, end))
     return tuple(found)
-
-
-def check_starts(
-    disturbances: Iterable[Disturbance], places: Mapping[str, Location], values: Mapping[str, float], duration: float
-) -> None:
-    """Refuse a disturbance that begins when the motion has ended [s]."""
-    for k, each in enumerate(disturbances):
-        if (start := evaluate(each.start, values)) >= duration:
-            found = f"a disturbance from {start:.6g} s on, and the motion ends after {duration:.6g} s"
-            raise RobotFileError(found, remedy="leave it out", location=places[f"disturbance, {k}"])
 
 
 # -- a base that moves

@@ -15,8 +15,8 @@ from derive.arrays import Array
 from derive.errors import Location, QuantityError, RobotFileError, listed, optional, quoted
 from derive.motion.curves.extremes import refined
 from derive.motion.curves.trajectory import Trajectory
-from derive.plans.hermite import TIME, joined
-from derive.plans.profile import ZERO, Curve
+from derive.plans.hermite import TIME, ZERO, joined
+from derive.plans.profile import Curve
 from derive.plans.segments import Segment
 from derive.robot.load import file_bytes
 from derive.robot.names import acceleration_name, velocity_name

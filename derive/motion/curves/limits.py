@@ -10,9 +10,9 @@ from sympy import Expr, Rational, sqrt
 
 from derive.arrays import Array
 from derive.motion.curves.extremes import highest
-from derive.plans.hermite import Piece
+from derive.plans.hermite import ZERO, Piece
 from derive.plans.plan import Plan
-from derive.plans.profile import CRUISE, ZERO
+from derive.plans.profile import CRUISE
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names
 

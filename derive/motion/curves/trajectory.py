@@ -72,8 +72,6 @@ _COSINE, _CURVE = 0, -1
 
 
 class _Track:
-    """The pieces of one joint in floats."""
-
     def __init__(self, pieces: Sequence[AnyPiece]) -> None:
         self.starts = np.array([float(piece.start) for piece in pieces])
         self._start_list = [float(start) for start in self.starts]

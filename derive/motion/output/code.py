@@ -15,7 +15,6 @@ from fractions import Fraction
 from functools import cached_property, reduce
 from math import factorial
 from operator import add, mul
-from pathlib import Path
 
 import numpy as np
 import sympy
@@ -299,7 +298,15 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
         of_casadi = module_of(folder / MODULE, "derive_motion_casadi").motion(times[None, :])
         values = {MODULE: np.array([np.array(value).T for value in of_casadi])}
         if compiler:
-            values[CODE] = _c_values(folder, prefix, compiler, times, expected.shape[2])
+            library, n = folder / "motion.so", expected.shape[2]
+            compile_shared(compiler, [folder / CODE], library, C_OPTIONS)
+            function = getattr(ctypes.CDLL(str(library)), f"{prefix}motion")
+            function.argtypes = [ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3]
+            function.restype = None
+            values[CODE], row = np.full(expected.shape, np.nan), [(ctypes.c_double * n)() for _ in range(3)]
+            for k, t in enumerate(times):
+                function(float(t), *row)
+                values[CODE][:, k] = row
     for name, got in values.items():
         errors = relative_errors(np.where(got == expected, 0.0, got - expected), scale)
         place = np.unravel_index(int(errors.argmax()), errors.shape)
@@ -309,18 +316,3 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
             found = f"{what}{place[2] + 1} of {name} is {got[place]!r} instead of {expected[place]!r}"
             raise VerificationError(f"{found} at {times[place[1]]:.17g} s", remedy=REMEDY)
     return worst
-
-
-def _c_values(folder: Path, prefix: str, compiler: Command, times: Array, n: int) -> Array:
-    """q, qd, qdd of the compiled function, (3, times, n)."""
-    library = folder / "motion.so"
-    compile_shared(compiler, [folder / CODE], library, C_OPTIONS)
-    function = getattr(ctypes.CDLL(str(library)), f"{prefix}motion")
-    function.argtypes = [ctypes.c_double, *[ctypes.POINTER(ctypes.c_double)] * 3]
-    function.restype = None
-    found = np.full((3, times.size, n), np.nan)
-    row = [(ctypes.c_double * n)() for _ in range(3)]
-    for k, t in enumerate(times):
-        function(float(t), *row)
-        found[:, k] = row
-    return found

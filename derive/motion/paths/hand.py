@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from math import isfinite, nan
+from typing import Self
 
 import numpy as np
 from sympy import Expr, Float, Integer, Symbol, sstr
@@ -16,9 +17,8 @@ from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, smooth_path
 from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.torques.functions import Functions, arm_of
-from derive.plans.hermite import Piece
+from derive.plans.hermite import ZERO, Piece
 from derive.plans.plan import Plan
-from derive.plans.profile import ZERO
 from derive.plans.segments import Joints, Point, Step, Vector
 from derive.robot.description import Link
 from derive.robot.evaluate import evaluate
@@ -29,13 +29,30 @@ MET = 1e-9  # largest difference, relative, of both sides of a condition that ho
 ARRIVED = 1e-6  # largest difference between a configuration and where a line ends [rad or m]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Arm:
     """The serial arm that leads to an end."""
 
     robot: Robot
     places: tuple[int, ...]  # of its joints among those of the plan
     functions: Functions  # its kinematics
+
+    @classmethod
+    def to(cls, plan: Plan, values: Mapping[str, float], end: str) -> Self:
+        """The arm to an end of a plan's robot."""
+        names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
+        poses = any(point.pose and point.end == end for point in plan.points.values())
+        arm, places = arm_of(plan.robot, end)
+        return cls(arm, places, Functions(arm, names, values, inverse=poses))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the solutions of its inverse kinematics."""
+        from derive.inverse.closed.solve import solve
+        from derive.inverse.words.postures import postures
+
+        names = postures(self.robot, solve(self.robot)).names if self.functions.branches > 1 else ()
+        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
 
     def q(self, corner: Sequence[Expr]) -> Array:
         """Its joint variables of a configuration."""
@@ -49,7 +66,7 @@ class Hand:
         self, plan: Plan, values: Mapping[str, float], exact: Callable[[Vector], Corner], torques: Torques
     ) -> None:
         self._plan, self._values, self._exact, self._torques = plan, values, exact, torques
-        self._arm, self._names = cache(self._arm_to), cache(self._names_of)
+        self._arm = cache(partial(Arm.to, plan, values))
 
     @cached_property
     def limits(self) -> Limits:
@@ -62,12 +79,6 @@ class Hand:
     def exact(self, value: Expression) -> Expr:
         """A cell with the numbers of its symbols."""
         return self._exact((value,))[0]
-
-    def _arm_to(self, end: str) -> Arm:
-        names = frozenset({"forward_kinematics", "jacobian", "jacobian_dot"})
-        poses = any(point.pose and point.end == end for point in self._plan.points.values())
-        arm, places = arm_of(self._plan.robot, end)
-        return Arm(arm, places, Functions(arm, names, self._values, inverse=poses))
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
@@ -100,7 +111,7 @@ class Hand:
             if not point.branch:
                 continue
             # Those whose names have all words of the point's branch.
-            names, wanted = self._names(point.end), _words(point.branch)
+            names, wanted = self._arm(point.end).names, _words(point.branch)
             found[name] = tuple(k for k, own in enumerate(names) if wanted <= _words(own))
             if not found[name]:
                 allowed = f"allowed: {'; '.join(names)}; or some of these words" if names else ""
@@ -109,15 +120,6 @@ class Hand:
                 remedy = "leave branch out for the nearest"
                 raise RobotFileError(said, allowed=allowed, remedy=remedy, location=point.location)
         return found
-
-    def _names_of(self, end: str) -> tuple[str, ...]:
-        """Of the solutions of an end."""
-        from derive.inverse.closed.solve import solve
-        from derive.inverse.words.postures import postures
-
-        arm = self._arm(end)
-        names = postures(arm.robot, solve(arm.robot)).names if arm.functions.branches > 1 else ()
-        return tuple(name or f"#{k}" for k, name in enumerate(names, 1))
 
     def _pose(self, point: Point, arm: Arm) -> Array:
         if point.pose is None:
@@ -227,7 +229,7 @@ class Hand:
         here = q[-1 if name == step.to else int((off**2).sum(axis=1).argmin())]
         pose, turns = functions("forward_kinematics", here), [joint.is_revolute for joint in arm.robot.joints]
         # From each solution to the arm: angles that differ by whole turns are one, sin(off/2) is zero.
-        names = self._names(point.end)
+        names = self._arm(point.end).names
         ways = (functions.nearest(pose, here, (k,)) - here for k in range(len(names)))
         gaps = (np.abs(np.where(turns, np.sin(way / 2), way)).max() for way in ways)
         found = next((k for k, gap in enumerate(gaps) if gap <= ARRIVED), None)

@@ -244,7 +244,6 @@ class Follower:
         return found
 
     def _least(self, jacobian: Array, wanted: Array) -> Array:
-        """The least step of the joints."""
         found = np.asarray(np.linalg.lstsq(jacobian, wanted, rcond=None)[0], dtype=float)
         found[list(self.held)] = 0.0
         return found
@@ -286,7 +285,6 @@ def all_directions(functions: Functions) -> int:
 
 
 def _jacobians(functions: Functions) -> list[Array]:
-    """J at random configurations."""
     return [functions("jacobian", q) for q in np.random.default_rng(0).uniform(-1, 1, (PROBES, functions.n))]
 
 
