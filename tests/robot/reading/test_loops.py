@@ -28,5 +28,5 @@ def test_passive_joints_follow_the_variables_of_their_own_loops_alone() -> None:
 
 
 def test_a_file_without_loops_is_read_as_before() -> None:
-    document, robot = read_document(robot_file_bytes("planar-3r").decode(), "planar-3r"), Robot.load("planar-3r")
+    document, robot = read_document(robot_file_bytes("planar-3r"), "planar-3r"), Robot.load("planar-3r")
     assert with_loops(document, robot, (), lambda path: pytest.fail(f"nothing to read at {path}")) == robot
