@@ -16,7 +16,7 @@ EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["p
 HINTED = {
     extra
     for path in (ROOT / "derive").rglob("*.py")
-    for extra in re.findall(r'install_extra\("([^"]+)"\)', path.read_text(encoding="utf-8"))
+    for extra in re.findall(r'(?:install_extra\(|needs? \w+", (?:extra=)?)"([^"]+)"', path.read_text(encoding="utf-8"))
 }
 
 
