@@ -3,7 +3,7 @@
 import argparse
 
 from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import DONE, one_line, print_json
+from derive.cli.terminal import one_line, print_json
 from derive.errors import DeriveError
 
 DESCRIPTION = """\
@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "format", choices=("text", "latex"), help="form of the derivation: text (default) or latex")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Convert the robot; write the file or print it."""
     from derive.api.convert import convert
     from derive.exchange.convert import moves
@@ -63,4 +63,3 @@ def run(arguments: argparse.Namespace) -> int:
         print(one_line(f"{arguments.out}: {count}, {made.robot.convention.value}"))
         for line in lines:
             print(f"  {one_line(line)}")
-    return DONE

@@ -3,7 +3,7 @@
 import argparse
 
 from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import DONE, print_json
+from derive.cli.terminal import print_json
 
 DESCRIPTION = """\
 Write a robot for another program.
@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the file, or print it."""
     from derive.api.export import export_file
     from derive.api.robots import load
@@ -56,4 +56,3 @@ def run(arguments: argparse.Namespace) -> int:
         print(found.text, end="")
     elif not arguments.quiet:
         print(arguments.out)
-    return DONE

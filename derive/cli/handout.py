@@ -93,7 +93,7 @@ def _write_fragment(robot: Robot, arguments: argparse.Namespace, options: Mappin
         write_files({target: text.encode()}, force=arguments.force)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the handout, or print the fragment."""
     from derive.api.handout import handout
     from derive.api.robots import load
@@ -122,7 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
         options["style"] = found.style
     if arguments.fragment is not None:
         _write_fragment(robot, arguments, options)
-        return 0
+        return
     flags = keywords(arguments, "exercise", "force", "pages", "plan")
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
         result = handout(robot, arguments.out or Path(), formats=formats, **options, **flags, progress=tell)
@@ -136,4 +136,3 @@ def run(arguments: argparse.Namespace) -> int:
         if result.shortened:
             print("shortened to fit --pages; page 1 lists what is missing; --pages 0 prints everything")
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
-    return 0

@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the catalogue."""
     from derive.api.robots import catalogue, load
 
@@ -39,10 +39,9 @@ def run(arguments: argparse.Namespace) -> int:
         rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
     if arguments.json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])
-        return 0
+        return
     if not arguments.plans:
         rows = [
             (name, j if len(j) <= 8 else f"{len(j)} joints", c, "yes" if d else "-", t) for name, j, c, d, t in rows
         ]
     print_columns([[one_line(str(cell)) for cell in row] for row in rows], keys)
-    return 0

@@ -107,7 +107,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the file and say where."""
     from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names
     from derive.publish.atomic_folder import write_files
@@ -154,7 +154,6 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"file": str(path)})
     elif not arguments.quiet:
         print(path)
-    return 0
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:

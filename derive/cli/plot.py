@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Draw, write the file as a whole, and report what was assumed."""
     from derive.api.plot import plot
 
@@ -41,4 +41,3 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"robot": result.robot, "file": str(result.path), "report": result.remarks})
     elif not arguments.quiet:
         print(f"{result.path}: {result.remarks}")
-    return 0

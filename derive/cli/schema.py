@@ -20,14 +20,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the schema."""
     if arguments.plan:
-        from derive.plans.schema import plan_json_schema
-
-        print_json(plan_json_schema())
-        return 0
-    from derive.robot.reading.schema import json_schema
-
-    print_json(json_schema())
-    return 0
+        from derive.plans.schema import plan_json_schema as schema
+    else:
+        from derive.robot.reading.schema import json_schema as schema
+    print_json(schema())

@@ -66,7 +66,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--exact", action="store_true", help="exact fractions and roots (default for Python and JSON without --at)")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Derive the quantities and print them."""
     from derive.api.robots import load
 
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
     if not (arguments.quantities or with_numbers):
         _list(robot, form)
-        return 0
+        return
     from derive.model.model import Model
     from derive.model.quantities import DESCRIBED
 
@@ -93,13 +93,12 @@ def run(arguments: argparse.Namespace) -> int:
     written = [(name, _written(robot, form, name, value, digits, printer)) for name, value in shown]
     if form == "json":
         print_json({"robot": robot.name, "quantities": dict(written), "remarks": robot.remarks_as_dicts})
-        return 0
+        return
     if with_numbers:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
     print("\n\n".join("\n".join(lines) for _, lines in written))
-    return 0
 
 
 def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool) -> list[tuple[str, Any]]:

@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Verify the folder and print the worst errors."""
     from derive.api.build import verify
     from derive.api.importing import verify_import
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:
             print_json({"robot": robot.name, "import": imported.as_dict(), "remarks": robot.remarks_as_dicts})
-        return 0
+        return
     report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         further = {} if imported is None else {"import": imported.as_dict()}
@@ -51,4 +51,3 @@ def run(arguments: argparse.Namespace) -> int:
         print_columns(rows, ("target", "function", "samples", "worst error"))
         for reason in report.reasons:
             print(reason)
-    return 0

@@ -129,17 +129,17 @@ def write_statements(
     language: Language,
     nodes: Iterable[int],
     pieces: dict[int, CodePiece],
-    free_names: Iterator[str],
+    free_names: Iterator[str] | None = None,
     names: Mapping[int, str] | None = None,
 ) -> tuple[str, ...]:
-    """Statements that compute some values of a tape."""
-    named = names or {}
+    """Statements that compute some values of a tape; by default they are called ``t1``, ``t2``, ..."""
+    named, free = names or {}, free_names or temporary_names()
     lines = []
     for i in nodes:
         node = tape.nodes[i]
         piece = language.operation(node.op, [pieces[k] for k in node.operands])
         if i in named or tape.use_counts[i] != 1 or len(piece.text) > _INLINE_WIDTH:
-            name = named.get(i) or next(free_names)
+            name = named.get(i) or next(free)
             lines.append(language.assignment.format(name=name, value=piece.text))
             piece = CodePiece(name)
         pieces[i] = piece

@@ -25,7 +25,7 @@ class Input:
 
 def render_native(source: Source) -> dict[str, str]:
     """Module and code."""
-    code, inverse = c_context(source), solvable(source.program)
+    code, inverse = c_context(source), solvable(source)
     texts = code["functions"]
     loops = [_loop(function, text, source.robot.dof) for function, text in zip(source.program, texts, strict=True)]
     solver = [code["inverse"]["function"]] if inverse else []

@@ -39,7 +39,6 @@ def render_octave(source: Source) -> dict[str, str]:
             name.lower(): "; ".join(bound_text(inf if most is None else most, "Inf") for most in row)
             for name, row in joint_bounds(robot).items()
         },
-        "has_parameters": bool(program.parameters),
         "functions": functions,
         "inverse": inverse,
         "without_inverse": "its solutions come from eigenvalues or a search, which NumPy and C have"
@@ -113,7 +112,6 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "unpack": _unpacked(function, robot.dof),  # statements that name the entries of the arguments
         "needed": wrapped([matlab_string(name) for name in needed], " ..."),
         "unpack_parameters": tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
-        "hoists": bool(kernel.constants),  # whether there are values on parameters alone
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": kernel.constant_values,  # the values that the body takes from there
         "unpack_constants": tuple(f"{name} = k({place});" for place, name in enumerate(kernel.constants, 1)),

@@ -66,16 +66,12 @@ def render(source: Source) -> dict[str, str]:
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
         "matlab": next((name[1:-1] for name in source.files if name.startswith("+")), ""),
-        "has_dynamics": robot.has_dynamics,
         "functions": _functions(program),
         "inverse": inverse.summary if inverse is not None else "",
-        "branches": inverse.branches if inverse is not None else 0,
         "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
-        "is_search": program.search is not None,
-        "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
+        "search": program.search,
         "without_inverse": program.without_inverse,
         "solved_ends": [each.end for each in program.of_ends],
-        "solved_ends_listed": ", ".join(each.end for each in program.of_ends),
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
@@ -94,10 +90,7 @@ def render(source: Source) -> dict[str, str]:
 def _functions(program: Program) -> list[dict[str, str]]:
     """The rows of the table of functions; inverse kinematics, with all its branches, is the last."""
     shown = [(function, function.arguments, function.shape) for function in program]
-    if (inverse := program.inverse or program.search) is not None:
-        arguments = (POSE, GIVEN) if inverse.given else (POSE,)
-        shown.append((inverse.function, arguments, (inverse.branches, inverse.joints)))
-    for solved in (each.inverse for each in program.of_ends):
+    for solved in filter(None, (program.inverse or program.search, *(each.inverse for each in program.of_ends))):
         arguments = (POSE, GIVEN) if solved.given else (POSE,)
         shown.append((solved.function, arguments, (solved.branches, solved.joints)))
     return [
