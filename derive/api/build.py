@@ -72,10 +72,7 @@ def build_all(
     Args:
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
-        targets: See `build`.
-        only: See `build`.
-        force: See `build`.
-        effort: See `build`.
+        targets, only, force, effort: See `build`.
         jobs: Robots built at once, each in a process of its own.
         progress: Called with a robot's name and the stage it has reached.
 
@@ -110,9 +107,7 @@ def stale(
     Args:
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
-        targets: See `build`.
-        only: See `build`.
-        effort: See `build`.
+        targets, only, effort: See `build`.
         jobs: Robots compared at once, each in a process of its own.
         progress: Called with a robot's name when it is done.
 

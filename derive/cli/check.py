@@ -102,9 +102,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import document_named, formula_lines, formula_printout
     from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
+    from derive.checking.printouts import document_named, formula_lines, formula_printout
     from derive.checking.report import as_dict, finding_dict
 
     quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None
@@ -140,8 +140,8 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
 
 def _several(arguments: argparse.Namespace) -> int:
     """A document about several robots: for each its formulas."""
-    from derive.api.check import document_named, document_printouts, formula_lines
     from derive.api.robots import load
+    from derive.checking.printouts import document_named, document_printouts, formula_lines
     from derive.checking.report import as_dict
 
     text = sys.stdin.read() if arguments.latex == "-" else arguments.latex

@@ -14,7 +14,7 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any, TextIO
@@ -50,6 +50,16 @@ def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> 
 def print_json(value: Any) -> None:
     """Print plain data as JSON, indented, keys in the order given."""
     print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_written(arguments: argparse.Namespace, text: str, report: dict[str, Any], lines: Iterable[str]) -> None:
+    """Print what was written to the file of ``-o``: as data, or lines about it; without a file the text itself."""
+    if arguments.json:
+        print_json(({"file": str(arguments.out)} if arguments.out else {"text": text}) | report)
+    elif arguments.out is None:
+        print(text, end="")
+    elif not arguments.quiet:
+        print(*map(one_line, lines), sep="\n")
 
 
 def explain(error: BaseException) -> tuple[str, int]:

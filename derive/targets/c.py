@@ -123,7 +123,6 @@ def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = Tr
 
 
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
-    """The lines of a function's comment in the header."""
     wording = function.interface
     layout = ", row by row" if len(function.shape) > 1 else ""
     constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
@@ -293,7 +292,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
 
 
 def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
-    """The lines of the comment in the header."""
     interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
     far = POLICY.texts["far"]
     constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."

@@ -39,7 +39,6 @@ def camel_case(name: str) -> str:
 
 
 def _body_context(robot: Robot, program: Program) -> dict[str, object]:
-    """What the template of the declarations asks for."""
     limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
         "dof": robot.dof,

@@ -204,7 +204,6 @@ def _unpacking(names: Sequence[str], source: str) -> str:
 
 
 def _documentation(function: Function, *options: str) -> tuple[str, ...]:
-    """The lines of a docstring after its first."""
     wording = function.interface
     shape = ", ".join(("...", *map(str, function.shape)))
     lines = (

@@ -150,7 +150,6 @@ def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
 
 
 def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot, package: str) -> tuple[str, ...]:
-    """The lines of the help of the solution nearest to a configuration, after its first."""
     params = ["params"] if program.parameters else []
     return (
         f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
@@ -213,7 +212,6 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
 
 
 def _documentation(function: Function, package: str, joints: int, parameters: Sequence[str]) -> tuple[str, ...]:
-    """The lines of a function's help after its first."""
     wording = function.interface
     _, extent = _column_major(function.shape)
     shape = shape_text((*extent, 1) if len(extent) == 1 else extent)

@@ -22,6 +22,7 @@ expected:
 """
 HANDOUT = "derive.api.handout.handout_files"
 MOVE = "derive.motion.motion.Motion.load"
+PRINTOUT = "derive.checking.printouts.formula_printout"
 FORMULA = "--quantity 'p[1]' --expression 'a1*c1'"
 
 WRITING = {
@@ -39,7 +40,7 @@ WRITING = {
     ("handout --exercise", "out"): ("handout arm.yaml --exercise", "pendulum-solutions.tex", HANDOUT),
     ("handout --fragment", "out"): ("handout arm.yaml --fragment B -o b.tex", "b.tex", "derive.api.handout.fragment"),
     ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.api.check.checked_file"),
-    ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", "derive.api.check.formula_printout"),
+    ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", PRINTOUT),
     ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.api.check.checked_file"),
     ("import", "out"): ("import arm.urdf -o b.yaml", "b.yaml", "derive.api.importing.import_urdf"),
     ("import --all", "out"): ("import arm.urdf --all -o arms", "arms/arm-b.yaml", ""),

@@ -32,7 +32,6 @@ from derive.robot.robot import Robot
 PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
 _SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
-_SHORTHAND = ("c", "s")
 
 
 def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
@@ -82,7 +81,7 @@ class PrintedDerivation:
         names = pose_names(robot)
         self.pose = {place: sympy.Symbol(name) for place, name in names.items()}
         variables = [joint.variable for joint in robot.joints]
-        taken = {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND}
+        taken = {*robot_symbols(robot), *variables, *names.values(), "c", "s"}
         self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
         # what the pose within the arm has that no entry of the pose is, but for its sign
         within = {
