@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import FAILED, explain, positive, print_columns, print_error, print_json, progress
+from derive.cli.terminal import FAILED, add_shared, explain, positive, print_columns, print_error, print_json, progress
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,7 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        how = {**keywords(arguments, "only", "effort", "jobs"), "targets": targets, "progress": tell}
+        only, effort, jobs = arguments.only, arguments.effort, arguments.jobs
+        how = {"targets": targets, "only": only, "effort": effort, "jobs": jobs, "progress": tell}
         if arguments.check:
             results = stale(robots, arguments.out, **how)
         else:

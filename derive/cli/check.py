@@ -10,8 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import STDOUT, add_shared
-from derive.cli.terminal import line_range, one_line, print_error, print_json
+from derive.cli.terminal import STDOUT, add_shared, line_range, one_line, print_error, print_json
 from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:

@@ -2,8 +2,7 @@
 
 import argparse
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import print_written
+from derive.cli.terminal import add_shared, keywords, print_written
 
 DESCRIPTION = """\
 Write a robot for another program.

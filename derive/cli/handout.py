@@ -6,8 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from derive.cli.options import STDOUT, add_shared, keywords
-from derive.cli.terminal import print_json, progress
+from derive.cli.terminal import STDOUT, add_shared, keywords, print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.options.handout import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
 

@@ -7,8 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import one_line, print_json
+from derive.cli.terminal import add_shared, keywords, one_line, print_json
 from derive.errors import DeriveError
 
 if TYPE_CHECKING:

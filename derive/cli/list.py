@@ -3,8 +3,7 @@
 import argparse
 from typing import Any
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import one_line, print_columns, print_json
+from derive.cli.terminal import add_shared, one_line, print_columns, print_json
 
 DESCRIPTION = """\
 List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title; or the built-in plans of

@@ -157,7 +157,7 @@ class _Command(_Parser):
 
     def configured(self) -> None:
         """Import the command's module, which says what its arguments are."""
-        from derive.cli.options import OLD, add_shared  # help needs none of it
+        from derive.cli.terminal import OLD, add_shared  # help needs none of it
 
         name = self.prog.split()[-1]
         module = import_module(f"derive.cli.{name}" + "_" * iskeyword(name))

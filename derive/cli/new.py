@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from textwrap import dedent
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import line_range, positive, print_json
+from derive.cli.terminal import add_shared, line_range, positive, print_json
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.reading.size_limits import FILE_LIMITS
 

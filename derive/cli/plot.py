@@ -3,8 +3,7 @@
 import argparse
 from pathlib import Path
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import magnification, print_json, progress
+from derive.cli.terminal import add_shared, keywords, magnification, print_json, progress
 
 DESCRIPTION = """\
 Draw the arm with its joints, links, Denavit-Hartenberg frames and lengths.

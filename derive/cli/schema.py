@@ -2,8 +2,7 @@
 
 import argparse
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import print_json
+from derive.cli.terminal import add_shared, print_json
 
 DESCRIPTION = """\
 Print the JSON Schema of the robot file, or of the motion plan, which lets an editor complete and check it while you

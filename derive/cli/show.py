@@ -9,8 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import digit_count, print_columns, print_json
+from derive.cli.terminal import add_shared, digit_count, print_columns, print_json
 from derive.errors import QuantityError, near_miss, quoted
 from derive.robot.rounding import DIGITS, number_text
 

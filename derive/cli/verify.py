@@ -3,8 +3,7 @@
 import argparse
 from pathlib import Path
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import one_line, positive, print_columns, print_json
+from derive.cli.terminal import add_shared, one_line, positive, print_columns, print_json
 
 DESCRIPTION = """\
 Import the models in DIR/<robot>/ and compare each function with an independent recursion in plain floats, at random

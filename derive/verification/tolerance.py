@@ -5,9 +5,10 @@ is not compared with a large shoulder inertia. Where an entry vanishes only roun
 its natural size counts, the bound that masses, lengths and rates give for that entry.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -76,49 +77,17 @@ class Bounds:
 
     def natural_size(self, function: str, arguments: Sequence[Array]) -> Array:
         """Natural size of each entry of a generated function's value."""
-        rates = [largest(argument) for argument in arguments[1:]]
         name = stem(function)
-        match name:
-            case "forward_kinematics" | "link_transforms":
-                size = np.ones((4, 4))
-                size[:3, 3] = self.extent
-                return size
-            case "jacobian" | "jacobian_end" | "analytic_jacobian_rpy" | "analytic_jacobian_zyz":
-                return self.jacobian
-            case "jacobian_dot":
-                return self.jacobian * self.turning(rates[0])
-            case "jacobian_hessian":
-                return self.jacobian[..., None] * self.steepness
-            case "manipulability" | "manipulability_position" | "manipulability_orientation" | "manipulability_dq":
-                # the product of the lengths of as many rows as there are
-                rows = self.rows(name.partition("_")[2].removeprefix("dq") or "all")
-                lengths = np.linalg.norm(self.jacobian[rows], axis=1)
-                return np.asarray(np.prod(lengths) * (self.steepness if name == "manipulability_dq" else 1.0))
-            case "wrench_torques" | "wrench_torques_end":
-                return np.asarray(rates[0] @ self.jacobian)
-            case "wrench_torques_dq" | "wrench_torques_end_dq":
-                return np.outer(rates[0] @ self.jacobian, self.steepness)
-            case "inertia_matrix":
-                return self.inertia_matrix
-            case "coriolis_matrix":
-                return self.coriolis_matrix(rates[0])
-            case "coriolis_vector":
-                return self.coriolis_matrix(rates[0]) @ rates[0]
-            case "gravity_vector":
-                return self.gravity
-            case "kinetic_energy":
-                return 0.5 * (rates[0] @ self.inertia_matrix @ rates[0])
-            case "potential_energy":
-                return self.potential
-            case "inverse_dynamics":
-                return self.torque(*rates)
-            case "inverse_dynamics_dq":
-                rigid = self.torque(*rates) - self.friction[0] * rates[0] - self.friction[1]
-                return np.outer(rigid, self.steepness)
-            case "inverse_dynamics_dqd":
-                return 2.0 * self.coriolis_matrix(rates[0]) + np.diag(self.friction[0])
-            case _:  # it is verified in a way of its own
-                raise KeyError(function)
+        if name.startswith("manipulability"):  # the product of the lengths of as many rows as there are
+            rows = self.rows(name.partition("_")[2].removeprefix("dq") or "all")
+            lengths = np.linalg.norm(self.jacobian[rows], axis=1)
+            return np.asarray(np.prod(lengths) * (self.steepness if name == "manipulability_dq" else 1.0))
+        return np.asarray(_SIZES[name](self, *map(largest, arguments[1:])))
+
+    @property
+    def pose(self) -> Array:
+        """Bound of T, (4, 4)."""
+        return np.vstack([np.hstack([np.ones((3, 3)), np.full((3, 1), self.extent)]), np.ones((1, 4))])
 
     @property
     def jacobian(self) -> Array:
@@ -142,8 +111,11 @@ class Bounds:
 
     def torque(self, rate: Array, acceleration: Array) -> Array:
         """Bound of B qdd + C qd + g + friction."""
-        moving: Array = self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate
-        return np.asarray(moving + self.gravity + self.friction[0] * rate + self.friction[1])
+        return np.asarray(self.rigid(rate, acceleration) + self.friction[0] * rate + self.friction[1])
+
+    def rigid(self, rate: Array, acceleration: Array) -> Array:
+        """Bound of B qdd + C qd + g."""
+        return np.asarray(self.inertia_matrix @ acceleration + self.coriolis_matrix(rate) @ rate + self.gravity)
 
     def turning(self, rate: Array) -> float:
         """Bound of angular velocities [rad/s]: the sum over all joints, displacements as turns of the whole arm."""
@@ -159,6 +131,27 @@ class Bounds:
         of_eight += tuple(f"wrench_torques{kind}" for kind in ("", "_dq", "_end", "_end_dq"))
         steps = {"jacobian": 4.0, **dict.fromkeys(of_eight, 8.0)}
         return steps.get(stem(function), 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
+
+
+# Natural sizes of values, from the bounds and the largest rates; other functions are verified in ways of their own.
+_SIZES: Mapping[str, Callable[..., Any]] = {
+    **dict.fromkeys(("forward_kinematics", "link_transforms"), lambda bounds: bounds.pose),
+    **dict.fromkeys(("jacobian", "jacobian_end", *ANGLES), lambda bounds: bounds.jacobian),
+    "jacobian_dot": lambda bounds, qd: bounds.jacobian * bounds.turning(qd),
+    "jacobian_hessian": lambda bounds: bounds.jacobian[..., None] * bounds.steepness,
+    **dict.fromkeys(("wrench_torques", "wrench_torques_end"), lambda bounds, h: h @ bounds.jacobian),
+    "wrench_torques_dq": lambda bounds, h: np.outer(h @ bounds.jacobian, bounds.steepness),
+    "wrench_torques_end_dq": lambda bounds, h: np.outer(h @ bounds.jacobian, bounds.steepness),
+    "inertia_matrix": lambda bounds: bounds.inertia_matrix,
+    "coriolis_matrix": Bounds.coriolis_matrix,
+    "coriolis_vector": lambda bounds, qd: bounds.coriolis_matrix(qd) @ qd,
+    "gravity_vector": lambda bounds: bounds.gravity,
+    "kinetic_energy": lambda bounds, qd: 0.5 * (qd @ bounds.inertia_matrix @ qd),
+    "potential_energy": lambda bounds: bounds.potential,
+    "inverse_dynamics": Bounds.torque,
+    "inverse_dynamics_dq": lambda bounds, qd, qdd: np.outer(bounds.rigid(qd, qdd), bounds.steepness),
+    "inverse_dynamics_dqd": lambda bounds, qd: 2.0 * bounds.coriolis_matrix(qd) + np.diag(bounds.friction[0]),
+}
 
 
 def _carried(arm: NumericArm, values: Array) -> Array:

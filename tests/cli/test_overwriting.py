@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import COMMANDS, whole_parser
-from derive.cli.options import file_or_stdout
+from derive.cli.terminal import file_or_stdout
 from derive.motion.motion import Motion
 from tests.cli.command import PENDULUM, accepted, contents, derive, refused
 

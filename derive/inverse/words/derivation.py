@@ -6,7 +6,7 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -94,7 +94,14 @@ class PrintedDerivation:
         extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
-        self._images = self._generators(names)
+        # What the generators of the graph's ring are, but those that are defined by others.
+        shifted = {
+            j.variable: add(Name(j.variable), shift) for j, shift in zip(robot.joints, graph.shifts, strict=True)
+        }
+        self._images = {f"T[{i},{j}]": self._domain.ring.generator(name) for (i, j), name in names.items()}
+        for g in graph.domain.generators:
+            if g.name not in POSE_NAMES:
+                self._images[g.name] = self._domain.constant(substitute(g.expression, shifted))
         self._pose_names = {*names.values(), *within.values()}
         for name, p in graph.definitions:
             image = self._composed(p)
@@ -113,18 +120,6 @@ class PrintedDerivation:
     def written(self, p: Polynomial) -> Expr:
         """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
-
-    def _generators(self, names: Mapping[tuple[int, int], str]) -> dict[str, Polynomial]:
-        """What the generators of the graph's ring are, but those that are defined by others."""
-        joints, target = self._robot.joints, self._domain
-        shifted = {
-            j.variable: add(Name(j.variable), shift) for j, shift in zip(joints, self._graph.shifts, strict=True)
-        }
-        images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
-        for g in self._graph.domain.generators:
-            if g.name not in POSE_NAMES:
-                images[g.name] = target.constant(substitute(g.expression, shifted))
-        return images
 
     def _composed(self, p: Polynomial) -> Polynomial:
         ring = self._domain.ring
