@@ -155,8 +155,7 @@ class ImportCheck:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        position = None if self.found is None else self.found.position
-        rotation = None if self.found is None else self.found.rotation
+        position, rotation = (self.found.position, self.found.rotation) if self.found else (None, None)
         return {"source": self.source, "position_error": position, "rotation_error": rotation, "changed": self.changed}
 
 
