@@ -6,9 +6,8 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
 from derive.checking import report as reporting
-from derive.checking.files import check_path
 from derive.checking.formulas.findings import Finding, judge
-from derive.checking.printouts import document_named, formula_lines, formula_printout, printout_of
+from derive.checking.printouts import document_named, file_printout, formula_lines, formula_printout
 from derive.checking.report import Printout
 from derive.errors import CheckError
 
@@ -81,7 +80,8 @@ def check(file: str | Path) -> CheckedFile:
         RobotFileError: The file cannot be read.
         CheckError: A formula cannot be read.
     """
-    checked = checked_file(file)
+    checked = file_printout(file)
+    tell(checked.remarks)
     return _checked(checked, reporting.report_lines(checked))
 
 
@@ -132,24 +132,6 @@ def check_latex(
     formula = document_named(str(latex), lines, section) or str(latex)
     reported = formula_printout(load(robot, remarks_on_bodies=False), quantity, formula, latex=True)
     return _checked(reported, formula_lines(reported))
-
-
-def checked_file(file: str | Path) -> Printout:
-    """The comparisons of a file as they are reported.
-
-    Args:
-        file: A corpus file.
-
-    Returns:
-        The comparisons, and how derived formulas are printed.
-
-    Raises:
-        RobotFileError: The file cannot be read.
-        CheckError: A formula cannot be read.
-    """
-    report, robot = check_path(str(file))
-    tell(robot.remarks)
-    return printout_of(report, robot, robot.remarks)
 
 
 def check_inverse(robot: RobotLike, solution: str | Path, *, latex: bool = False, task: str = "") -> CheckedFile:

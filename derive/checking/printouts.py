@@ -1,4 +1,4 @@
-"""Formulas that are checked without a corpus file: one alone, or those of a document about one or several robots."""
+"""What is checked, as it is reported: a corpus file, a formula, or a document about one or several robots."""
 
 import re
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ from pathlib import Path
 from derive.checking import report as reporting
 from derive.checking.comparison import check_expression, divided
 from derive.checking.documents import KINDS, Manuscript, document_of, is_document, read_document
+from derive.checking.files import check_path
 from derive.checking.formulas.findings import FileReport
 from derive.checking.formulas.printed import Asked
 from derive.checking.inverse.check import check_inverse, inverse_text, names_inverse
@@ -25,6 +26,12 @@ from derive.robot.options.inverse import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 from derive.robot.tree import require_chain
+
+
+def file_printout(file: str | Path) -> Printout:
+    """The comparisons of a corpus file."""
+    report, robot = check_path(str(file))
+    return printout_of(report, robot, robot.remarks)
 
 
 def formula_printout(

@@ -84,10 +84,14 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.files and arguments.latex is None:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
-        from derive.api.check import checked_file
+        from derive.api.robots import tell
+        from derive.checking.printouts import file_printout
         from derive.checking.report import as_dict, report_lines
 
-        checked = [checked_file(path) for path in arguments.files]
+        checked = []
+        for path in arguments.files:
+            checked.append(file_printout(path))
+            tell(checked[-1].remarks)
         written = (as_dict(x.report, x.exact) | {"remarks": [r.as_dict() for r in x.remarks]} for x in checked)
         status = _told(arguments, checked, lambda: list(written), None if sys.stdout.isatty() else report_lines)
         return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared

@@ -16,8 +16,8 @@ from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
 from derive.targets.escape import c_comment, c_prefix
-from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, case_context, input_name, write_statements
-from derive.targets.target import Source, Target, bound_text, heading, joint_limits, shape_text
+from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, write_statements
+from derive.targets.target import Source, Target, bound_text, case_context, heading, joint_limits, shape_text
 from derive.targets.templating import render
 
 if TYPE_CHECKING:
@@ -258,8 +258,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "function": function,  # the texts of its program; its constants are followed by those of the step
         "step": step,  # those of its Newton step
         "step_constants": f", k + {function['constant_count'] - further}" if further else "",
-        "constants_declaration": ", const double *restrict k" if further else "",
-        "constants_argument": ", k" if further else "",
         "branches": inverse.branches,
         "size": inverse.branches * inverse.joints,  # joint variables of all branches
         "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
@@ -279,7 +277,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "turning": ", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
         "given": tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
         "given_array": f", given[{len(inverse.given)}]" if inverse.given else "",
-        "given_lines": tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
         "nearest_call": ", ".join([*inputs, "solutions", "status"]),
         "start_call": ", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
         "alone_declaration": pointers(inputs, "q", "restrict "),

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
-from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits, shape_text
+from derive.targets.kernel import JAVASCRIPT, Kernel, entry_names, rows_of, wrapped, write_kernel
+from derive.targets.target import Source, Target, case_context, heading, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 FILE = "model.mjs"

@@ -79,8 +79,6 @@ def _nearest_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
         "lanes": "1" if isinstance(inverse, InverseSearch) else f"{text['name']}_lanes",
         "is_block": "steps[2] == 0" if constants else "1",
         "loads": tuple(loads),
-        "row_call": ", ".join(f"{name}_row" for name in widths),
-        "starts": ", ".join(f"inputs[{i}]" for i in range(len(inputs) + 1)),
         "lengths": ", ".join(str(8 * width) for width in (*widths.values(), n)),
     }
 
@@ -91,18 +89,14 @@ def _inverse_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
     inputs = tuple(Input(name, width, i, count + 2 + i) for i, (name, width) in enumerate(widths.items()))
     return {
         "inputs": inputs,  # all inputs, the constants included
-        "row_call": ", ".join(f"{name}_row" for name in widths),  # inputs of a call for one row
         "loads": tuple(entry for entry in inputs if entry.name in text["used"]),  # the inputs that are read
         "cores": 2 * count + 2,  # place of the bytes between the entries of the results, among all steps
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count + 1,  # place of the bytes between them
         "result_place": count,  # place of the joint variables
         "status_place": count + 1,  # place of what the branches are
-        "lengths": ", ".join(
-            str(length) for length in [*(8 * width for width in widths.values()), 8 * size, inverse.branches]
-        ),
+        "lengths": ", ".join(map(str, (*(8 * width for width in widths.values()), 8 * size, inverse.branches))),
         "buffer_count": count + 2,
-        "starts": ", ".join(f"inputs[{i}]" for i in range(count)),  # inputs of the call for one pose
     }
 
 

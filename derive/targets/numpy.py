@@ -13,8 +13,8 @@ from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, 
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
-from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits
+from derive.targets.kernel import LINE_WIDTH, PYTHON, entry_names, rows_of, wrapped, write_kernel
+from derive.targets.target import Source, Target, case_context, heading, joint_bounds, joint_limits
 from derive.targets.templating import render
 
 if TYPE_CHECKING:
@@ -128,7 +128,6 @@ def _python_function(
         "shape": str(function.shape),  # as a Python tuple
         "is_scalar": not function.shape,  # whether the result is one number
         "parameter_places": wrapped([str((listed or parameters).index(parameters[i])) for i in kernel.parameters]),
-        "hoists": bool(kernel.parameters),  # whether it needs any
         "unpack_parameters": _unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": wrapped(kernel.constant_values),  # the values that the body takes from there
@@ -164,7 +163,6 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
         "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
         "given_names": _tuple([python_string(name) for name in names]) if names else "",
         "given_joints": _tuple([str(i) for i in inverse.given]) if names else "",
-        "given_argument": ", given" if names else "",  # what stands behind ``T`` in a list of arguments
         "given_words": f"Variables of {words}, (..., {len(names)})"
         if names
         else "Nothing, since all joints are solved for",

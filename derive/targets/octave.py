@@ -20,6 +20,7 @@ from derive.targets.target import Source, Target, bound_text, heading, joint_bou
 from derive.targets.templating import render
 
 _WIDE = "x N"  # how the shape of a batch ends
+_PARAMS = "params: numbers of the free parameters, a struct by name or a vector in the order of those of model()."
 
 
 def render_octave(source: Source) -> dict[str, str]:
@@ -159,7 +160,7 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
         "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
         "",
         "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *_parameter_lines(program.parameters),
+        *([_PARAMS] if program.parameters else []),
     )
 
 
@@ -182,7 +183,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         "",
         "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
         *given,
-        *_parameter_lines(program.parameters),
+        *([_PARAMS] if program.parameters else []),
         "",
         *map(one_line, inverse.order),
         *inverse.function.notes,
@@ -227,13 +228,7 @@ def _documentation(function: Function, package: str, joints: int, parameters: Se
             f"{name}: {ARGUMENTS[name]}, {(width := function.width(name, joints))} x 1, or {width} {_WIDE}."
             for name in function.arguments
         ),
-        *_parameter_lines(parameters),
+        *([_PARAMS] if parameters else []),
         "",
         *function.notes,
     )
-
-
-def _parameter_lines(parameters: Sequence[str]) -> tuple[str, ...]:
-    if not parameters:
-        return ()
-    return ("params: numbers of the free parameters, a struct by name or a vector in the order of those of model().",)

@@ -30,11 +30,10 @@ FILES = {
     "sheet.tex": "the equations, for `pdflatex sheet.tex`",
     "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",
     "__init__.py": "makes the folder an importable package",
+    "+": "the same functions for MATLAB and Octave, a file each; a configuration is a column",  # the package's folder
 }
 # Limits that a formula of ours keeps: exact products of the user's numbers may have many digits.
 OWN_FORMULA = replace(FORMULA_LIMITS, digits=FORMULA_LIMITS.text_length, number_bits=4 * FORMULA_LIMITS.text_length)
-# What a folder with a plus sign is.
-PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuration is a column"
 
 
 def render(source: Source) -> dict[str, str]:
@@ -59,9 +58,7 @@ def render(source: Source) -> dict[str, str]:
             for line, joint in zip(joint_lines(robot), robot.variables, strict=True)
         ],
         "files": [
-            (name, PACKAGE if name.startswith("+") else FILES.get(name, ""))
-            for name in source.files
-            if name != "README.md"
+            (name, FILES.get("+" if name.startswith("+") else name, "")) for name in source.files if name != "README.md"
         ],
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,

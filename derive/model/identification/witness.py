@@ -14,8 +14,6 @@ a little of it makes up for rounding. All three claims are then checked again in
 `derive.model.identification.exact_scalars`: exactly where the geometry is rational, in balls of 256 bits otherwise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -49,12 +47,6 @@ MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": 
 MONOMIALS |= {"x": (0, 3), "y": (1, 3), "z": (2, 3), "": (3, 3)}
 
 
-class NoSuchBodies(DeriveError):
-    """No physically consistent bodies have these torques."""
-
-    witness: Witness | None = None  # why; None where only the search says so
-
-
 @dataclass(frozen=True, slots=True)
 class Witness:
     """A sum that no bodies can have."""
@@ -75,6 +67,12 @@ class Witness:
             f"torques fix the integral of f dm over all links at {float(self.value):.3g} {unit}, though f is nowhere "
             f"negative ({terms}{more}; in joint frames, rounded)"
         )
+
+
+class NoSuchBodies(DeriveError):
+    """No physically consistent bodies have these torques."""
+
+    witness: Witness | None = None  # why; None where only the search says so
 
 
 def _largest(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
