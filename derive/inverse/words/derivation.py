@@ -123,15 +123,8 @@ class PrintedDerivation:
 
     def _composed(self, p: Polynomial) -> Polynomial:
         ring = self._domain.ring
-        total = ring.zero
-        names = self._graph.domain.ring.names
-        for exponents, coefficient in p.terms():
-            product = ring.number(coefficient)
-            for name, exponent in zip(names, exponents, strict=True):
-                if exponent:
-                    product = product * self._images[name] ** exponent
-            total = total + product
-        return total
+        images = (self._images.get(name, ring.zero).raw for name in self._graph.domain.ring.names)
+        return ring.wrap(p.raw.compose(*images, ctx=ring.context))
 
     def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
         """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""

@@ -242,10 +242,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         known.setdefault(name, Fraction(numbers.randint(20, 90), 97))
     q = np.stack([rng.uniform(*((-3, 3) if j.is_revolute else (-1, 1)), LOOKED_AT) for j in robot.joints])
     end = forward_kinematics(_chain(robot, known, q))
-    rows = [
-        [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
-        for row, place in zip(end.rotation, end.position, strict=True)
-    ]
+    rows = [[np.broadcast_to(x, LOOKED_AT) + 0.0 for x in row] for row in end.rows(0.0, 1.0)[:3]]
     run: GraphWalk[Any, Any] = GraphWalk(graph, FloatField(known), rows, [q[k] for k in graph.given])
     branches = []
     with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any

@@ -116,23 +116,18 @@ class _Look:
         self._values = values
         self._known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in values.items()}
         self._q = [sympy.Symbol(joint.variable) for joint in inverse.robot.joints]
-        product = np.ones(64)
         sample = random_configurations(chain, 64, 6)
-        for factor in singular.factors:
-            product = product * self._number(factor.expression, sample) ** factor.exponent
+        product = math.prod(self._number(each.expression, sample) ** each.exponent for each in singular.factors)
         # The same function but for a factor: its ratio is constant at random configurations.
         ratio = determinant(sample) / product
         self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
         self.conditions = singular.conditions if self.is_same else ()
         self._joints = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
         if not self._joints:  # those that change det J itself
-            found, rng = [], np.random.default_rng(7)
-            for k in range(chain.n):
-                moved = sample.copy()
-                moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
-                if np.abs(determinant(moved) - determinant(sample)).max() > 1e-9:
-                    found.append(k)
-            self._joints = [tuple(found)]
+            steps = np.random.default_rng(7).uniform(0.5, 1.0, (chain.n, len(sample)))
+            moved = sample + steps[..., None] * np.eye(chain.n)[:, None]
+            changes = np.abs(determinant(moved) - determinant(sample)).max(axis=-1)
+            self._joints = [tuple(np.flatnonzero(changes > 1e-9).tolist())]
         self._roads: dict[tuple[int, ...], Roadmap] = {}
 
     def _number(self, expression: Expr, q: Array) -> Array:
