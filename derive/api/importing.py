@@ -190,9 +190,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
         return ImportCheck(str(path), promised, None, lack="its arm has become a tree")
     with exactly():
         arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
-    ours, theirs = (
-        "".join("R" if joint.is_revolute else "P" for joint in joints) for joints in (robot.joints, arm.axes)
-    )
+    ours, theirs = ("".join("R" if j.is_revolute else "P" for j in joints) for joints in (robot.joints, arm.axes))
     if ours != theirs:
         raise VerificationError(f"{file}: joints {ours}, but those of {path} are {theirs}", remedy="import it again")
     found = certify(arm, robot).printed

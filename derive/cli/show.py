@@ -202,8 +202,7 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
                 return singularities.singularities_lines(value, name, form, printer)
     if form != "json":
         return _lines(form, name, value, printer)
-    rows = _entries(value, printer)
-    return printer(value) if rows is None else rows
+    return printer(value) if (rows := _entries(value, printer)) is None else rows
 
 
 def _put_in(

@@ -101,26 +101,21 @@ def _inverse_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
 
 
 def _loop(function: Function, text: dict[str, Any], joints: int) -> dict[str, object]:
-    constants = ["k"] if text["constant_count"] else []
-    inputs = (*function.arguments, *constants)
-    count = len(inputs)
-    lengths = [
-        *(function.width(argument, joints) for argument in function.arguments),
-        *(text["constant_count"] for _ in constants),
-        prod(function.shape),
-    ]
+    widths = {name: function.width(name, joints) for name in function.arguments}
+    widths |= {"k": text["constant_count"]} if text["constant_count"] else {}
+    count = len(widths)
+    inputs = (Input(name, width, i, count + 1 + i) for i, (name, width) in enumerate(widths.items()))
     return {
-        "inputs": inputs,  # names of the inputs, the constants from the parameters included
-        "loads": tuple(
-            Input(a, lengths[i], i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text["used"]
-        ),
+        "inputs": tuple(widths),  # names of the inputs, the constants from the parameters included
+        "loads": tuple(entry for entry in inputs if entry.name in text["used"]),
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count,  # place of the bytes between them
         "result_place": count,  # place of the result
         "result_core": 2 * count + 1,  # place of the bytes between its entries, one for each axis
         "axes": len(function.shape),  # axes of the result
         "dimensions": ", ".join(map(str, function.shape or (1,))),
-        "lengths": ", ".join(map(str, lengths)),  # lengths of the inputs and of the result, as the inside of an array
+        # lengths of the inputs and of the result, as the inside of an array
+        "lengths": ", ".join(map(str, (*widths.values(), prod(function.shape)))),
         "buffer_count": count + 1,  # inputs and the result
         "starts": ", ".join(f"starts[{i}]" for i in range(count + 1)),  # arguments of the call for one configuration
     }

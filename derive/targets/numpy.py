@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch
@@ -149,13 +150,10 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
     names = [robot.joints[i].label for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     search, parameters = inverse if isinstance(inverse, InverseSearch) else None, free_symbols(robot)
-
-    def _texts(function: Function) -> dict[str, object]:
-        return _python_function(function, parameters, robot.n, listed=listed)
-
+    texts = partial(_python_function, parameters=parameters, joints=robot.n, listed=listed)
     return {
-        "kernel": _texts(inverse.function),  # the texts of its program
-        "step": _texts(inverse.step) if isinstance(inverse, Inverse) else None,
+        "kernel": texts(inverse.function),  # the texts of its program
+        "step": texts(inverse.step) if isinstance(inverse, Inverse) else None,
         "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,

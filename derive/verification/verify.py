@@ -281,8 +281,7 @@ def _trial(
     way: str, model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_set: SampleSet
 ) -> Trial:
     """A call of a function of configurations: one by one, all at once, broadcast, or in a long batch."""
-    numbers = sample_set.parameters
-    call = partial(model.call, function)
+    numbers, call = sample_set.parameters, partial(model.call, function)
     if way == "one":
         run = partial(_one_by_one, model, function, arguments, numbers)
         return Trial("one configuration", run, arguments, sample_set)

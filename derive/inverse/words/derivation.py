@@ -197,10 +197,8 @@ class PrintedDerivation:
             return [formula.degenerate]
         if (a * a + b * b).is_constant:
             return [()]
-        return [(a, b), (c, g)] if self._holds_pose(a, b) and not self._holds_pose(c, g) else [(c, g), (a, b)]
-
-    def _holds_pose(self, *polynomials: Polynomial) -> bool:
-        return any(self._has_pose(self._composed(p).degrees()) for p in polynomials)
+        of_pose = [any(self._has_pose(self._composed(p).degrees()) for p in way) for way in ((a, b), (c, g))]
+        return [(a, b), (c, g)] if of_pose == [True, False] else [(c, g), (a, b)]
 
     def _is_geometry(self, p: Polynomial) -> bool:
         """Whether a polynomial is one of the parameters alone, which an arm is supposed not to have zero."""

@@ -173,7 +173,7 @@ def _in_units(factors: Sequence[float], units: Array) -> Array:
 def _still(chain: Chain[Exact]) -> list[Direction]:
     """What is zero of functions that are nowhere negative and that torques depend on, where links never move."""
     units = [[fmpq(int(a == b)) for a in range(WIDTH)] for b in range(WIDTH)]
-    matrices, width = [function_matrix(unit) for unit in units], WIDTH * chain.n
+    matrices, zeros = [function_matrix(unit) for unit in units], [fmpq(0)] * (WIDTH * chain.n)
     rows = []
     still = [[fmpq(int(a == b)) for a in range(4)] for b in range(4)]
     for i, joint in enumerate(chain.joints):
@@ -189,10 +189,8 @@ def _still(chain: Chain[Exact]) -> list[Direction]:
         ]
         for vector in still:
             for a in range(4):
-                row = [fmpq(0)] * width
-                for k, matrix in enumerate(matrices):
-                    row[WIDTH * i + k] = sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0))
-                rows.append(row)
+                own = [sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0)) for matrix in matrices]
+                rows.append([*zeros[: WIDTH * i], *own, *zeros[WIDTH * (i + 1) :]])
     return rows
 
 
