@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -225,12 +226,11 @@ class Postures:
                 nearest = np.argmin(np.where(np.isfinite(apart), apart, np.inf), axis=0)[real]
                 hits.update((k, int(place)) for place in nearest)
         found: dict[int, int] = {}
-        pairs = [pair for pair, _ in hits.most_common()]
-        pairs += [(k, place) for k in range(len(printed)) for place in range(len(printed))]
-        for k, place in pairs:
+        places = range(len(printed))
+        for k, place in (*(pair for pair, _ in hits.most_common()), *product(places, places)):
             if k not in found and place not in found.values():
                 found[k] = place
-        return [found[k] for k in range(len(printed))]
+        return [found[k] for k in places]
 
 
 @lru_cache(_KEPT)
