@@ -72,7 +72,10 @@ def build_all(
     Args:
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
-        targets, only, force, effort: See `build`.
+        targets: See `build`.
+        only: See `build`.
+        force: See `build`.
+        effort: See `build`.
         jobs: Robots built at once, each in a process of its own.
         progress: Called with a robot's name and the stage it has reached.
 
@@ -107,7 +110,9 @@ def stale(
     Args:
         robots: Robots, paths or names; None for the whole catalogue.
         out: Parent folder.
-        targets, only, effort: See `build`.
+        targets: See `build`.
+        only: See `build`.
+        effort: See `build`.
         jobs: Robots compared at once, each in a process of its own.
         progress: Called with a robot's name when it is done.
 

@@ -167,7 +167,12 @@ def fragment(
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue.
         name: A part such as ``inertia``, or a quantity such as ``B``, ``A[1]`` or ``T[0,2]``.
-        parts, language, derivation, notation, style, q: See `handout`.
+        parts: See `handout`.
+        language: See `handout`.
+        derivation: See `handout`.
+        notation: See `handout`.
+        style: See `handout`.
+        q: See `handout`.
         width: Width of its lines, such as ``84mm``; None for that of the document into which it is put.
 
     Returns:
