@@ -52,12 +52,11 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        only, effort, jobs = arguments.only, arguments.effort, arguments.jobs
-        how = {"targets": targets, "only": only, "effort": effort, "jobs": jobs, "progress": tell}
+        how = {name: getattr(arguments, name) for name in ("only", "effort", "jobs")} | {"progress": tell}
         if arguments.check:
-            results = stale(robots, arguments.out, **how)
+            results = stale(robots, arguments.out, targets=targets, **how)
         else:
-            results = build_all(robots, arguments.out, force=arguments.force, **how)
+            results = build_all(robots, arguments.out, targets=targets, force=arguments.force, **how)
     if arguments.json:
         reports = zip(robots, results, strict=True)
         print_json([result.as_dict() | {"remarks": robot.remarks_as_dicts} for robot, result in reports])

@@ -104,10 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
-    """What is given without a file; an unknown name is a verdict too where a program reads it.
-
-    Of a document about several robots each has its formulas.
-    """
+    """What is given without a file, of each robot of a document; an unknown name is a verdict where a program reads."""
     from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
     from derive.checking.printouts import document_named, document_printouts, formula_lines, formula_printout

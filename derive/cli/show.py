@@ -250,8 +250,7 @@ def _list(robot: Robot, form: str) -> None:
     rows = {row.call: (row.symbol, row.shape_of(robot), row.unit, row.summary) for row in known}
     rows |= {} if robot.is_tree else {name: ("", "", "", text) for name, text in DESCRIBED.items()}
     if form == "json":
-        keys = ("symbol", "shape", "unit", "summary")
-        found = {name: dict(zip(keys, row, strict=True)) for name, row in rows.items()}
+        found = {n: dict(zip(("symbol", "shape", "unit", "summary"), row, strict=True)) for n, row in rows.items()}
         print_json({"robot": robot.name, "quantities": found})
     else:
         shapes = {name: shape or ("text" if name in DESCRIBED else "scalar") for name, (_, shape, _, _) in rows.items()}

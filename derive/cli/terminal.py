@@ -197,7 +197,6 @@ def magnification(text: str) -> float:
 
 # -- options that several commands have
 
-
 STDOUT = Path("-")  # instead of a file: what is written is printed
 
 

@@ -200,7 +200,6 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
 
 # -- what the oracle answers
 
-
 SINGULAR = 1e-13  # smallest eigenvalue of B scaled to a unit diagonal at which accelerations are still determined
 CONDITION = 1e-4  # the same of J B^-1 J^T, times that of B, below which the inverse is not compared
 NEAR = 1e-3  # distance from singular angles at which rounding may reach a thousandth of what is allowed

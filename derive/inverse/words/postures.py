@@ -225,8 +225,7 @@ class Postures:
                 real = np.isfinite(own).all(axis=0) & np.isfinite(apart).any(axis=0)
                 nearest = np.argmin(np.where(np.isfinite(apart), apart, np.inf), axis=0)[real]
                 hits.update((k, int(place)) for place in nearest)
-        found: dict[int, int] = {}
-        places = range(len(printed))
+        found, places = dict[int, int](), range(len(printed))
         for k, place in (*(pair for pair, _ in hits.most_common()), *product(places, places)):
             if k not in found and place not in found.values():
                 found[k] = place

@@ -156,7 +156,6 @@ def _excluded(polynomials: Sequence[_Terms], angles: Sequence[tuple[int, int]]) 
 
 # -- common zeros of minors
 
-
 Rows = Sequence[Sequence[Polynomial]]
 FactorChoice = Mapping[str, Factor]  # the factors of a minor by their keys: it is zero where one of them is
 MAX_MINORS = 200
