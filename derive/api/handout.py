@@ -16,7 +16,6 @@ from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.options.handout import chosen_pages
 from derive.robot.options.style import Style
 from derive.robot.presentation import with_options
-from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
@@ -132,28 +131,23 @@ def handout(
     if plan is not None:
         if exercise:
             raise DeriveError("an exercise with a motion plan", remedy="leave one out")
-        addition = _motion_of(plan, shown, drawn=wanted != {Format.HTML})
+        from derive.motion.motion import Motion
+        from derive.motion.output.page import motion_figure, plan_part
+
+        motion = plan if isinstance(plan, Motion) else Motion.load(plan)
+        moved = motion.plan.robot
+        tell(remark for remark in motion.plan.remarks if motion is not plan and remark not in moved.remarks)
+        if (moved.name, moved.joints) != (shown.name, shown.joints):
+            raise DeriveError(f"the plan moves {moved.name}, not {shown.name}", remedy="name that robot")
+        alike = replace(moved, handout=shown.handout, style=shown.style, figure=shown.figure)
+        own, drawn = Motion(replace(motion.plan, robot=alike)), wanted != {Format.HTML}  # a page has plots of its own
+        addition = Addition(
+            lambda context: plan_part(own, context, drawn=drawn), lambda context: motion_figure(own, context)
+        )
     made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress, addition=addition)
     paths = write_files({folder / name: data for name, data in made.files.items()}, force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)
     return HandoutResult(shown.name, files, made.parts, time.perf_counter() - started, made.shortened)
-
-
-def _motion_of(plan: Motion | str | Path, robot: Robot, *, drawn: bool) -> Addition:
-    """A motion in the handout of its robot; drawn on paper, while the page has plots of its own."""
-    from derive.motion.motion import Motion
-    from derive.motion.output.page import motion_figure, plan_part
-
-    motion = plan if isinstance(plan, Motion) else Motion.load(plan)
-    moved = motion.plan.robot
-    tell(remark for remark in motion.plan.remarks if motion is not plan and remark not in moved.remarks)
-    if (moved.name, moved.joints) != (robot.name, robot.joints):
-        raise DeriveError(f"the plan moves {moved.name}, not {robot.name}", remedy="name that robot")
-    alike = replace(moved, handout=robot.handout, style=robot.style, figure=robot.figure)
-    shown = Motion(replace(motion.plan, robot=alike))
-    return Addition(
-        lambda context: plan_part(shown, context, drawn=drawn), lambda context: motion_figure(shown, context)
-    )
 
 
 def fragment(

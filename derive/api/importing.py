@@ -155,8 +155,7 @@ class ImportCheck:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        position = None if self.found is None else self.found.position
-        rotation = None if self.found is None else self.found.rotation
+        position, rotation = (self.found.position, self.found.rotation) if self.found else (None, None)
         return {"source": self.source, "position_error": position, "rotation_error": rotation, "changed": self.changed}
 
 
@@ -191,9 +190,7 @@ def verify_import(file: str | Path) -> ImportCheck | None:
         return ImportCheck(str(path), promised, None, lack="its arm has become a tree")
     with exactly():
         arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
-    ours, theirs = (
-        "".join("R" if joint.is_revolute else "P" for joint in joints) for joints in (robot.joints, arm.axes)
-    )
+    ours, theirs = ("".join("R" if j.is_revolute else "P" for j in joints) for joints in (robot.joints, arm.axes))
     if ours != theirs:
         raise VerificationError(f"{file}: joints {ours}, but those of {path} are {theirs}", remedy="import it again")
     found = certify(arm, robot).printed

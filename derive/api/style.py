@@ -1,11 +1,10 @@
 """The style of a book from some of its formulas, from Python: which options write them as they are printed."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Self
 
 from derive.api.robots import RobotLike, load
 from derive.checking.comparison import check_file
@@ -120,7 +119,7 @@ class Style(Options):
     """
 
     @classmethod
-    def from_examples(cls, robot: RobotLike, examples: Iterable[str | Path] | Mapping[str, str] = ()) -> Style:
+    def from_examples(cls, robot: RobotLike, examples: Iterable[str | Path] | Mapping[str, str] = ()) -> Self:
         """The style in which most of some printed formulas come out as they are printed.
 
         Args:

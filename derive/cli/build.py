@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import FAILED, explain, positive, print_columns, print_error, print_json, progress
+from derive.cli.terminal import FAILED, add_shared, explain, positive, print_columns, print_error, print_json, progress
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,11 +52,11 @@ def run(arguments: argparse.Namespace) -> int:
     robots = load_all(arguments.robots or None)
     results: list[BuildResult | BuildFailure] | list[CheckResult | BuildFailure]
     with progress(len(robots), quiet=arguments.quiet or arguments.json) as tell:
-        how = {**keywords(arguments, "only", "effort", "jobs"), "targets": targets, "progress": tell}
+        how = {name: getattr(arguments, name) for name in ("only", "effort", "jobs")} | {"progress": tell}
         if arguments.check:
-            results = stale(robots, arguments.out, **how)
+            results = stale(robots, arguments.out, targets=targets, **how)
         else:
-            results = build_all(robots, arguments.out, force=arguments.force, **how)
+            results = build_all(robots, arguments.out, targets=targets, force=arguments.force, **how)
     if arguments.json:
         reports = zip(robots, results, strict=True)
         print_json([result.as_dict() | {"remarks": robot.remarks_as_dicts} for robot, result in reports])

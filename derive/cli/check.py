@@ -7,11 +7,11 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import STDOUT, add_shared
-from derive.cli.terminal import line_range, one_line, print_error, print_json
+from derive.cli.terminal import STDOUT, add_shared, line_range, one_line, print_error, print_json
 from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -85,32 +85,42 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.files and arguments.latex is None:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
-        from derive.api.check import checked_file
+        from derive.api.robots import tell
+        from derive.checking.printouts import file_printout
         from derive.checking.report import as_dict, report_lines
 
-        checked = [checked_file(path) for path in arguments.files]
+        checked = []
+        for path in arguments.files:
+            checked.append(file_printout(path))
+            tell(checked[-1].remarks)
         written = (as_dict(x.report, x.exact) | {"remarks": [r.as_dict() for r in x.remarks]} for x in checked)
         status = _told(arguments, checked, lambda: list(written), None if sys.stdout.isatty() else report_lines)
         return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
-    if len(arguments.files) > 1 and arguments.latex is not None and arguments.quantity is None:
-        return _several(arguments)
-    if not formulas or len(arguments.files) > 1 or (arguments.quantity is None and arguments.latex is None):
+    is_named, is_latex = arguments.quantity is not None, arguments.latex is not None
+    if not formulas or not (is_named or is_latex) or (len(arguments.files) > 1 and (is_named or not is_latex)):
         remedy = "write: derive check ROBOT --quantity 'T[1,4]' --expression '...'"
         raise CheckError("--quantity and --expression or --latex belong together, with one robot", remedy=remedy)
     return _formula(arguments, formulas[0])
 
 
 def _formula(arguments: argparse.Namespace, text: str) -> int:
-    """What is given without a file; an unknown name is a verdict too where a program reads it."""
-    from derive.api.check import document_named, formula_lines, formula_printout
+    """What is given without a file, of each robot of a document; an unknown name is a verdict where a program reads."""
     from derive.api.robots import Robot, load
     from derive.checking.formulas.findings import Outcome
+    from derive.checking.printouts import document_named, document_printouts, formula_lines, formula_printout
     from derive.checking.report import as_dict, finding_dict
 
     quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None
     if text == "-" and (latex or quantity == "inverse"):
         text = sys.stdin.read()
     formula = document_named(text, arguments.lines, arguments.section) if latex else None
+    if len(arguments.files) > 1:
+        if formula is None:
+            raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
+        robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
+        printouts = document_printouts(robots, formula)
+        parts = [(one.report, one.exact) for one in printouts]
+        return _told(arguments, printouts, lambda: list(starmap(as_dict, parts)), formula_lines, robots)
     if arguments.files:
         robot = load(arguments.files[0], remarks_on_bodies=False)
     elif formula is None:
@@ -136,22 +146,6 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     is_single = len(report.findings) == 1 and not report.unread
     data = partial(finding_dict, report.findings[0], exact) if is_single else partial(as_dict, report, exact)
     return _told(arguments, [reported], data, formula_lines, [robot])
-
-
-def _several(arguments: argparse.Namespace) -> int:
-    """A document about several robots: for each its formulas."""
-    from derive.api.check import document_named, document_printouts, formula_lines
-    from derive.api.robots import load
-    from derive.checking.report import as_dict
-
-    text = sys.stdin.read() if arguments.latex == "-" else arguments.latex
-    if (document := document_named(text, arguments.lines, arguments.section)) is None:
-        raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
-    robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
-    printouts = document_printouts(robots, document)
-    return _told(
-        arguments, printouts, lambda: [as_dict(one.report, one.exact) for one in printouts], formula_lines, robots
-    )
 
 
 def _told(

@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the script."""
     import shtab
 
@@ -48,7 +48,6 @@ def run(arguments: argparse.Namespace) -> int:
             if not action.choices and (found := offered.get(action.metavar) or offered.get(action.dest)):
                 action.complete = found  # type: ignore[attr-defined]
     print(shtab.complete(parser, shell=arguments.shell))
-    return 0
 
 
 def _words(what: str, words: Iterable[str], *, files: bool = False) -> dict[str, Any]:

@@ -2,8 +2,7 @@
 
 import argparse
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import DONE, one_line, print_json
+from derive.cli.terminal import add_shared, keywords, print_written
 from derive.errors import DeriveError
 
 DESCRIPTION = """\
@@ -31,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "format", choices=("text", "latex"), help="form of the derivation: text (default) or latex")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Convert the robot; write the file or print it."""
     from derive.api.convert import convert
     from derive.exchange.convert import moves
@@ -51,16 +50,10 @@ def run(arguments: argparse.Namespace) -> int:
         is_latex = arguments.format == "latex"  # as the handout prints it
         text = fragment_text(robot, robot.handout, "conversion") if is_latex else derivation_text(made.conversion)
         print(text, end="")
-    elif arguments.json:
-        where = {"file": str(arguments.out)} if arguments.out else {"text": made.text}
-        report = {"convention": made.robot.convention.value, "report": lines}
-        print_json(where | report | {"remarks": made.conversion.source.remarks_as_dicts})
-    elif arguments.out is None:
-        print(made.text, end="")
-    elif not arguments.quiet:
-        kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
-        count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
-        print(one_line(f"{arguments.out}: {count}, {made.robot.convention.value}"))
-        for line in lines:
-            print(f"  {one_line(line)}")
-    return DONE
+        return
+    convention, remarks = made.robot.convention.value, made.conversion.source.remarks_as_dicts
+    report = {"convention": convention, "report": lines, "remarks": remarks}
+    kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
+    count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
+    head = f"{arguments.out}: {count}, {convention}"
+    print_written(arguments, made.text, report, [head, *(f"  {line}" for line in lines)])

@@ -2,8 +2,7 @@
 
 import argparse
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import DONE, print_json
+from derive.cli.terminal import add_shared, keywords, print_written
 
 DESCRIPTION = """\
 Write a robot for another program.
@@ -30,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the file, or print it."""
     from derive.api.export import export_file
     from derive.api.robots import load
@@ -48,12 +47,5 @@ def run(arguments: argparse.Namespace) -> int:
     robot = load(arguments.robot, remarks_on_bodies=not wants_possible(arguments.inertia))
     options = keywords(arguments, "inertia", "force")
     found = export_file(robot, arguments.format, arguments.out, values=values, **options)
-    if arguments.json:
-        where = {"file": str(arguments.out)} if arguments.out else {"text": found.text}
-        report = {"format": arguments.format, "report": list(found.remarks)}
-        print_json(where | report | {"remarks": robot.remarks_as_dicts})
-    elif arguments.out is None:
-        print(found.text, end="")
-    elif not arguments.quiet:
-        print(arguments.out)
-    return DONE
+    report = {"format": arguments.format, "report": list(found.remarks), "remarks": robot.remarks_as_dicts}
+    print_written(arguments, found.text, report, [str(arguments.out)])

@@ -1,20 +1,14 @@
 """``derive handout``: the equations of a robot as a sheet to hand out."""
 
-from __future__ import annotations
-
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
-from derive.cli.options import STDOUT, add_shared, keywords
-from derive.cli.terminal import print_json, progress
+from derive.cli.terminal import STDOUT, add_shared, keywords, print_json, progress
 from derive.errors import DeriveError, OutputError
 from derive.robot.options.handout import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
-
-if TYPE_CHECKING:
-    from derive.robot.robot import Robot
 
 T = TypeVar("T")
 
@@ -79,25 +73,12 @@ def _notation(text: str) -> dict[str, str]:
     return chosen
 
 
-def _write_fragment(robot: Robot, arguments: argparse.Namespace, options: Mapping[str, Any]) -> None:
-    """To the file of ``-o``, else to standard output."""
-    from derive.api.handout import fragment
-    from derive.publish.atomic_folder import refuse_taken, write_files
-
-    target = arguments.out or STDOUT
-    refuse_taken([target] if target != STDOUT else [], force=arguments.force)
-    text = fragment(robot, arguments.fragment, **options, width=arguments.width)
-    if target == STDOUT:
-        sys.stdout.write(text)
-    else:
-        write_files({target: text.encode()}, force=arguments.force)
-
-
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the handout, or print the fragment."""
-    from derive.api.handout import handout
+    from derive.api.handout import fragment, handout
     from derive.api.robots import load
     from derive.api.style import find_style
+    from derive.publish.atomic_folder import refuse_taken, write_files
 
     formats = [form for form in ("tex", "pdf", "html") if getattr(arguments, form)]
     of_handouts = [*formats, *(name for name in ("exercise", "json", "plan") if getattr(arguments, name))]
@@ -121,8 +102,14 @@ def run(arguments: argparse.Namespace) -> int:
     if found is not None:
         options["style"] = found.style
     if arguments.fragment is not None:
-        _write_fragment(robot, arguments, options)
-        return 0
+        file = None if arguments.out == STDOUT else arguments.out
+        refuse_taken([file] if file else [], force=arguments.force)
+        text = fragment(robot, arguments.fragment, **options, width=arguments.width)
+        if file is None:
+            sys.stdout.write(text)
+        else:
+            write_files({file: text.encode()}, force=arguments.force)
+        return
     flags = keywords(arguments, "exercise", "force", "pages", "plan")
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
         result = handout(robot, arguments.out or Path(), formats=formats, **options, **flags, progress=tell)
@@ -136,4 +123,3 @@ def run(arguments: argparse.Namespace) -> int:
         if result.shortened:
             print("shortened to fit --pages; page 1 lists what is missing; --pages 0 prints everything")
         print(f"{len(result.parts)} parts in {result.seconds:.1f} s")
-    return 0

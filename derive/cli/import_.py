@@ -7,8 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import DONE, one_line, print_json
+from derive.cli.terminal import add_shared, keywords, one_line, print_json
 from derive.errors import DeriveError
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--arg", metavar="NAME=VALUE", action="append", default=[], help="argument of xacro; repeatable")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Import and write."""
     from derive.api.importing import import_all, import_tree, import_urdf
     from derive.publish.atomic_folder import refuse_taken
@@ -90,37 +89,35 @@ def run(arguments: argparse.Namespace) -> int:
             found = import_tree(file, root=arguments.root, ends=ends, folder=folder, **options)
         else:
             found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
-        return _deliver({arguments.out: found}, {}, arguments)
+        _deliver({arguments.out: found}, {}, arguments)
+        return
     folder = arguments.out or Path()
     every = import_all(file, folder=folder, **options)
     arms: dict[Path, Imported | ImportedTree] = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
-    return _deliver(arms, every.refused, arguments)
+    _deliver(arms, every.refused, arguments)
 
 
-def _deliver(arms: dict[Path, Imported | ImportedTree], refused: Any, arguments: argparse.Namespace) -> int:
+def _deliver(arms: dict[Path, Imported | ImportedTree], refused: Any, arguments: argparse.Namespace) -> None:
     from derive.api.robots import Robot, tell
     from derive.publish.atomic_folder import write_files
 
-    if not arguments.all and arguments.out is None:
+    is_printed = not arguments.all and arguments.out is None
+    if not is_printed:
+        write_files({path: arm.text.encode() for path, arm in arms.items()}, force=arguments.force)
+        for robot in [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]:
+            tell(remark for remark in robot.remarks if not remark.is_of_bodies)  # the report names these links
+    if arguments.json:
+        where = [{"text": arm.text} if is_printed else {"file": str(path)} for path, arm in arms.items()]
+        robots = [place | arm.as_dict() for place, arm in zip(where, arms.values(), strict=True)]
+        print_json({"robots": robots, "refused": refused})
+    elif is_printed:
         (arm,) = arms.values()
-        if arguments.json:
-            print_json({"robots": [{"text": arm.text, **arm.as_dict()}], "refused": refused})
-            return DONE
         print(arm.text, end="")
         if not arguments.quiet:
             print("\n".join(one_line(line) for line in arm.report), file=sys.stderr)
-        return DONE
-    write_files({path: arm.text.encode() for path, arm in arms.items()}, force=arguments.force)
-    for robot in [Robot.from_text(arm.text, str(path)) for path, arm in arms.items()]:
-        tell(remark for remark in robot.remarks if not remark.is_of_bodies)  # the report names these links
-    if arguments.json:
-        print_json({"robots": [{"file": str(path), **arm.as_dict()} for path, arm in arms.items()], "refused": refused})
-        return DONE
-    if arguments.quiet:
-        return DONE
-    for path, arm in arms.items():
-        head, *rest = arm.report
-        print(one_line(f"{path}: {head}"), *(f"  {one_line(line)}" for line in rest), sep="\n")
-    for tip, reason in refused.items():
-        print(one_line(f"{tip}: not imported: {reason}"))
-    return DONE
+    elif not arguments.quiet:
+        for path, arm in arms.items():
+            head, *rest = arm.report
+            print(one_line(f"{path}: {head}"), *(f"  {one_line(line)}" for line in rest), sep="\n")
+        for tip, reason in refused.items():
+            print(one_line(f"{tip}: not imported: {reason}"))

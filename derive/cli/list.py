@@ -3,8 +3,7 @@
 import argparse
 from typing import Any
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import one_line, print_columns, print_json
+from derive.cli.terminal import add_shared, one_line, print_columns, print_json
 
 DESCRIPTION = """\
 List the built-in robots: name, joints (R revolute, P prismatic), convention, dynamics, title; or the built-in plans of
@@ -21,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the catalogue."""
     from derive.api.robots import catalogue, load
 
@@ -39,10 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
         rows = [(r.name, j, r.convention.value, r.has_dynamics, r.title) for r, j in zip(robots, joints, strict=True)]
     if arguments.json:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])
-        return 0
+        return
     if not arguments.plans:
         rows = [
             (name, j if len(j) <= 8 else f"{len(j)} joints", c, "yes" if d else "-", t) for name, j, c, d, t in rows
         ]
     print_columns([[one_line(str(cell)) for cell in row] for row in rows], keys)
-    return 0

@@ -73,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from derive.cli.terminal import remarks_told  # help needs none of it
 
         with remarks_told(strict=getattr(arguments, "strict", False)):
-            status = int(arguments.run(arguments))
+            status = arguments.run(arguments) or 0
         sys.stdout.flush()
         atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # all is done: an interrupt comes too late
         return status
@@ -157,7 +157,7 @@ class _Command(_Parser):
 
     def configured(self) -> None:
         """Import the command's module, which says what its arguments are."""
-        from derive.cli.options import OLD, add_shared  # help needs none of it
+        from derive.cli.terminal import OLD, add_shared  # help needs none of it
 
         name = self.prog.split()[-1]
         module = import_module(f"derive.cli.{name}" + "_" * iskeyword(name))

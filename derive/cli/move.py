@@ -6,8 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from derive.cli.options import STDOUT, add_shared, keywords
-from derive.cli.terminal import DONE, FAILED, positive, print_columns, print_error, print_json
+from derive.cli.terminal import FAILED, STDOUT, add_shared, keywords, positive, print_columns, print_error, print_json
 
 if TYPE_CHECKING:
     from derive.motion.motion import Motion
@@ -98,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_error(diverged(found.motion, found.run))
         return FAILED
     exceeded = found.motion.violations or (found.run is not None and found.motion.violations_of(found.run))
-    return FAILED if exceeded else DONE
+    return FAILED if exceeded else 0
 
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from textwrap import dedent
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import line_range, positive, print_json
+from derive.cli.terminal import add_shared, line_range, positive, print_json
 from derive.errors import OutputError, RobotFileError, quoted
 from derive.robot.reading.size_limits import FILE_LIMITS
 
@@ -107,7 +106,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the file and say where."""
     from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names
     from derive.publish.atomic_folder import write_files
@@ -154,7 +153,6 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"file": str(path)})
     elif not arguments.quiet:
         print(path)
-    return 0
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:

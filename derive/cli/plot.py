@@ -3,8 +3,7 @@
 import argparse
 from pathlib import Path
 
-from derive.cli.options import add_shared, keywords
-from derive.cli.terminal import magnification, print_json, progress
+from derive.cli.terminal import add_shared, keywords, magnification, print_json, progress
 
 DESCRIPTION = """\
 Draw the arm with its joints, links, Denavit-Hartenberg frames and lengths.
@@ -29,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "force", "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Draw, write the file as a whole, and report what was assumed."""
     from derive.api.plot import plot
 
@@ -41,4 +40,3 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"robot": result.robot, "file": str(result.path), "report": result.remarks})
     elif not arguments.quiet:
         print(f"{result.path}: {result.remarks}")
-    return 0

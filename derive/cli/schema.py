@@ -2,8 +2,7 @@
 
 import argparse
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import print_json
+from derive.cli.terminal import add_shared, print_json
 
 DESCRIPTION = """\
 Print the JSON Schema of the robot file, or of the motion plan, which lets an editor complete and check it while you
@@ -20,14 +19,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the schema."""
     if arguments.plan:
-        from derive.plans.schema import plan_json_schema
-
-        print_json(plan_json_schema())
-        return 0
-    from derive.robot.reading.json_schema import json_schema
-
-    print_json(json_schema())
-    return 0
+        from derive.plans.schema import plan_json_schema as schema
+    else:
+        from derive.robot.reading.json_schema import json_schema as schema
+    print_json(schema())

@@ -9,8 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import digit_count, print_columns, print_json
+from derive.cli.terminal import add_shared, digit_count, print_columns, print_json
 from derive.errors import QuantityError, near_miss, quoted
 from derive.robot.rounding import DIGITS, number_text
 
@@ -66,7 +65,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--exact", action="store_true", help="exact fractions and roots (default for Python and JSON without --at)")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Derive the quantities and print them."""
     from derive.api.robots import load
 
@@ -77,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     with_numbers = any((arguments.at, arguments.rates, arguments.accelerations))
     if not (arguments.quantities or with_numbers):
         _list(robot, form)
-        return 0
+        return
     from derive.model.model import Model
     from derive.model.quantities import DESCRIBED
 
@@ -93,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     written = [(name, _written(robot, form, name, value, digits, printer)) for name, value in shown]
     if form == "json":
         print_json({"robot": robot.name, "quantities": dict(written), "remarks": robot.remarks_as_dicts})
-        return 0
+        return
     if with_numbers:
         print(f"{COMMENTS[form]} {remark}")
     if loses and form in ("text", "latex"):
@@ -104,7 +103,6 @@ def run(arguments: argparse.Namespace) -> int:
 
         for line in loop_remarks(model, shown, arguments.robot):
             print(f"{COMMENTS[form]} {line}")
-    return 0
 
 
 def _derived(model: Model, arguments: argparse.Namespace, *, with_numbers: bool) -> list[tuple[str, Any]]:
@@ -218,8 +216,7 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
                 return singularities.singularities_lines(value, name, form, printer)
     if form != "json":
         return _lines(form, name, value, printer)
-    rows = _entries(value, printer)
-    return printer(value) if rows is None else rows
+    return printer(value) if (rows := _entries(value, printer)) is None else rows
 
 
 def _put_in(
@@ -274,8 +271,7 @@ def _list(robot: Robot, form: str) -> None:
     described = described if robot.has_dynamics and robot.dof > 1 else [n for n in described if n != "decoupling"]
     rows |= {name: ("", "", "", DESCRIBED[name]) for name in described}
     if form == "json":
-        keys = ("symbol", "shape", "unit", "summary")
-        found = {name: dict(zip(keys, row, strict=True)) for name, row in rows.items()}
+        found = {n: dict(zip(("symbol", "shape", "unit", "summary"), row, strict=True)) for n, row in rows.items()}
         print_json({"robot": robot.name, "quantities": found})
     else:
         shapes = {name: shape or ("text" if name in DESCRIBED else "scalar") for name, (_, shape, _, _) in rows.items()}

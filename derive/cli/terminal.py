@@ -1,7 +1,8 @@
-"""How commands speak and listen: messages of one line, columns, JSON, progress, exit statuses, types of arguments.
+"""How commands speak and listen: messages of one line, columns, JSON, progress, exit statuses, shared options.
 
 Results go to standard output, messages and progress to standard error. A wrong argument is refused with what was found
-and what is allowed.
+and what is allowed. Options that several commands have keep one name and one meaning; the names that options had before
+are understood.
 """
 
 import argparse
@@ -14,14 +15,14 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
+from pathlib import Path
 from typing import Any, TextIO
 
 from derive.errors import DeriveError, RobotFileWarning, quoted
 
-DONE = 0
 FAILED = 1
 WRONG_INPUT = 2
 INTERNAL_FAULT = 70
@@ -50,6 +51,16 @@ def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> 
 def print_json(value: Any) -> None:
     """Print plain data as JSON, indented, keys in the order given."""
     print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_written(arguments: argparse.Namespace, text: str, report: dict[str, Any], lines: Iterable[str]) -> None:
+    """Print what was written to the file of ``-o``: as data, or lines about it; without a file the text itself."""
+    if arguments.json:
+        print_json(({"file": str(arguments.out)} if arguments.out else {"text": text}) | report)
+    elif arguments.out is None:
+        print(text, end="")
+    elif not arguments.quiet:
+        print(*map(one_line, lines), sep="\n")
 
 
 def explain(error: BaseException) -> tuple[str, int]:
@@ -182,3 +193,53 @@ def magnification(text: str) -> float:
     if not 0.1 <= value <= 10.0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0.1 to 10")
     return value
+
+
+# -- options that several commands have
+
+STDOUT = Path("-")  # instead of a file: what is written is printed
+
+
+def file_or_stdout(text: str) -> Path | None:
+    """The path of a file; None for ``-``, standard output."""
+    return None if text == str(STDOUT) else Path(text)
+
+
+_OUT = ("-o", "--out")
+_FLAG = {"action": "store_true"}
+_BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given"}
+
+# Names and settings by what `add_shared` calls them.
+SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
+    "robot": (("robot",), {"metavar": "ROBOT", "help": "robot file or built-in robot"}),
+    "out": (_OUT, {"metavar": "FILE", "type": file_or_stdout, "help": "file to write (default: standard output)"}),
+    "folder": (_OUT, {"metavar": "DIR", "type": Path}),
+    "at": (("--at",), {"metavar": "V1,V2,...", "action": "append", "default": []}),
+    "format": (("--format",), {"metavar": "FORMAT"}),
+    "style": (("--style",), {"metavar": "STYLE"}),
+    "task": (("--task",), {"metavar": "ROWS"}),
+    "inertia": (
+        ("--inertia",),
+        _BODIES | {"help": "keep inertias, or replace inconsistent ones by the closest valid ones"},
+    ),
+    "lang": (("--lang",), {"metavar": "CODE", "help": "language: en, it, pt or another that has a message catalogue"}),
+    "force": (("--force",), _FLAG | {"help": "overwrite files that exist"}),
+    "strict": (("--strict",), _FLAG | {"help": "treat warnings about the robot file as errors"}),
+    "quiet": (("--quiet",), _FLAG | {"help": "print no progress and no report"}),
+    "json": (("--json",), _FLAG | {"help": "print JSON, errors included"}),
+}
+_POINT = {"-q": "--at"}
+# Of each command the names that options had; they are understood and not shown.
+OLD = {"check": {"--report": "--out"}, "export": {"--to": "--format"}, "handout": _POINT, "plot": _POINT}
+
+
+def add_shared(parser: argparse._ActionsContainer, *names: str, **settings: Any) -> None:
+    """Add options that several commands have, with what a command says otherwise about them."""
+    for name in names:
+        flags, usual = SHARED[name]
+        parser.add_argument(*flags, **usual | settings)
+
+
+def keywords(arguments: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Options that the Python API knows by the same names, as keywords of its functions."""
+    return {name: getattr(arguments, name) for name in names}

@@ -3,8 +3,7 @@
 import argparse
 from pathlib import Path
 
-from derive.cli.options import add_shared
-from derive.cli.terminal import one_line, positive, print_columns, print_json
+from derive.cli.terminal import add_shared, one_line, positive, print_columns, print_json
 
 DESCRIPTION = """\
 Import the models in DIR/<robot>/ and compare each function with an independent recursion in plain floats, at random
@@ -27,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_shared(parser, "quiet", "json")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Verify the folder and print the worst errors."""
     from derive.api.build import verify
     from derive.api.importing import verify_import
@@ -41,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:
             print_json({"robot": robot.name, "import": imported.as_dict(), "remarks": robot.remarks_as_dicts})
-        return 0
+        return
     report = verify(robot, arguments.out, samples=arguments.samples, seed=arguments.seed)
     if arguments.json:
         further = {} if imported is None else {"import": imported.as_dict()}
@@ -51,4 +50,3 @@ def run(arguments: argparse.Namespace) -> int:
         print_columns(rows, ("target", "function", "samples", "worst error"))
         for reason in report.reasons:
             print(reason)
-    return 0

@@ -6,29 +6,23 @@ the last two: they are taken of all angles at once, which is what lets a compile
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
-from derive.programs.program import NEAR, POSE, Inverse, InverseSearch, Program
-from derive.programs.tape.tape import Op
+from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, InverseSearch
+from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
 from derive.targets.escape import c_comment, c_prefix
-from derive.targets.kernel import case_context
-from derive.targets.target import Source, Target, bound_text, heading, joint_limits
+from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, write_statements
+from derive.targets.target import Source, Target, bound_text, case_context, heading, joint_limits, shape_text
 from derive.targets.templating import render
 
 if TYPE_CHECKING:
     from derive.inverse.general.closure import Closure
     from derive.inverse.general.elimination import Elimination
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-
-from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, WIDTHS, Function
-from derive.programs.tape.tape import PARAMETER, Layer, Output, Tape
-from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, temporary_names, write_statements
-from derive.targets.target import shape_text
 
 # In the order in which they are read and declared; ``k`` holds the constants from the parameters.
 _ARRAYS = (*ARGUMENTS, POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
@@ -88,9 +82,7 @@ def c_function(function: Function, parameters: Sequence[str], more_constants: in
         "angles": _static_function(angles, "angles", lanes),  # from the arguments to the angles
         "lane": _static_function(body, "result", lanes),  # from the arguments and sines to the result
         "declaration": pointers(inputs, "result", "restrict "),  # parameters of the public function
-        "batch_declaration": f"size_t count, {pointers(inputs, 'result', 'restrict ')}",  # of that of a batch
-        "prototype": pointers(inputs, "result"),  # both in the header
-        "batch_prototype": f"size_t count, {pointers(inputs, 'result')}",
+        "prototype": pointers(inputs, "result"),  # the same in the header
         "block_declaration": pointers([*used, *hoisted], "result", "restrict "),  # of the function of one block
         "block_call": ", ".join([*(f"{argument}_block" for argument in used), *hoisted, "result_block"]),
         "documentation": _documentation(function, len(constants.results)),  # lines of its comment
@@ -131,7 +123,6 @@ def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = Tr
 
 
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
-    """The lines of a function's comment in the header."""
     wording = function.interface
     layout = ", row by row" if len(function.shape) > 1 else ""
     constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
@@ -182,12 +173,9 @@ def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodeP
 def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], given: Mapping[int, Read]) -> CodePart:
     """Code for some outputs, in which ``given`` values need not be computed."""
     needed = {output.node for output in outputs}
-    stack = list(needed)
-    while stack:
-        i = stack.pop()
-        fresh = set() if i in given else set(tape.nodes[i].operands) - needed
-        needed |= fresh
-        stack += fresh
+    for i in reversed(range(len(tape.nodes))):  # operands stand before what is made of them
+        if i in needed and i not in given:
+            needed.update(tape.nodes[i].operands)
     reads: list[Read] = []
     pieces: dict[int, CodePiece] = {}
     operations: list[int] = []
@@ -205,7 +193,7 @@ def _part(tape: Tape, parameters: Sequence[str], outputs: Sequence[Output], give
             operations.append(i)
             continue
         pieces[i] = CodePiece(reads[-1].name)
-    body = write_statements(tape, C, operations, pieces, temporary_names())
+    body = write_statements(tape, C, operations, pieces)
     reads.sort(key=lambda read: (_ARRAYS.index(read.array), read.index))
     return CodePart(tuple(reads), body, tuple(C.output(tape, output, pieces) for output in outputs))
 
@@ -228,7 +216,7 @@ def c_context(source: Source) -> dict[str, Any]:
     """What the templates of C ask for."""
     program, prefix = source.program, c_prefix(source.robot.name)
     functions = [c_function(function, program.parameters) for function in program]
-    solved = solvable(program)
+    solved = solvable(source)
     inverse = c_inverse(solved, source) if solved else None
     texts = [*functions, inverse["function"]] if inverse else functions
     return heading(source, c_comment) | {
@@ -245,10 +233,10 @@ def c_context(source: Source) -> dict[str, Any]:
     }
 
 
-def solvable(program: Program) -> Inverse | InverseSearch | None:
+def solvable(source: Source) -> Inverse | InverseSearch | None:
     """Inverse kinematics that C has: by a program, or by eigenvalues."""
-    search = program.search if program.search and program.search.eliminations else None
-    return program.inverse or search
+    search = source.program.search
+    return source.program.inverse or (search if search and search.eliminations else None)
 
 
 def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any]:
@@ -270,8 +258,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "function": function,  # the texts of its program; its constants are followed by those of the step
         "step": step,  # those of its Newton step
         "step_constants": f", k + {function['constant_count'] - further}" if further else "",
-        "constants_declaration": ", const double *restrict k" if further else "",
-        "constants_argument": ", k" if further else "",
         "branches": inverse.branches,
         "size": inverse.branches * inverse.joints,  # joint variables of all branches
         "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
@@ -281,10 +267,8 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
             for name in function["used"]
         ],
         "declaration": _declared(inputs, "restrict "),  # parameters of the public function
-        "batch_declaration": f"size_t count, {_declared(inputs, 'restrict ')}",  # of that of a batch
         "nearest_declaration": _declared(nearest, "restrict ", status=False),  # of that of the nearest solution
         "prototype": _declared(inputs, ""),  # parameters of the first in the header
-        "batch_prototype": f"size_t count, {_declared(inputs, '')}",
         "nearest_prototype": _declared(nearest, "", status=False),
         # limits of the joints, each list as the inside of an array
         "lower": ", ".join(bound_text(pair[0], "INFINITY") for pair in limits),
@@ -293,7 +277,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "turning": ", ".join(str(int(i not in inverse.given and joint.is_revolute)) for i, joint in joints),
         "given": tuple({"name": str(k + 1), "place": str(joint)} for k, joint in enumerate(inverse.given)),
         "given_array": f", given[{len(inverse.given)}]" if inverse.given else "",
-        "given_lines": tuple(f"given[{k}] = near[{joint}];" for k, joint in enumerate(inverse.given)),
         "nearest_call": ", ".join([*inputs, "solutions", "status"]),
         "start_call": ", ".join([*("start" if name == NEAR else name for name in inputs), "values"]),
         "alone_declaration": pointers(inputs, "q", "restrict "),
@@ -306,7 +289,6 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
 
 
 def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
-    """The lines of the comment in the header."""
     interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
     far = POLICY.texts["far"]
     constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, WIDTHS, Function, Program
+from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
-from derive.targets.kernel import JAVASCRIPT, Kernel, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits, shape_text
+from derive.targets.kernel import JAVASCRIPT, Kernel, entry_names, rows_of, wrapped, write_kernel
+from derive.targets.target import Source, Target, case_context, heading, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
 FILE = "model.mjs"
@@ -39,7 +39,6 @@ def camel_case(name: str) -> str:
 
 
 def _body_context(robot: Robot, program: Program) -> dict[str, object]:
-    """What the template of the declarations asks for."""
     limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
         "dof": robot.dof,
@@ -51,9 +50,8 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
             for name, row in joint_bounds(robot).items()
         },
         "parameters": wrapped([javascript_string(name) for name in program.parameters]),
-        "has_parameters": bool(program.parameters),
         **case_context(program.all_tapes),
-        "inverse": _inverse(program, robot) if program.inverse else None,
+        "inverse": _inverse(program.inverse, program.parameters, robot) if program.inverse else None,
         "functions": tuple(_function(function, program.parameters, robot.dof) for function in program),
     }
 
@@ -76,8 +74,7 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> dic
         "label": javascript_string(camel_case(function.name)),  # its name as a string literal
         "signature": ", ".join((*function.arguments, "params")),
         "documentation": tuple(f" * {line}".rstrip() for line in lines),  # lines of its comment
-        "parameters": wrapped([javascript_string(name) for name in needed]),
-        "hoists": bool(needed),  # whether it needs any
+        "parameters": wrapped([javascript_string(name) for name in needed]),  # those that it needs, if any
         "unpack_parameters": wrapped([f"p_{name}" for name in needed]),  # lines that name them
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": wrapped(kernel.constant_values),  # lines of the values that the body takes from there
@@ -89,9 +86,7 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> dic
     }
 
 
-def _inverse(program: Program, robot: Robot) -> dict[str, object]:
-    inverse = program.inverse
-    assert inverse is not None
+def _inverse(inverse: Inverse, parameters: Sequence[str], robot: Robot) -> dict[str, object]:
     function = inverse.function
     names = [javascript_comment(robot.joints[i].label) for i in inverse.given]
     interface, words = function.interface, ", ".join(names)
@@ -114,8 +109,8 @@ def _inverse(program: Program, robot: Robot) -> dict[str, object]:
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
     given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
     return {
-        "kernel": _function(function, program.parameters, robot.dof),  # the texts of its program
-        "step": _function(inverse.step, program.parameters, robot.dof),  # those of its Newton step
+        "kernel": _function(function, parameters, robot.dof),  # the texts of its program
+        "step": _function(inverse.step, parameters, robot.dof),  # those of its Newton step
         "step_entries": tuple(
             (name, wrapped(entry_names(inverse.step, name, robot.dof))) for name in inverse.step.arguments
         ),

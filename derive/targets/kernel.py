@@ -9,18 +9,7 @@ from itertools import count
 
 from derive.algebra.constants import Constant, to_float
 from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, Function
-from derive.programs.tape.tape import (
-    ALL_NAMES,
-    BRANCHING_NAMES,
-    FUNCTION_NAMES,
-    LEAVES,
-    PARAMETER,
-    InputSource,
-    Layer,
-    Op,
-    Output,
-    Tape,
-)
+from derive.programs.tape.tape import ALL_NAMES, LEAVES, PARAMETER, InputSource, Layer, Op, Output, Tape
 
 CASE, SUM, PRODUCT, ATOM = 0, 1, 2, 3  # how tightly the outermost operation of a text binds
 TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}  # letters of the names that sines and cosines get
@@ -101,12 +90,6 @@ C = Language(
 )
 
 
-def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
-    """What templates ask for about the functions that a file provides for its kernels."""
-    has_cases = any(node.op in BRANCHING_NAMES for tape in tapes for node in tape.nodes)
-    return {"has_cases": has_cases, "operators": ", ".join((ALL_NAMES if has_cases else FUNCTION_NAMES).values())}
-
-
 def input_name(source: InputSource, parameters: Sequence[str]) -> str:
     """The variable that holds an input."""
     if source.kind == POSE:
@@ -119,27 +102,22 @@ def entry_names(function: Function, argument: str, joints: int) -> list[str]:
     return [input_name(InputSource(argument, i), ()) for i in range(function.width(argument, joints))]
 
 
-def temporary_names() -> Iterator[str]:
-    """``t1``, ``t2``, ..."""
-    return (f"t{k}" for k in count(1))
-
-
 def write_statements(
     tape: Tape,
     language: Language,
     nodes: Iterable[int],
     pieces: dict[int, CodePiece],
-    free_names: Iterator[str],
+    free_names: Iterator[str] | None = None,
     names: Mapping[int, str] | None = None,
 ) -> tuple[str, ...]:
-    """Statements that compute some values of a tape."""
-    named = names or {}
+    """Statements that compute some values of a tape; by default they are called ``t1``, ``t2``, ..."""
+    named, free = names or {}, free_names or (f"t{k}" for k in count(1))
     lines = []
     for i in nodes:
         node = tape.nodes[i]
         piece = language.operation(node.op, [pieces[k] for k in node.operands])
         if i in named or tape.use_counts[i] != 1 or len(piece.text) > _INLINE_WIDTH:
-            name = named.get(i) or next(free_names)
+            name = named.get(i) or next(free)
             lines.append(language.assignment.format(name=name, value=piece.text))
             piece = CodePiece(name)
         pieces[i] = piece
@@ -178,7 +156,7 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         layer: [i for i, node in enumerate(tape.nodes) if node.layer is layer and node.op not in LEAVES]
         for layer in (Layer.HOISTED, Layer.BODY)
     }
-    free_names = temporary_names()
+    free_names = (f"t{k}" for k in count(1))  # ``t1``, ``t2``, ...
     hoisted = write_statements(tape, language, layers[Layer.HOISTED], pieces, free_names, names)
     crossing = tape.hoisted_results
     values = tuple(pieces[i].text for i in crossing)

@@ -25,7 +25,7 @@ class Input:
 
 def render_native(source: Source) -> dict[str, str]:
     """Module and code."""
-    code, inverse = c_context(source), solvable(source.program)
+    code, inverse = c_context(source), solvable(source)
     texts = code["functions"]
     loops = [_loop(function, text, source.robot.dof) for function, text in zip(source.program, texts, strict=True)]
     solver = [code["inverse"]["function"]] if inverse else []
@@ -79,8 +79,6 @@ def _nearest_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
         "lanes": "1" if isinstance(inverse, InverseSearch) else f"{text['name']}_lanes",
         "is_block": "steps[2] == 0" if constants else "1",
         "loads": tuple(loads),
-        "row_call": ", ".join(f"{name}_row" for name in widths),
-        "starts": ", ".join(f"inputs[{i}]" for i in range(len(inputs) + 1)),
         "lengths": ", ".join(str(8 * width) for width in (*widths.values(), n)),
     }
 
@@ -91,42 +89,33 @@ def _inverse_loop(inverse: Inverse | InverseSearch, text: dict[str, Any]) -> dic
     inputs = tuple(Input(name, width, i, count + 2 + i) for i, (name, width) in enumerate(widths.items()))
     return {
         "inputs": inputs,  # all inputs, the constants included
-        "row_call": ", ".join(f"{name}_row" for name in widths),  # inputs of a call for one row
         "loads": tuple(entry for entry in inputs if entry.name in text["used"]),  # the inputs that are read
         "cores": 2 * count + 2,  # place of the bytes between the entries of the results, among all steps
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count + 1,  # place of the bytes between them
         "result_place": count,  # place of the joint variables
         "status_place": count + 1,  # place of what the branches are
-        "lengths": ", ".join(
-            str(length) for length in [*(8 * width for width in widths.values()), 8 * size, inverse.branches]
-        ),
+        "lengths": ", ".join(map(str, (*(8 * width for width in widths.values()), 8 * size, inverse.branches))),
         "buffer_count": count + 2,
-        "starts": ", ".join(f"inputs[{i}]" for i in range(count)),  # inputs of the call for one pose
     }
 
 
 def _loop(function: Function, text: dict[str, Any], joints: int) -> dict[str, object]:
-    constants = ["k"] if text["constant_count"] else []
-    inputs = (*function.arguments, *constants)
-    count = len(inputs)
-    lengths = [
-        *(function.width(argument, joints) for argument in function.arguments),
-        *(text["constant_count"] for _ in constants),
-        prod(function.shape),
-    ]
+    widths = {name: function.width(name, joints) for name in function.arguments}
+    widths |= {"k": text["constant_count"]} if text["constant_count"] else {}
+    count = len(widths)
+    inputs = (Input(name, width, i, count + 1 + i) for i, (name, width) in enumerate(widths.items()))
     return {
-        "inputs": inputs,  # names of the inputs, the constants from the parameters included
-        "loads": tuple(
-            Input(a, lengths[i], i, count + 1 + i) for i, a in enumerate(function.arguments) if a in text["used"]
-        ),
+        "inputs": tuple(widths),  # names of the inputs, the constants from the parameters included
+        "loads": tuple(entry for entry in inputs if entry.name in text["used"]),
         "constants_place": count - 1,  # place of the constants
         "constants_core": 2 * count,  # place of the bytes between them
         "result_place": count,  # place of the result
         "result_core": 2 * count + 1,  # place of the bytes between its entries, one for each axis
         "axes": len(function.shape),  # axes of the result
         "dimensions": ", ".join(map(str, function.shape or (1,))),
-        "lengths": ", ".join(map(str, lengths)),  # lengths of the inputs and of the result, as the inside of an array
+        # lengths of the inputs and of the result, as the inside of an array
+        "lengths": ", ".join(map(str, (*widths.values(), prod(function.shape)))),
         "buffer_count": count + 1,  # inputs and the result
         "starts": ", ".join(f"starts[{i}]" for i in range(count + 1)),  # arguments of the call for one configuration
     }

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
-from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch, Program
+from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
-from derive.targets.kernel import LINE_WIDTH, PYTHON, case_context, entry_names, rows_of, wrapped, write_kernel
-from derive.targets.target import Source, Target, heading, joint_bounds, joint_limits
+from derive.targets.kernel import LINE_WIDTH, PYTHON, entry_names, rows_of, wrapped, write_kernel
+from derive.targets.target import Source, Target, case_context, heading, joint_bounds, joint_limits
 from derive.targets.templating import render
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def python_context(source: Source) -> dict[str, object]:
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
     }
+    of_ends = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
     felt = {name: both for name, both in FELT.items() if all(each in program for each in both)}
     return heading(source, python_docstring) | {
         "constants": [  # tuples at the top of the module, on one line where that is enough
@@ -94,15 +96,9 @@ def python_context(source: Source) -> dict[str, object]:
             _python_function(each, program.parameters, robot.dof, felt.get(each.name, ())) for each in program
         ],
         "has_felt": bool(felt),
-        "functions_of_ends": _functions_of_ends(program),
+        "functions_of_ends": [{"name": name, "arguments": arguments} for name, arguments in of_ends.items()],
         "ends": [end.name for end in robot.ends],
     }
-
-
-def _functions_of_ends(program: Program) -> list[dict[str, str]]:
-    """The functions that take an end of a tree by its name, with their arguments."""
-    found = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
-    return [{"name": name, "arguments": arguments} for name, arguments in found.items()]
 
 
 def _python_function(
@@ -133,7 +129,6 @@ def _python_function(
         "shape": str(function.shape),  # as a Python tuple
         "is_scalar": not function.shape,  # whether the result is one number
         "parameter_places": wrapped([str((listed or parameters).index(parameters[i])) for i in kernel.parameters]),
-        "hoists": bool(kernel.parameters),  # whether it needs any
         "unpack_parameters": _unpacking([f"p_{parameters[i]}" for i in kernel.parameters], "p"),
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": wrapped(kernel.constant_values),  # the values that the body takes from there
@@ -155,13 +150,10 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
     names = [robot.joints[i].label for i in inverse.given]
     interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     search, parameters = inverse if isinstance(inverse, InverseSearch) else None, free_symbols(robot)
-
-    def _texts(function: Function) -> dict[str, object]:
-        return _python_function(function, parameters, robot.n, listed=listed)
-
+    texts = partial(_python_function, parameters=parameters, joints=robot.n, listed=listed)
     return {
-        "kernel": _texts(inverse.function),  # the texts of its program
-        "step": _texts(inverse.step) if isinstance(inverse, Inverse) else None,
+        "kernel": texts(inverse.function),  # the texts of its program
+        "step": texts(inverse.step) if isinstance(inverse, Inverse) else None,
         "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,
@@ -169,7 +161,6 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
         "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
         "given_names": _tuple([python_string(name) for name in names]) if names else "",
         "given_joints": _tuple([str(i) for i in inverse.given]) if names else "",
-        "given_argument": ", given" if names else "",  # what stands behind ``T`` in a list of arguments
         "given_words": f"Variables of {words}, (..., {len(names)})"
         if names
         else "Nothing, since all joints are solved for",
@@ -209,7 +200,6 @@ def _unpacking(names: Sequence[str], source: str) -> str:
 
 
 def _documentation(function: Function, *options: str) -> tuple[str, ...]:
-    """The lines of a docstring after its first."""
     wording = function.interface
     shape = ", ".join(("...", *map(str, function.shape)))
     lines = (

@@ -20,6 +20,7 @@ from derive.targets.target import Source, Target, bound_text, heading, joint_bou
 from derive.targets.templating import render
 
 _WIDE = "x N"  # how the shape of a batch ends
+_PARAMS = "params: numbers of the free parameters, a struct by name or a vector in the order of those of model()."
 
 
 def render_octave(source: Source) -> dict[str, str]:
@@ -39,7 +40,6 @@ def render_octave(source: Source) -> dict[str, str]:
             name.lower(): "; ".join(bound_text(inf if most is None else most, "Inf") for most in row)
             for name, row in joint_bounds(robot).items()
         },
-        "has_parameters": bool(program.parameters),
         "functions": functions,
         "inverse": inverse,
         "without_inverse": "its solutions come from eigenvalues or a search, which NumPy and C have"
@@ -113,7 +113,6 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "unpack": _unpacked(function, robot.dof),  # statements that name the entries of the arguments
         "needed": wrapped([matlab_string(name) for name in needed], " ..."),
         "unpack_parameters": tuple(f"p_{name} = p({k});" for k, name in enumerate(names, 1)),
-        "hoists": bool(kernel.constants),  # whether there are values on parameters alone
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": kernel.constant_values,  # the values that the body takes from there
         "unpack_constants": tuple(f"{name} = k({place});" for place, name in enumerate(kernel.constants, 1)),
@@ -152,7 +151,6 @@ def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
 
 
 def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot, package: str) -> tuple[str, ...]:
-    """The lines of the help of the solution nearest to a configuration, after its first."""
     params = ["params"] if program.parameters else []
     return (
         f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
@@ -162,7 +160,7 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
         "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
         "",
         "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *_parameter_lines(program.parameters),
+        *([_PARAMS] if program.parameters else []),
     )
 
 
@@ -185,7 +183,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         "",
         "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
         *given,
-        *_parameter_lines(program.parameters),
+        *([_PARAMS] if program.parameters else []),
         "",
         *map(one_line, inverse.order),
         *inverse.function.notes,
@@ -215,7 +213,6 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
 
 
 def _documentation(function: Function, package: str, joints: int, parameters: Sequence[str]) -> tuple[str, ...]:
-    """The lines of a function's help after its first."""
     wording = function.interface
     _, extent = _column_major(function.shape)
     shape = shape_text((*extent, 1) if len(extent) == 1 else extent)
@@ -231,13 +228,7 @@ def _documentation(function: Function, package: str, joints: int, parameters: Se
             f"{name}: {ARGUMENTS[name]}, {(width := function.width(name, joints))} x 1, or {width} {_WIDE}."
             for name in function.arguments
         ),
-        *_parameter_lines(parameters),
+        *([_PARAMS] if parameters else []),
         "",
         *function.notes,
     )
-
-
-def _parameter_lines(parameters: Sequence[str]) -> tuple[str, ...]:
-    if not parameters:
-        return ()
-    return ("params: numbers of the free parameters, a struct by name or a vector in the order of those of model().",)

@@ -30,11 +30,10 @@ FILES = {
     "sheet.tex": "the equations, for `pdflatex sheet.tex`",
     "MANIFEST.json": "hash of the robot file, version of the tool, operation counts, hashes of the files",
     "__init__.py": "makes the folder an importable package",
+    "+": "the same functions for MATLAB and Octave, a file each; a configuration is a column",  # the package's folder
 }
 # Limits that a formula of ours keeps: exact products of the user's numbers may have many digits.
 OWN_FORMULA = replace(FORMULA_LIMITS, digits=FORMULA_LIMITS.text_length, number_bits=4 * FORMULA_LIMITS.text_length)
-# What a folder with a plus sign is.
-PACKAGE = "the same functions for MATLAB and Octave, a file each; a configuration is a column"
 
 
 def render(source: Source) -> dict[str, str]:
@@ -59,23 +58,17 @@ def render(source: Source) -> dict[str, str]:
             for line, joint in zip(joint_lines(robot), robot.variables, strict=True)
         ],
         "files": [
-            (name, PACKAGE if name.startswith("+") else FILES.get(name, ""))
-            for name in source.files
-            if name != "README.md"
+            (name, FILES.get("+" if name.startswith("+") else name, "")) for name in source.files if name != "README.md"
         ],
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
         "matlab": next((name[1:-1] for name in source.files if name.startswith("+")), ""),
-        "has_dynamics": robot.has_dynamics,
         "functions": _functions(program),
         "inverse": inverse.summary if inverse is not None else "",
-        "branches": inverse.branches if inverse is not None else 0,
         "given": ", ".join(robot.joints[i].variable for i in inverse.given) if inverse is not None else "",
-        "is_search": program.search is not None,
-        "has_eigenvalues": program.search is not None and bool(program.search.eliminations),
+        "search": program.search,
         "without_inverse": program.without_inverse,
         "solved_ends": [each.end for each in program.of_ends],
-        "solved_ends_listed": ", ".join(each.end for each in program.of_ends),
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
@@ -94,10 +87,8 @@ def render(source: Source) -> dict[str, str]:
 def _functions(program: Program) -> list[dict[str, str]]:
     """The rows of the table of functions; inverse kinematics, with all its branches, is the last."""
     shown = [(function, function.arguments, function.shape) for function in program]
-    if (inverse := program.inverse or program.search) is not None:
-        arguments = (POSE, GIVEN) if inverse.given else (POSE,)
-        shown.append((inverse.function, arguments, (inverse.branches, inverse.joints)))
-    for solved in (each.inverse for each in program.of_ends):
+    own = program.inverse or program.search
+    for solved in (*([own] if own else []), *(each.inverse for each in program.of_ends)):
         arguments = (POSE, GIVEN) if solved.given else (POSE,)
         shown.append((solved.function, arguments, (solved.branches, solved.joints)))
     return [

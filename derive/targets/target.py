@@ -1,11 +1,12 @@
 """A target, the files that it writes and the function that renders them, and what it is rendered from: a source."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite
 
 from derive.algebra.constants import exact_number, to_float
 from derive.programs.program import Program, joint_lines
+from derive.programs.tape.tape import ALL_NAMES, BRANCHING_NAMES, FUNCTION_NAMES, Tape
 from derive.robot.evaluate import evaluate
 from derive.robot.robot import Robot
 
@@ -55,6 +56,12 @@ def heading(source: Source, comment: Callable[[str], str]) -> dict[str, object]:
         "dof": robot.dof,
         "joints": joint_lines(robot, comment),
     }
+
+
+def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
+    """What templates ask for about the functions that a file provides for its kernels."""
+    has_cases = any(node.op in BRANCHING_NAMES for tape in tapes for node in tape.nodes)
+    return {"has_cases": has_cases, "operators": ", ".join((ALL_NAMES if has_cases else FUNCTION_NAMES).values())}
 
 
 def package_name(robot: Robot) -> str:

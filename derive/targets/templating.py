@@ -28,9 +28,6 @@ def render(template: str, **context: object) -> str:
 class _Compiled(FileSystemBytecodeCache):
     """Templates as Python compiles them, beside the byte code of this module; each is looked up by its text."""
 
-    def __init__(self) -> None:
-        super().__init__(str(Path(cache_from_source(__file__)).parent), "template-%s.pyc")
-
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep a template, where Python, too, keeps byte code: compiling them takes a tenth of a build."""
         if not sys.dont_write_bytecode:
@@ -49,7 +46,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
         newline_sequence="\n",
-        bytecode_cache=_Compiled(),
+        bytecode_cache=_Compiled(str(Path(cache_from_source(__file__)).parent), "template-%s.pyc"),
     )
     found.globals["policy"] = POLICY.texts
     return found

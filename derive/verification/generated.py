@@ -1,58 +1,39 @@
 """Generated modules as callables.
 
 Python is imported by path, without leaving a trace in this process or in its folder; C is compiled for the occasion and
-called through ctypes (`derive.verification.c_model`) or ``casadi.external`` (``model_casadi.c``).
+called through ctypes, as its header says, or ``casadi.external`` (``model_casadi.c``).
+
+All have the name of the ``target`` and of its ``file``, the module's ``constants``, ``DOF``, ``PARAMETERS`` and
+``GIVEN`` (the given joints or their places) among them, and the ``ways`` of calling that `derive.verification.verify`
+knows.
 """
 
+import ctypes
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from derive.errors import TargetError, VerificationError
 from derive.interrupts import TemporaryFolder
 from derive.targets.compiler import Command, compile_shared
-from derive.verification.c_model import load_c_model
+from derive.verification.octave_model import OctaveModel
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
 
+C_OPTIONS = ("-std=c99", "-O0", "-Dalways_inline=unused")
+"""What is right without optimisation is right; compiling is most of the time spent here.
+
+Every kernel is compiled once, and not once more for each function that it is to be inlined into.
+"""
 CASADI_OPTIONS = ("-O0",)
-
-
-class GeneratedModel(Protocol):
-    """One target of a robot, callable from Python."""
-
-    @property
-    def target(self) -> str:
-        """Name of the target."""
-
-    @property
-    def file(self) -> str:
-        """Name of the module's file."""
-
-    @property
-    def constants(self) -> Mapping[str, Any]:
-        """The module's names, ``DOF``, ``PARAMETERS`` and ``GIVEN``, the given joints or their places, among them."""
-
-    @property
-    def ways(self) -> tuple[str, ...]:
-        """The ways of calling that the target offers, as `derive.verification.verify` knows them."""
-
-    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
-        """The value of a generated function."""
-
-    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Joint variables, (poses, branches, n), and what the branches are, with variables (poses, k) of given joints.
-
-        Of one pose where there is one, else of a batch.
-        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +58,10 @@ class NumpyModel:
         return np.asarray(getattr(self.module, function)(*arguments, **options))
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, see `GeneratedModel`."""
+        """Joint variables, (poses, branches, n), and what the branches are, with variables (poses, k) of given joints.
+
+        Of one pose where there is one, else of a batch.
+        """
         options: dict[str, Any] = {"params": dict(parameters)} if parameters else {}
         if given.shape[-1]:
             options["given"] = given if len(poses) > 1 else given[0]
@@ -128,7 +112,7 @@ class CasadiModel:
         return blocks if arguments and arguments[0].ndim > 1 else blocks[0]
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Inverse kinematics, see `GeneratedModel`; branch by branch."""
+        """Inverse kinematics, see `NumpyModel`; branch by branch."""
         listed = self.constants["inverse_kinematics"]
         branches = [self.function(name) if isinstance(name, str) else name for name in listed]
         numbers = [[float(parameters[name]) for name in self.constants["PARAMETERS"]]] if parameters else []
@@ -138,6 +122,93 @@ class CasadiModel:
             found = [branch(pose.reshape(branch.size_in(0)), *inputs) for branch in branches]
             rows.append(([np.asarray(q)[:, 0] for q, _ in found], [float(status) for _, status in found]))
         return np.array([q for q, _ in rows]), np.array([status for _, status in rows]).astype(int)
+
+
+@dataclass(frozen=True)
+class CModel:
+    """The compiled ``model.c``: functions of one configuration and of a batch."""
+
+    shared: ctypes.CDLL  # the library
+    header: str  # text of ``model.h``, in which shapes and numbers are read
+    target = "c"
+    file = "model.c"
+    ways = ("one", "batch", "blocks")
+
+    @property
+    def constants(self) -> Mapping[str, Any]:
+        """``DOF``, ``PARAMETERS`` and the places ``GIVEN``, as the header has them; shapes of the functions by name."""
+        start = f"{self._prefix}index_of_"
+        names = [name.removeprefix(start) for name in self._numbers if name.startswith(start)]
+        given = [k for name, k in self._numbers.items() if name.startswith(f"{self._prefix}given_joint_")]
+        functions = {name.removeprefix(self._prefix): shape for name, shape in self._shapes.items()}
+        if f"{self._prefix}branches" in self._numbers:
+            functions["inverse_kinematics"] = ()
+        dof = self._numbers[f"{self._prefix}dof"]
+        return {**functions, "DOF": dof, "PARAMETERS": tuple(names), "GIVEN": tuple(given)}
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a function, by the batch function for more than one configuration."""
+        name = f"{self._prefix}{function}"
+        inputs = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+        batch = inputs[0].shape[:-1] if inputs else ()
+        result = np.full((*batch, *self._shapes[name]), np.nan)
+        pointers = [_pointer(array) for array in (*inputs, *self._hoisted(name, parameters), result)]
+        if batch:
+            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(int(np.prod(batch))), *pointers)
+        else:
+            getattr(self.shared, name)(*pointers)
+        return result
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics, see `NumpyModel`."""
+        name, count = f"{self._prefix}inverse_kinematics", len(poses)
+        branches = self._numbers[f"{self._prefix}branches"]
+        q = np.zeros((count, branches, self._numbers[f"{self._prefix}dof"]))
+        status = np.full((count, branches), -1, dtype=np.intc)
+        arrays = [np.ascontiguousarray(poses, dtype=float)]
+        arrays += [np.ascontiguousarray(given, dtype=float)] if given.shape[-1] else []
+        pointers = [_pointer(array) for array in (*arrays, *self._hoisted(name, parameters), q, status)]
+        pointers.insert(1 + bool(given.shape[-1]), ctypes.c_void_p())  # free joints at zero
+        if count > 1:
+            getattr(self.shared, f"{name}_batch")(ctypes.c_size_t(count), *pointers)
+        elif getattr(self.shared, name)(*pointers) != (status > 0).sum():
+            raise VerificationError(f"{name} of {self.file} returns another number of solutions than it marks")
+        return q, status
+
+    def _hoisted(self, name: str, parameters: Parameters) -> list[Array]:
+        """The array of the constants that a function takes from the parameters, if it takes any."""
+        constants = np.full(self._numbers.get(f"{name}_constant_count", 0), np.nan)
+        if not constants.size:
+            return []
+        params = np.array([float(parameters[k]) for k in self.constants["PARAMETERS"]])
+        getattr(self.shared, f"{name}_constants")(_pointer(params), _pointer(constants))
+        return [constants]
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        """The enumerators of the header."""
+        return {name: int(number) for name, number in re.findall(r"^ +(\w+) = (\d+),", self.header, re.MULTILINE)}
+
+    @cached_property
+    def _prefix(self) -> str:
+        return next(iter(self._numbers)).removesuffix("dof")
+
+    @cached_property
+    def _shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the results, from the functions' comments."""
+        shapes = {}
+        for comment, name in re.findall(r"/\*\*\n((?: \*.*\n)+?) \*/\nvoid (\w+)\(", self.header):
+            shape = re.search(r"@param\[out\] result +\S+, (scalar|[0-9]+(?: x [0-9]+)*)", comment)
+            if shape:
+                shapes[name] = tuple(map(int, re.findall("[0-9]+", shape[1])))
+        return shapes
+
+
+def _pointer(array: Array) -> Any:
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+
+GeneratedModel = NumpyModel | CasadiModel | CModel | OctaveModel
 
 
 def load_models(folder: Path, *, needing_library: bool | None = None) -> tuple[GeneratedModel, ...]:
@@ -171,6 +242,18 @@ def _import(path: Path) -> ModuleType:
     except Exception as error:
         raise VerificationError(f"{path.name} cannot be imported: {type(error).__name__}: {error}") from error
     return module
+
+
+def load_c_model(path: Path, compiler: Command) -> CModel:
+    """Compile and load a C model."""
+    with TemporaryFolder() as temporary:
+        library = temporary.path / "model.so"
+        try:
+            compile_shared(compiler, [path], library, C_OPTIONS)
+            shared = ctypes.CDLL(str(library))
+        except (TargetError, OSError) as error:
+            raise VerificationError(f"{path.name} cannot be compiled: {error}") from error
+    return CModel(shared, path.with_suffix(".h").read_text(encoding="utf-8"))
 
 
 def load_casadi_c(path: Path, compiler: Command) -> CasadiModel:

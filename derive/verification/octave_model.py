@@ -102,12 +102,8 @@ class OctaveModel:
         (codes,) = self.results("model", [], 1)
         dof, parameters, given = "".join(map(chr, codes.ravel().astype(int).tolist())).split(";")
         names: dict[str, tuple[str, ...]] = {path.stem: () for path in self.folder.glob("*.m")}
-        lists = {"PARAMETERS": parameters, "GIVEN": given}
-        return {
-            **names,
-            "DOF": int(dof),
-            **{name: tuple(filter(None, text.split(","))) for name, text in lists.items()},
-        }
+        texts = {"PARAMETERS": parameters, "GIVEN": given}
+        return names | {"DOF": int(dof)} | {name: tuple(filter(None, text.split(","))) for name, text in texts.items()}
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
         """The value of a function; configurations are columns there, and the last axis of the result counts them."""

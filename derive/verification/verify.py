@@ -16,21 +16,12 @@ from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
 from derive.verification import inverse
-from derive.verification.expectation import Expectation, expectation
-from derive.verification.generated import (
-    COMPILED,
-    MODULES,
-    TARGETS,
-    GeneratedModel,
-    NumpyModel,
-    compile_models,
-    load_models,
-)
+from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array, together
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, stem
 from derive.verification.samples import Parameters, SampleSet, sample_sets
-from derive.verification.tolerance import TOLERANCE
+from derive.verification.tolerance import TOLERANCE, Expectation, expectation
 
 REMEDY = "this is a fault of derive, not of the robot file: please report it with the file"
 
@@ -225,7 +216,7 @@ def _check_coverage(
     for model in models:
         called = {row.function for row in rows if row.target == model.target}
         of_ends = {name for name in listed if name.startswith(f"{inverse.FUNCTION}_")}  # NumPy alone has these
-        lacking = listed - called - (set() if model.target == NumpyModel.target else of_ends)
+        lacking = listed - called - (set() if model.target == "numpy" else of_ends)
         if lacking:
             missing = ", ".join(sorted(lacking))
             raise VerificationError(f"{model.file}: not verified: {missing}", remedy=REMEDY)
@@ -291,8 +282,7 @@ def _trial(
     way: str, model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_set: SampleSet
 ) -> Trial:
     """A call of a function of configurations: one by one, all at once, broadcast, or in a long batch."""
-    numbers = sample_set.parameters
-    call = partial(model.call, function)
+    numbers, call = sample_set.parameters, partial(model.call, function)
     if way == "one":
         run = partial(_one_by_one, model, function, arguments, numbers)
         return Trial("one configuration", run, arguments, sample_set)
@@ -324,7 +314,4 @@ def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ..
 
 def read_only(arrays: Sequence[Array]) -> list[Array]:
     """Views that a function cannot write into."""
-    views = [array.view() for array in arrays]
-    for view in views:
-        view.flags.writeable = False
-    return views
+    return [np.broadcast_to(array, array.shape) for array in arrays]

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import COMMANDS, main, whole_parser
-from derive.cli.options import OLD, SHARED, file_or_stdout
+from derive.cli.terminal import OLD, SHARED, file_or_stdout
 from derive.version import __version__
 from tests.cli.command import derive, refused
 from tests.interpreters import printed_by

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from derive.cli.main import COMMANDS, whole_parser
-from derive.cli.options import file_or_stdout
+from derive.cli.terminal import file_or_stdout
 from derive.motion.motion import Motion
 from tests.cli.command import PENDULUM, accepted, contents, derive, refused
 
@@ -22,6 +22,7 @@ expected:
 """
 HANDOUT = "derive.api.handout.handout_files"
 MOVE = "derive.motion.motion.Motion.load"
+PRINTOUT = "derive.checking.printouts.formula_printout"
 FORMULA = "--quantity 'p[1]' --expression 'a1*c1'"
 
 WRITING = {
@@ -38,9 +39,9 @@ WRITING = {
     ("handout --pdf", "out"): ("handout arm.yaml --pdf", "pendulum.pdf", HANDOUT),
     ("handout --exercise", "out"): ("handout arm.yaml --exercise", "pendulum-solutions.tex", HANDOUT),
     ("handout --fragment", "out"): ("handout arm.yaml --fragment B -o b.tex", "b.tex", "derive.api.handout.fragment"),
-    ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.api.check.checked_file"),
-    ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", "derive.api.check.formula_printout"),
-    ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.api.check.checked_file"),
+    ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.checking.printouts.file_printout"),
+    ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", PRINTOUT),
+    ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.checking.printouts.file_printout"),
     ("import", "out"): ("import arm.urdf -o b.yaml", "b.yaml", "derive.api.importing.import_urdf"),
     ("import --all", "out"): ("import arm.urdf --all -o arms", "arms/arm-b.yaml", ""),
     ("export", "out"): ("export kuka-kr5 --format csv -o a.csv", "a.csv", "derive.api.export.exported"),

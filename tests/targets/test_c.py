@@ -17,7 +17,7 @@ from derive.programs.tape.value import Value
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, require_compiler
 from derive.targets.escape import c_prefix
-from derive.verification.c_model import CModel
+from derive.verification.generated import CModel
 from tests.random_robots import random_robot, seeds
 from tests.rows import robot_of_rows
 from tests.targets.generated_models import (

@@ -16,10 +16,10 @@ from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
-from derive.verification.expectation import expectation
 from derive.verification.generated import NumpyModel
 from derive.verification.inverse import inverse_errors
 from derive.verification.samples import sample_sets
+from derive.verification.tolerance import expectation
 from derive.verification.verify import trials
 from tests.inverse.arms import arm_of, random_arm
 from tests.random_robots import random_robot, sampled, seeds

@@ -18,15 +18,13 @@ from derive.targets.c import render_c
 from derive.targets.compiler import require_compiler
 from derive.targets.target import Source
 from derive.verification import verify as module
-from derive.verification.c_model import CModel, load_c_model
-from derive.verification.expectation import expectation
-from derive.verification.generated import NumpyModel
+from derive.verification.generated import CModel, NumpyModel, load_c_model
 from derive.verification.inverse import CLOSED, inverse_errors
 from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import Parameters, SampleSet, sample_sets
-from derive.verification.tolerance import TOLERANCE, Bounds, regressor_size, relative_errors
+from derive.verification.tolerance import TOLERANCE, Bounds, expectation, regressor_size, relative_errors
 from derive.verification.verify import BLOCK_ROWS, trials, verify
 from tests.rows import robot_of_rows, text_of_rows
 from tests.targets.generated_models import needs_compiler, needs_octave, numpy_model, write_package

@@ -173,27 +173,18 @@ class _System:
         """Minors of all rows but the last, with signs: polynomials from their values at enough points."""
         size, prime = matrix.shape[1], self.prime
         # Minors of n - 1 rows of degree 2 have degree 2 n - 2 at most: so many values determine them.
-        points = list(range(1, 2 * size))
-        values: list[list[int]] = [[] for _ in range(size)]
+        points, values = range(1, 2 * size), list[int]()
         unit = nmod_mat(size, 1, [0] * (size - 1) + [1], prime)
         for t in points:
             at = _flint(self.loop.settle(matrix[0] + t * matrix[1] + t * t * matrix[2]), prime)
             # Cofactors of the last row are det M times the last column of its inverse.
             determinant = at.det()
             solved = at.solve(unit) if determinant != 0 else None
-            for j in range(size):
-                values[j].append(0 if solved is None else int(solved[j, 0] * determinant))
-        # Newton's divided differences.
-        results = []
-        for table in values:
-            for level in range(1, len(points)):
-                for k in range(len(points) - 1, level - 1, -1):
-                    table[k] = (table[k] - table[k - 1]) * pow(points[k] - points[k - level], -1, prime) % prime
-            total = nmod_poly([table[-1]], prime)
-            for k in range(len(points) - 2, -1, -1):
-                total = total * nmod_poly([-points[k] % prime, 1], prime) + table[k]
-            results.append(total)
-        return results
+            values += [0] * size if solved is None else [int(solved[j, 0] * determinant) for j in range(size)]
+        count = len(points)
+        powers = nmod_mat(count, count, [pow(t, k, prime) for t in points for k in range(count)], prime)
+        rows = powers.solve(nmod_mat(count, size, values, prime)).transpose().table()
+        return [self._polynomial([int(x) for x in row]) for row in rows]
 
     def _solutions(self, g: Any, vector: list[Any]) -> int:
         """The number of roots of g at which the null vector is a vector of products."""

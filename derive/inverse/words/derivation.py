@@ -6,7 +6,7 @@ first and last joint stand between it and the arm, the pose within the arm gets 
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -32,7 +32,6 @@ from derive.robot.robot import Robot
 PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
 _SYMBOLS = {Generator.VARIABLE, Generator.RATE, Generator.ACCELERATION, Generator.PARAMETER, Generator.PI}
 _PLACE = re.compile(r"W\[(\d),(\d)\]")
-_SHORTHAND = ("c", "s")
 
 
 def pose_names(robot: Robot) -> dict[tuple[int, int], str]:
@@ -82,7 +81,7 @@ class PrintedDerivation:
         names = pose_names(robot)
         self.pose = {place: sympy.Symbol(name) for place, name in names.items()}
         variables = [joint.variable for joint in robot.joints]
-        taken = {*robot_symbols(robot), *variables, *names.values(), *_SHORTHAND}
+        taken = {*robot_symbols(robot), *variables, *names.values(), "c", "s"}
         self._scribe = Scribe(self._write, taken, lambda p: not self._is_geometry(p))
         # what the pose within the arm has that no entry of the pose is, but for its sign
         within = {
@@ -95,7 +94,14 @@ class PrintedDerivation:
         extra = [*map(Name, (*names.values(), *within.values())), *graph.shifts, *constants]
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
-        self._images = self._generators(names)
+        # What the generators of the graph's ring are, but those that are defined by others.
+        shifted = {
+            j.variable: add(Name(j.variable), shift) for j, shift in zip(robot.joints, graph.shifts, strict=True)
+        }
+        self._images = {f"T[{i},{j}]": self._domain.ring.generator(name) for (i, j), name in names.items()}
+        for g in graph.domain.generators:
+            if g.name not in POSE_NAMES:
+                self._images[g.name] = self._domain.constant(substitute(g.expression, shifted))
         self._pose_names = {*names.values(), *within.values()}
         for name, p in graph.definitions:
             image = self._composed(p)
@@ -115,29 +121,10 @@ class PrintedDerivation:
         """A polynomial of the graph as it is printed."""
         return self._write(self._composed(p))
 
-    def _generators(self, names: Mapping[tuple[int, int], str]) -> dict[str, Polynomial]:
-        """What the generators of the graph's ring are, but those that are defined by others."""
-        joints, target = self._robot.joints, self._domain
-        shifted = {
-            j.variable: add(Name(j.variable), shift) for j, shift in zip(joints, self._graph.shifts, strict=True)
-        }
-        images = {f"T[{i},{j}]": target.ring.generator(name) for (i, j), name in names.items()}
-        for g in self._graph.domain.generators:
-            if g.name not in POSE_NAMES:
-                images[g.name] = target.constant(substitute(g.expression, shifted))
-        return images
-
     def _composed(self, p: Polynomial) -> Polynomial:
         ring = self._domain.ring
-        total = ring.zero
-        names = self._graph.domain.ring.names
-        for exponents, coefficient in p.terms():
-            product = ring.number(coefficient)
-            for name, exponent in zip(names, exponents, strict=True):
-                if exponent:
-                    product = product * self._images[name] ** exponent
-            total = total + product
-        return total
+        images = (self._images.get(name, ring.zero).raw for name in self._graph.domain.ring.names)
+        return ring.wrap(p.raw.compose(*images, ctx=ring.context))
 
     def _named_sums(self) -> Iterator[tuple[Expr, Expr]]:
         """``q23`` for q2 + q3; a letter where angles are subtracted or have no labels."""
@@ -210,10 +197,8 @@ class PrintedDerivation:
             return [formula.degenerate]
         if (a * a + b * b).is_constant:
             return [()]
-        return [(a, b), (c, g)] if self._holds_pose(a, b) and not self._holds_pose(c, g) else [(c, g), (a, b)]
-
-    def _holds_pose(self, *polynomials: Polynomial) -> bool:
-        return any(self._has_pose(self._composed(p).degrees()) for p in polynomials)
+        of_pose = [any(self._has_pose(self._composed(p).degrees()) for p in way) for way in ((a, b), (c, g))]
+        return [(a, b), (c, g)] if of_pose == [True, False] else [(c, g), (a, b)]
 
     def _is_geometry(self, p: Polynomial) -> bool:
         """Whether a polynomial is one of the parameters alone, which an arm is supposed not to have zero."""

@@ -75,10 +75,6 @@ class Scribe:
         self.taken.add(found)
         return found
 
-    def sign(self, label: str) -> Sign:
-        """A new choice of sign."""
-        return Sign(self.name((f"epsilon_{label}",)))
-
     def named(self, value: Expr, letters: Iterable[str], label: str, longest: int = LONGEST_INLINE) -> Expr:
         """A symbol for a value, or the value itself where it is short."""
         if operations(value) <= longest:
@@ -111,7 +107,7 @@ class Scribe:
         by a known one from that of the vector (-B, A) (Craig, Introduction to Robotics, section 4.7).
         """
         a, minus_b, c = self.simplest((equation[0], -equation[1], equation[2]))
-        sign = self.sign(label)
+        sign = Sign(self.name((f"epsilon_{label}",)))
         # A cos + B sin = 0: atan2(+-A, -+B).
         if not c:
             return Solved(_atan2(sign * self.write(a), sign * self.write(minus_b)))
@@ -189,7 +185,7 @@ class Scribe:
         a, b, c = self.simplest(coefficients)
         if not a:
             return Solved(self.ratio(-c, b))
-        sign = self.sign(label)
+        sign = Sign(self.name((f"epsilon_{label}",)))
         if not b:
             square = self.ratio(-c, a)
             return Solved(sign * sympy.sqrt(square), square >= 0)

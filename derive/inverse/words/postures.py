@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -224,13 +225,11 @@ class Postures:
                 real = np.isfinite(own).all(axis=0) & np.isfinite(apart).any(axis=0)
                 nearest = np.argmin(np.where(np.isfinite(apart), apart, np.inf), axis=0)[real]
                 hits.update((k, int(place)) for place in nearest)
-        found: dict[int, int] = {}
-        pairs = [pair for pair, _ in hits.most_common()]
-        pairs += [(k, place) for k in range(len(printed)) for place in range(len(printed))]
-        for k, place in pairs:
+        found, places = dict[int, int](), range(len(printed))
+        for k, place in (*(pair for pair, _ in hits.most_common()), *product(places, places)):
             if k not in found and place not in found.values():
                 found[k] = place
-        return [found[k] for k in range(len(printed))]
+        return [found[k] for k in places]
 
 
 @lru_cache(_KEPT)
@@ -242,10 +241,7 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
         known.setdefault(name, Fraction(numbers.randint(20, 90), 97))
     q = np.stack([rng.uniform(*((-3, 3) if j.is_revolute else (-1, 1)), LOOKED_AT) for j in robot.joints])
     end = forward_kinematics(_chain(robot, known, q))
-    rows = [
-        [np.broadcast_to(x, LOOKED_AT) + 0.0 for x in (*row, place)]
-        for row, place in zip(end.rotation, end.position, strict=True)
-    ]
+    rows = [[np.broadcast_to(x, LOOKED_AT) + 0.0 for x in row] for row in end.rows(0.0, 1.0)[:3]]
     run: GraphWalk[Any, Any] = GraphWalk(graph, FloatField(known), rows, [q[k] for k in graph.given])
     branches = []
     with np.errstate(all="ignore"):  # where a branch does not exist its numbers are any

@@ -253,10 +253,9 @@ class InverseKinematics:
 
     def values_at(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Numbers:
         """Numbers of parameters, of the pose at a configuration q, and of the joints that are given."""
-        end = forward_kinematics(self._chain(values, q, domain))
+        end = forward_kinematics(self._chain(values, q, domain)).rows(0, 1)
         found = {symbol: number for symbol, number in values.items() if symbol not in self._variables}
-        for (i, j), symbol in self._pose.items():
-            found[symbol] = end.position[i - 1] if j == 4 else end.rotation[i - 1][j - 1]
+        found |= {symbol: end[i - 1][j - 1] for (i, j), symbol in self._pose.items()}
         return found | {self._variables[k]: q[self._variables[k]] for k in self.graph.given}
 
     def _chain(self, values: Numbers, q: Numbers, domain: type[DigitsDomain] = DigitsDomain) -> Chain[Any]:
@@ -265,10 +264,8 @@ class InverseKinematics:
 
     def error(self, values: Numbers, numbers: Numbers) -> Any:
         """The largest difference of an entry of the pose of `Solution.numbers` from that of `values_at`."""
-        end = forward_kinematics(self._chain(values, {**values, **numbers}))
-        reached = [[*row, x] for row, x in zip(end.rotation, end.position, strict=True)]
-        wanted = self._pose
-        return max(abs(reached[i][j] - values[wanted[i + 1, j + 1]]) for i, j in self.graph.places)
+        reached = forward_kinematics(self._chain(values, {**values, **numbers})).rows(0, 1)
+        return max(abs(reached[i][j] - values[self._pose[i + 1, j + 1]]) for i, j in self.graph.places)
 
 
 def _from_known(angle: Expr, known: Mapping[Expr, Expr]) -> Expr | None:

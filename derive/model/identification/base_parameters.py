@@ -185,16 +185,13 @@ def _proven(geometry: Robot, candidates: Sequence[Parameter], friction: Sequence
     if geometry.coupled:
         # b S^T S qd, row by row of S, is what an armature does to qdd.
         viscous = [replace(p, part="Ia") for p in friction if p.part == "b"]
-        alike = [*_dry_relations(domain, friction), *map(_of_friction, _related(domain, viscous, samples)[1])]
+        alike = list(_dry_relations(domain, friction))
+        for relation in _related(domain, viscous, samples)[1]:
+            terms = tuple((replace(p, part="b"), factor) for p, factor in relation.terms)
+            alike.append(Relation(replace(relation.parameter, part="b"), terms))
         replaced = {relation.parameter for relation in alike}
         relations, friction = [*relations, *alike], [p for p in friction if p not in replaced]
     return BaseSet(_ordered([*kept, *too_long, *friction]), tuple(relations), domain, proven=not too_long)
-
-
-def _of_friction(relation: Relation) -> Relation:
-    """A relation of armatures as one of viscous friction."""
-    terms = tuple((replace(p, part="b"), factor) for p, factor in relation.terms)
-    return Relation(replace(relation.parameter, part="b"), terms)
 
 
 def _dry_relations(domain: PolynomialDomain, friction: Sequence[Parameter]) -> Iterator[Relation]:

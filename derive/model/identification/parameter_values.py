@@ -86,38 +86,29 @@ def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain
     return domain.constant(cells[p.part])
 
 
-class ParameterFormulas:
-    """Formulas of a robot's parameters; empty where a cell is outside of what polynomials can hold."""
+def standard_formulas(robot: Robot, parameters: Sequence[Parameter]) -> list[str]:
+    """What the file gives, ``m1*com1``; empty where a cell is outside of what polynomials can hold."""
+    try:
+        domain = PolynomialDomain(robot, rates=False)
+    except (ExpressionError, ZeroDivisionError):
+        return [""] * len(parameters)
+    return [_text(polynomial_expression(value, domain)) for value in standard_values(robot, parameters, domain)]
 
-    def __init__(self, robot: Robot, base: BaseSet) -> None:
-        self._robot = robot
-        self._base = base
-        try:
-            self._domain: PolynomialDomain | None = PolynomialDomain(robot, rates=False)
-        except (ExpressionError, ZeroDivisionError):
-            self._domain = None
 
-    def standard(self, parameters: Sequence[Parameter]) -> list[str]:
-        """What the file gives: ``m1*com1``."""
-        domain = self._domain
-        if domain is None:
-            return [""] * len(parameters)
-        values = standard_values(self._robot, parameters, domain)
-        return [_text(polynomial_expression(value, domain)) for value in values]
-
-    def base(self) -> list[str]:
-        """What is grouped: ``Izz1 + a1**2*m2``; one formula for each base parameter."""
-        domain = self._domain
-        if domain is None:
-            return [""] * len(self._base.parameters)
-        values = grouped_values(self._robot, self._base, domain)
-        sums = {p: [polynomial_expression(values[p], domain)] for p in self._base.parameters}
-        for relation in self._base.relations:
-            moved = polynomial_expression(values[relation.parameter], domain)
-            for parameter, factor in relation.terms:
-                numerator, denominator = self._base.fraction(factor)
-                sums[parameter].append(multiply(multiply(numerator, power(denominator, -1)), moved))
-        return [_text(add(*terms)) for terms in sums.values()]
+def base_formulas(robot: Robot, base: BaseSet) -> list[str]:
+    """What is grouped, ``Izz1 + a1**2*m2``, one formula for each base parameter; empty as those of the file."""
+    try:
+        domain = PolynomialDomain(robot, rates=False)
+    except (ExpressionError, ZeroDivisionError):
+        return [""] * len(base.parameters)
+    values = grouped_values(robot, base, domain)
+    sums = {p: [polynomial_expression(values[p], domain)] for p in base.parameters}
+    for relation in base.relations:
+        moved = polynomial_expression(values[relation.parameter], domain)
+        for parameter, factor in relation.terms:
+            numerator, denominator = base.fraction(factor)
+            sums[parameter].append(multiply(multiply(numerator, power(denominator, -1)), moved))
+    return [_text(add(*terms)) for terms in sums.values()]
 
 
 def _text(formula: Expression) -> str:

@@ -77,21 +77,16 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
 
 def packed(matrices: Array) -> Array:
     """Symmetric matrices as vectors."""
-    rows, columns = _triangle(matrices.shape[-1])
+    columns, rows = np.tril_indices(matrices.shape[-1])
     return np.asarray(matrices[..., rows, columns] * np.where(rows == columns, 1.0, sqrt(2)))
 
 
 def unpacked(vectors: Array) -> Array:
     """Vectors as symmetric matrices."""
     size = round((sqrt(8 * vectors.shape[-1] + 1) - 1) / 2)
-    rows, columns = _triangle(size)
+    columns, rows = np.tril_indices(size)
     values = vectors / np.where(rows == columns, 1.0, sqrt(2))
     found = np.zeros((*vectors.shape[:-1], size, size))
     found[..., rows, columns] = values
     found[..., columns, rows] = values
     return found
-
-
-def _triangle(size: int) -> tuple[Array, Array]:
-    columns, rows = np.tril_indices(size)
-    return rows, columns

@@ -14,8 +14,6 @@ a little of it makes up for rounding. All three claims are then checked again in
 `derive.model.identification.exact_scalars`: exactly where the geometry is rational, in balls of 256 bits otherwise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -49,12 +47,6 @@ MONOMIALS = {"x^2": (0, 0), "y^2": (1, 1), "z^2": (2, 2), "x y": (0, 1), "x z": 
 MONOMIALS |= {"x": (0, 3), "y": (1, 3), "z": (2, 3), "": (3, 3)}
 
 
-class NoSuchBodies(DeriveError):
-    """No physically consistent bodies have these torques."""
-
-    witness: Witness | None = None  # why; None where only the search says so
-
-
 @dataclass(frozen=True, slots=True)
 class Witness:
     """A sum that no bodies can have."""
@@ -75,6 +67,12 @@ class Witness:
             f"torques fix the integral of f dm over all links at {float(self.value):.3g} {unit}, though f is nowhere "
             f"negative ({terms}{more}; in joint frames, rounded)"
         )
+
+
+class NoSuchBodies(DeriveError):
+    """No physically consistent bodies have these torques."""
+
+    witness: Witness | None = None  # why; None where only the search says so
 
 
 def _largest(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
@@ -175,7 +173,7 @@ def _in_units(factors: Sequence[float], units: Array) -> Array:
 def _still(chain: Chain[Exact]) -> list[Direction]:
     """What is zero of functions that are nowhere negative and that torques depend on, where links never move."""
     units = [[fmpq(int(a == b)) for a in range(WIDTH)] for b in range(WIDTH)]
-    matrices, width = [function_matrix(unit) for unit in units], WIDTH * chain.n
+    matrices, zeros = [function_matrix(unit) for unit in units], [fmpq(0)] * (WIDTH * chain.n)
     rows = []
     still = [[fmpq(int(a == b)) for a in range(4)] for b in range(4)]
     for i, joint in enumerate(chain.joints):
@@ -191,10 +189,8 @@ def _still(chain: Chain[Exact]) -> list[Direction]:
         ]
         for vector in still:
             for a in range(4):
-                row = [fmpq(0)] * width
-                for k, matrix in enumerate(matrices):
-                    row[WIDTH * i + k] = sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0))
-                rows.append(row)
+                own = [sum((m * v for m, v in zip(matrix[a], vector, strict=True)), fmpq(0)) for matrix in matrices]
+                rows.append([*zeros[: WIDTH * i], *own, *zeros[WIDTH * (i + 1) :]])
     return rows
 
 

@@ -116,23 +116,18 @@ class _Look:
         self._values = values
         self._known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in values.items()}
         self._q = [sympy.Symbol(joint.variable) for joint in inverse.robot.joints]
-        product = np.ones(64)
         sample = random_configurations(chain, 64, 6)
-        for factor in singular.factors:
-            product = product * self._number(factor.expression, sample) ** factor.exponent
+        product = math.prod(self._number(each.expression, sample) ** each.exponent for each in singular.factors)
         # The same function but for a factor: its ratio is constant at random configurations.
         ratio = determinant(sample) / product
         self.is_same = bool(singular.conditions) and bool(np.ptp(ratio) <= 1e-6 * np.abs(ratio).max())
         self.conditions = singular.conditions if self.is_same else ()
         self._joints = [tuple(j - 1 for j in condition.joints) for condition in self.conditions]
         if not self._joints:  # those that change det J itself
-            found, rng = [], np.random.default_rng(7)
-            for k in range(chain.n):
-                moved = sample.copy()
-                moved[:, k] += rng.uniform(0.5, 1.0, len(sample))
-                if np.abs(determinant(moved) - determinant(sample)).max() > 1e-9:
-                    found.append(k)
-            self._joints = [tuple(found)]
+            steps = np.random.default_rng(7).uniform(0.5, 1.0, (chain.n, len(sample)))
+            moved = sample + steps[..., None] * np.eye(chain.n)[:, None]
+            changes = np.abs(determinant(moved) - determinant(sample)).max(axis=-1)
+            self._joints = [tuple(np.flatnonzero(changes > 1e-9).tolist())]
         self._roads: dict[tuple[int, ...], Roadmap] = {}
 
     def _number(self, expression: Expr, q: Array) -> Array:
@@ -198,17 +193,14 @@ class _Look:
     def signs_of_branches(self) -> Iterator[tuple[int, ...] | None]:
         """For each solution in closed form the signs of the factors, where they are the same at all poses."""
         goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, _LOOKED_AT, 10))
+        places: Numbers = {self._inverse.pose[i, j]: goal[:, i, j] for i in range(3) for j in range(4)}
         for solution in self._inverse.solutions if self.conditions else ():
-            seen = set[tuple[int, ...]]()
-            for pose in goal:
-                places = {self._inverse.pose[i, j]: pose[i, j] for i in range(3) for j in range(4)}
-                known: Numbers = self._known | places
-                with np.errstate(all="ignore"):
-                    for line in solution.lines:
-                        known[line.symbol] = array_value(line.value, known)
-                found = np.array([float(known[symbol]) for symbol in self._q])
-                if np.isfinite(found).all():
-                    seen.add(tuple(int(x) for x in self.signs(found)))
+            known: Numbers = self._known | places
+            with np.errstate(all="ignore"):
+                for line in solution.lines:
+                    known[line.symbol] = array_value(line.value, known)
+            found = np.stack([np.broadcast_to(known[symbol], len(goal)) for symbol in self._q], axis=-1)
+            seen = set(map(tuple, self.signs(found[np.isfinite(found).all(axis=-1)]).tolist()))
             yield seen.pop() if len(seen) == 1 else None
 
 
@@ -317,13 +309,10 @@ class Roadmap:
     def path(self, start: Array, end: Array) -> Crossing | None:
         """The path that stays clearest of singularities."""
         places = np.concatenate([self._places, start[None], end[None]])
-        pairs, clear = list(self._pairs), list(self._clear)
-        for own, near in zip((len(places) - 2, len(places) - 1), self._near(places[-2:]), strict=True):
-            pairs += [(j, own) for j in near]
-            clear += list(self._clearances(places[near], np.broadcast_to(places[own], (len(near), self._chain.n))))
-        pairs.append((len(places) - 2, len(places) - 1))
-        clear += list(self._clearances(start[None], end[None]))
-        way = _widest(len(places) - 2, len(places) - 1, pairs, clear)
+        ends = len(places) - 2, len(places) - 1
+        more = [(j, own) for own, near in zip(ends, self._near(places[-2:]), strict=True) for j in near] + [ends]
+        clear = self._clearances(places[[i for i, _ in more]], places[[j for _, j in more]])
+        way = _widest(*ends, [*self._pairs, *more], [*self._clear, *clear])
         if way is None:
             return None
         # Corners are left out where straight pieces without them are nearly as clear of singularities.

@@ -16,7 +16,7 @@ are moved where a reader expects them: 0.43*c2 + 0.41*s23, not 43*c2 + 41*s23.
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from math import gcd, lcm
@@ -31,8 +31,7 @@ from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.mechanics.exact_kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import column, dot
-from derive.model.singularities.rank import Zero, rank_loss
-from derive.model.singularities.real_zeros import RealZeros
+from derive.model.singularities.rank import RealZeros, Zero, rank_loss
 from derive.model.singularities.singularities import (
     Condition,
     JacobianBlock,
@@ -54,31 +53,14 @@ Write = Callable[[Polynomial], Expr]
 MOST_WHOLE = 10**9  # whole numbers that are larger read no better than decimals
 
 
-@dataclass(frozen=True)
-class SquareBlock:
-    """A square block of J, exact."""
-
-    name: str  # ``J``, or ``J_11`` and ``J_22`` of a block triangular J
-    rows: tuple[int, ...]  # its rows of J, from 1; none where they are combinations of these
-    columns: tuple[int, ...]  # its columns of J, from 1
-    reference: Reference  # the point and the axes
-    entries: tuple[tuple[Polynomial, ...], ...]  # its entries, row by row
-    others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
-    task: tuple[str, ...] = ()  # what its rows are the velocities of; empty for all of J
-
-    def determinant(self) -> Polynomial:
-        """Its determinant."""
-        return determinant(self.entries)
-
-
-def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
+def square_blocks(kinematics: Kinematics) -> tuple[JacobianBlock, ...]:
     """The diagonal blocks whose determinants multiply to the wanted one; none where no square one decides."""
     robot = kinematics.robot
     if robot.inverse.task != POSE:
         is_square = sum(FREEDOMS.get(word, 1) for word in robot.inverse.task) == robot.n
         return (min(_task_rows(kinematics), key=_length),) if is_square else ()
     if robot.n < 5:
-        return next(((block,) for block in _candidates(kinematics) if block.determinant()), ())
+        return next(((block,) for block in _candidates(kinematics) if determinant(block.matrix)), ())
     if robot.n != 6:
         return ()
     for point in (4, 5, 3, 6) if all(joint.is_revolute for joint in robot.joints[3:]) else ():
@@ -93,21 +75,21 @@ def square_blocks(kinematics: Kinematics) -> tuple[SquareBlock, ...]:
 
 def _shortest(
     kinematics: Kinematics, name: str, places: tuple[int, ...], references: Sequence[Reference]
-) -> SquareBlock:
+) -> JacobianBlock:
     """The diagonal block about the reference where its entries have the fewest terms; the first of equals."""
     blocks = [_block(name, places, places, r, jacobian_columns(kinematics, r)) for r in references]
     return min(blocks, key=_length)
 
 
-def _length(block: SquareBlock) -> int:
-    return sum(len(entry) for row in block.entries for entry in row)
+def _length(block: JacobianBlock) -> int:
+    return sum(len(entry) for row in block.matrix for entry in row)
 
 
 def matrices(kinematics: Kinematics) -> Iterator[Sequence[Sequence[Polynomial]]]:
     """Rows of J that decide for an arm without a square block, in several axes and about several points."""
     robot = kinematics.robot
     if robot.inverse.task != POSE:
-        yield from (block.entries for block in _task_rows(kinematics))
+        yield from (block.matrix for block in _task_rows(kinematics))
         return
     for k in range(robot.n + 1) if robot.n <= 7 else (robot.n // 2,):
         with suppress(TooManyTerms):
@@ -119,7 +101,7 @@ def task_words(task: Sequence[str]) -> tuple[str, ...]:
     return next(((name,) for name, rows in TASKS.items() if rows == tuple(task)), tuple(task))
 
 
-def _task_rows(kinematics: Kinematics) -> Iterator[SquareBlock]:
+def _task_rows(kinematics: Kinematics) -> Iterator[JacobianBlock]:
     """The Jacobian of the file's task, in all axes that it allows; the two of the approach are the end effector's."""
     robot, turn, derivative = kinematics.robot, kinematics.end.rotation, kinematics.domain.derivative
     task, joints, angular = robot.inverse.task, range(robot.n), kinematics.angular_columns(robot.n)
@@ -138,10 +120,10 @@ def _task_rows(kinematics: Kinematics) -> Iterator[SquareBlock]:
                 rows += [of_arm[number - 1] for number in numbers[len(rows) :]]
         known = tuple(numbers) if len(numbers) == len(rows) else ()
         columns = tuple(joint + 1 for joint in joints)
-        yield SquareBlock("J", known, columns, Reference(frame), tuple(rows), False, task_words(task))
+        yield JacobianBlock("J", known, columns, Reference(frame), False, tuple(rows), task_words(task))
 
 
-def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
+def _candidates(kinematics: Kinematics) -> Iterator[JacobianBlock]:
     """Blocks of all columns of an arm with a natural task, in the order in which they are preferred."""
     n, base = kinematics.robot.n, kinematics.robot.base
     # A slanted base turns frame 0 so that its axes are none of the world.
@@ -155,7 +137,7 @@ def _candidates(kinematics: Kinematics) -> Iterator[SquareBlock]:
     yield from _nonzero_rows(kinematics, [Reference(k, m) for m in (None, *range(n + 1)) for k in frames])
 
 
-def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[SquareBlock]:
+def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> Iterator[JacobianBlock]:
     """The coordinates in which an arm moves, where they are as many as the joints; of two joints in a plane its own."""
     n = kinematics.robot.n
     for reference in references:
@@ -170,7 +152,7 @@ def _nonzero_rows(kinematics: Kinematics, references: Sequence[Reference]) -> It
 
 def _block(
     name: str, rows: tuple[int, ...], columns: tuple[int, ...], reference: Reference, entries: Sequence[JacobianColumn]
-) -> SquareBlock:
+) -> JacobianBlock:
     chosen = tuple(tuple(entries[c - 1][r - 1] for c in columns) for r in rows)
     others = (entries[c - 1][r - 1] for c in columns for r in ALL if r not in rows)
     # What the rows are the velocities of.
@@ -178,7 +160,7 @@ def _block(
     names = ("x", "y", "z", "rotation about x", "rotation about y", "phi" if len(turns) == 1 else "rotation about z")
     words = ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
     task = words if len(entries) < 6 else ()
-    return SquareBlock(name, rows, columns, reference, chosen, not any(others), task)
+    return JacobianBlock(name, rows, columns, reference, not any(others), chosen, task)
 
 
 def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:
@@ -200,13 +182,11 @@ def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
     domain = PolynomialDomain(robot, contraction=style.contraction, rates=False, offsets=True, max_terms=MAX_DET_TERMS)
     write, zeros = LectureForm(domain, style=style).kinematic, RealZeros(domain)
     blocks = square_blocks(Kinematics(robot, domain))
-    determinants = [block.determinant() for block in blocks]
+    determinants = [determinant(block.matrix) for block in blocks]
     if not blocks or not all(determinants):
         return None
-    written = []
-    for b in blocks:
-        matrix = sympy.ImmutableMatrix([[write(entry) for entry in row] for row in b.entries])
-        written.append(JacobianBlock(b.name, b.rows, b.columns, b.reference, b.others_are_zero, matrix))
+    shown = (sympy.ImmutableMatrix([list(map(write, row)) for row in block.matrix]) for block in blocks)
+    written = tuple(replace(block, matrix=matrix) for block, matrix in zip(blocks, shown, strict=True))
     found = []
     for factor in _factors(zeros, determinants):
         if zeros.vanishes(factor.value):
@@ -215,11 +195,11 @@ def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
         is_position, has_wrist = blocks[0].task == ("position",), len(blocks) == 2
         condition = zero_condition(zeros, factor, expression, write, is_position=is_position, has_wrist=has_wrist)
         found.append(SingularFactor(expression, factor.exponent, condition, bool(zeros.moving(factor.value))))
-    determinant = sympy.Mul(*(f.expression**f.exponent for f in found))
+    product = sympy.Mul(*(f.expression**f.exponent for f in found))
     families = tuple((f.condition,) for f in found if f.condition is not None)
     outcome = Outcome.FOUND if families else Outcome.NEVER
     shape, task = (robot.n, robot.n), blocks[0].task
-    return Singularities(outcome, tuple(written), determinant, tuple(found), task, shape, robot.n, families)
+    return Singularities(outcome, written, product, tuple(found), task, shape, robot.n, families)
 
 
 def _of_minors(robot: Robot, style: Style) -> Singularities:

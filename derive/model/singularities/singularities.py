@@ -52,11 +52,12 @@ class JacobianBlock:
     """A square block of J."""
 
     name: str  # ``J``, or ``J_11`` and ``J_22`` where J is block triangular about the wrist centre
-    rows: tuple[int, ...]  # its rows of J, from 1
+    rows: tuple[int, ...]  # its rows of J, from 1; none where they are combinations of these
     columns: tuple[int, ...]  # its columns of J, from 1
     reference: Reference  # the point and the axes that J is taken about and in
     others_are_zero: bool  # whether the rows of J that are left out are zero everywhere
-    matrix: Matrix  # the block
+    matrix: Matrix  # the block; before it is written its polynomials, row by row
+    task: tuple[str, ...] = ()  # what its rows are the velocities of; empty for all of J
 
 
 @dataclass(frozen=True)

@@ -39,10 +39,10 @@ from derive.programs.tape.value import Value
 from derive.targets import casadi
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string
-from derive.targets.kernel import PYTHON, C, Language, temporary_names, wrapped, write_statements
+from derive.targets.kernel import PYTHON, C, Language, wrapped, write_statements
 from derive.targets.kernel import CodePiece as Text
 from derive.targets.templating import render
-from derive.verification.c_model import C_OPTIONS
+from derive.verification.generated import C_OPTIONS
 from derive.verification.tolerance import FLOOR, TINY, TOLERANCE, relative_errors
 from derive.verification.verify import REMEDY
 from derive.version import __version__
@@ -80,7 +80,7 @@ class Kernel:
                 kind = node.source.kind
                 texts[i] = Text(CLOCK if kind == CLOCK else f"{kind}[{node.source.index}]")
         operations = [i for i, node in enumerate(self.tape.nodes) if node.op not in LEAVES]
-        statements = write_statements(self.tape, language, operations, texts, temporary_names())
+        statements = write_statements(self.tape, language, operations, texts)
         return statements, tuple(language.output(self.tape, output, texts) for output in self.tape.outputs)
 
     @property

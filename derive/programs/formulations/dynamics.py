@@ -20,7 +20,7 @@ from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_set
-from derive.model.identification.parameter_values import ParameterFormulas, base_values
+from derive.model.identification.parameter_values import base_formulas, base_values, standard_formulas
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
 from derive.programs.formulations.trace import Trace, flat
@@ -286,14 +286,14 @@ def base_parameters(trace: Trace) -> Iterator[Formulation]:
 def standard_columns(trace: Trace) -> tuple[Column, ...]:
     """What the columns of Y belong to."""
     parameters = standard_parameters(trace.robot)
-    formulas = ParameterFormulas(trace.robot, base_set(trace.robot)).standard(parameters)
+    formulas = standard_formulas(trace.robot, parameters)
     return tuple(Column(p.name, formula) for p, formula in zip(parameters, formulas, strict=True))
 
 
 def base_columns(trace: Trace) -> tuple[Column, ...]:
     """What the columns of Y_b and the entries of beta belong to."""
     base = base_set(trace.robot)
-    formulas = ParameterFormulas(trace.robot, base).base()
+    formulas = base_formulas(trace.robot, base)
     return tuple(Column(p.name, formula) for p, formula in zip(base.parameters, formulas, strict=True))
 
 

@@ -16,8 +16,7 @@ from derive.model.kinematic_model import KinematicModel
 from derive.model.model import Model
 from derive.model.singularities.coincidences import coincidences
 from derive.model.singularities.determinant import find_singularities
-from derive.model.singularities.rank import rank_loss
-from derive.model.singularities.real_zeros import RealZeros
+from derive.model.singularities.rank import RealZeros, rank_loss
 from derive.model.singularities.singularities import Outcome, Posture, statement
 from derive.robot.robot import Robot
 from tests.model.singularities.singular_arms import SingularArm, arm_text

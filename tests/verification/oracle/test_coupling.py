@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from derive.exchange.formats import exported
-from derive.verification.expectation import expectation
 from derive.verification.oracle import functions
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
 from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
+from derive.verification.tolerance import expectation
 from tests.exchange.arms import dressed
 from tests.random_robots import seeds
 from tests.random_trees import coupled, random_tree

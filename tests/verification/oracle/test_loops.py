@@ -13,9 +13,9 @@ from derive.exchange.formats import exported
 from derive.robot.description import BASE, Closure
 from derive.robot.expression import number
 from derive.robot.robot import Robot
-from derive.verification.expectation import expectation
 from derive.verification.oracle.frames import numeric_arm
 from derive.verification.samples import sample_sets
+from derive.verification.tolerance import expectation
 from tests.random_robots import _yaml, seeds
 from tests.verification.oracle.pinocchio_reference import Array
 from tests.verification.oracle.test_trees import error

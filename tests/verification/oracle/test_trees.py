@@ -8,13 +8,12 @@ import pytest
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters
 from derive.robot.task_rows import PARTS
 from derive.robot.tree import arm
-from derive.verification.expectation import expectation
 from derive.verification.oracle import functions
 from derive.verification.oracle.frames import task_rows
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
 from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
-from derive.verification.tolerance import Bounds
+from derive.verification.tolerance import Bounds, expectation
 from tests.random_robots import configurations, seeds
 from tests.random_trees import random_tree
 from tests.verification.oracle.pinocchio_reference import TreeBuilder
