@@ -18,6 +18,7 @@ EXAMPLES = ROOT / "examples"
 
 SAID = {
     "computed_torque": "1.00 s: largest error 2.00e-04 rad",
+    "five_bar": "motor 1 moves link 2 by 7.7\\% of link 1",
     "bimanual": "1.00 s: left hand 0.084 mm off, right hand 0.096 mm",
     "pd_gravity": "simulated error [10.738052  0.106382] mrad",
     "pick_and_place": "rest -> A: speed 5*pi/16 = 0.9817 at 1.50 s, torque 376.8 at 0.62 s, work 18.0 J",
