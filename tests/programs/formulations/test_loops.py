@@ -47,7 +47,7 @@ def test_a_root_is_taken_as_it_is_so_that_an_open_loop_has_no_numbers() -> None:
 def test_generated_positions_are_those_of_the_solution_and_no_numbers_where_the_loop_is_open(
     branch: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = robot_file_bytes("four-bar").decode().replace("l1: 0.1 ", "l1: 0.5 ").replace('"-"', f'"{branch}"')
+    text = robot_file_bytes("four-bar").decode().replace("l1: 0.1 ", "l1: 0.5 ").replace('"+"', f'"{branch}"')
     robot = Robot.from_text(text.replace("name: four-bar", f"name: open-{'np'[branch == '+']}"))
     build(robot, tmp_path, targets=["numpy"], only=True)
     monkeypatch.syspath_prepend(str(tmp_path))
