@@ -22,9 +22,9 @@ from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.functions import arm_of
+from derive.motion.torques.functions import joint_positions
 from derive.robot.robot import Robot
-from derive.robot.tree import ends
+from derive.robot.tree import arm, ends
 from derive.workspace.poses import RobotPoses
 
 SUFFIXES = (".gif", ".mp4")
@@ -41,13 +41,14 @@ _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 def frames_of(motion: Motion, times: Array, q: Array) -> Array:
     """Where the frames of the arm are."""
-    return _frames(motion, motion.plan.robot, times, q)
+    return _frames(motion, motion.plan.robot, times, joint_positions(motion.plan.robot, q, motion.values)[0])
 
 
 def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
     """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
-    arms = [arm_of(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
-    return [_frames(motion, arm, times, q[:, list(places)])[:, -1, :3, 3] for arm, places in arms]
+    arms = [arm(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
+    q = joint_positions(motion.plan.robot, q, motion.values)[0]
+    return [_frames(motion, serial, times, q[:, list(places)])[:, -1, :3, 3] for serial, places in arms]
 
 
 def _frames(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
