@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from sympy import Expr, Symbol
 
-from derive.arrays import Array, Indices
+from derive.arrays import Array, Flags, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.motion.curves.extremes import peak
@@ -23,7 +23,7 @@ from derive.motion.curves.trajectory import Trajectory
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques, carried_body
-from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, loads
+from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, joint_positions, loads
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.hermite import TIME
@@ -35,7 +35,6 @@ from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression
 from derive.robot.inertial_parameters import LINK_PARTS
 from derive.robot.names import free_symbols
-from derive.robot.tree import require_own_variables
 
 if TYPE_CHECKING:  # simulations are imported where there is one
     from derive.motion.simulation.simulation import Run
@@ -52,9 +51,6 @@ class Motion:
     """
 
     plan: Plan
-
-    def __post_init__(self) -> None:
-        require_own_variables(self.plan.robot, "a motion", self.plan.places["robot"])
 
     def __getstate__(self) -> dict[str, Plan]:
         """The plan; what follows from it holds compiled code, and is made again."""
@@ -85,6 +81,9 @@ class Motion:
         """
         motion = cls(plan)
         motion._samples_in(motion.duration)
+        if plan.robot.loops:
+            closed = joint_positions(plan.robot, motion(motion.times)[0], motion.values)[1]
+            motion._check_loops(motion.times, closed, "do not close")
         for k, each in enumerate(plan.disturbances):
             if (start := evaluate(each.start, motion.values)) >= motion.duration:
                 found = f"a disturbance from {start:.6g} s on, and the motion ends after {motion.duration:.6g} s"
@@ -212,6 +211,13 @@ class Motion:
         arm = functions("forward_kinematics", self(times)[0][..., list(places)])
         return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
+    def _check_loops(self, times: Array, fine: Flags, what: str) -> None:
+        """Refuse a motion in which loops do not close, or are at a dead point, at some of the times [s]."""
+        if self.plan.robot.loops and not fine.all():
+            time = float(times[~fine].min())
+            found, q = f"the loops of {self.plan.robot.name} {what} at {time:.6g} s", self(time)[0].round(6).tolist()
+            raise RobotFileError(found, remedy=f"stay away from q = {q} [rad, m]", location=self.plan.places["robot"])
+
     @property
     def times(self) -> Array:
         """Times of the samples [s], the end included.
@@ -232,7 +238,7 @@ class Motion:
         sample, robot = self.sample, self.plan.robot
         count = duration / sample
         if count > MOST_SAMPLES:
-            size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.n) / 1e9
+            size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.dof) / 1e9
             found = f"{count:.4g} samples of {duration:.6g} s, {size:.3g} GB"
             allowed, remedy = f"allowed: at most {MOST_SAMPLES} samples", f"write sample: {duration / 1000:.2g} [s]"
             raise RobotFileError(found, allowed=allowed, remedy=remedy, location=self.plan.places["sample"])
@@ -254,6 +260,7 @@ class Motion:
         index = self.trajectory.segment_at(times)
         q, qd, qdd = self.trajectory(times)
         tau = self._loaded(index, q, qd, qdd)
+        self._check_loops(times, np.isfinite(tau.sum(axis=-1)), "are at a dead point")
         added = self.base_torques
         return tau if added is None else tau + self._with_payloads(added, times, index, q, qd)
 
@@ -309,7 +316,7 @@ class Motion:
             # the base is one more drive, of speed one
             return np.append(tau, power, axis=-1), np.append(qd, np.ones_like(power), axis=-1)
 
-        n, found = self.plan.robot.n, []
+        n, found = self.plan.robot.dof, []
         for segment in self.trajectory.segments:
             speeds, accelerations = (tuple(peak(pieces, order) for pieces in segment.joints) for order in (1, 2))
             of_drives: tuple[Load, ...] = ()  # of each joint, and at last of a base that moves
@@ -358,7 +365,7 @@ class Motion:
         Args:
             run: A simulation of this motion.
         """
-        kinds = [joint.is_revolute for joint in self.plan.robot.joints]
+        kinds = [joint.is_revolute for joint in self.plan.robot.variables]
         return nearby(self._compared(run), self.bounds, np.array(kinds))
 
     def _compared(self, run: Run | None) -> Mapping[str, Array]:

@@ -13,7 +13,6 @@ from derive.robot.expression import names, number
 from derive.robot.load import named_bytes, names_in
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.robot.tree import require_own_variables
 from derive.robot.units import in_symbol_units
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ points:
   home: [{home}]
   A: [{away}]
 
-# time [s]; further keys: profile, via: pass (do not stop there), line: yes, through: POINT, payload: 0.5 (kg)
+# time [s]; further keys: profile, via: pass (do not stop there){more[0]}
 path:
   - home
   - {{to: A, time: 2}}
@@ -42,7 +41,7 @@ path:
 
 # derive move {name}.yaml --simulate
 control: {{law: computed-torque, kp: 100, kd: 20}}   # none, pd, pd-gravity, computed-torque
-friction: smooth               # none, smooth (tanh), exact (stick and slip)
+friction: smooth               # none, smooth (tanh){more[1]}
 """
 
 
@@ -58,7 +57,6 @@ def plan_bytes(path_or_name: str | Path) -> bytes:
 
 def new_plan_text(name: str, robot: Robot, source: str) -> str:
     """A commented plan that moves every joint of a robot there and back."""
-    require_own_variables(robot, "a motion plan")
     numbers = parameter_values(robot)
     missing = [symbol for symbol in free_symbols(robot) if symbol not in numbers]
     typed = {symbol: in_symbol_units(robot, symbol, number("9.81" if symbol == "g" else 1)) for symbol in missing}
@@ -68,9 +66,9 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
     known = {**dict.fromkeys(missing, 1.0), **{symbol: float(value) for symbol, value in numbers.items()}}
     named = [end.name for end in robot.ends if end.name]
     of_end = f", end: {named[0]}" if len(named) > 1 else ""
-    pose = "" if robot.root else f"; or a pose: {{pose: {{p: [x, y, z], rpy: [0, 0, 0]}}{of_end}}}"
+    pose = "" if robot.root or robot.coupled else f"; or a pose: {{pose: {{p: [x, y, z], rpy: [0, 0, 0]}}{of_end}}}"
     ends = []  # where each joint stands and where it goes, within its limits, in the units of the robot file
-    for joint in robot.joints:
+    for joint in robot.variables:
         angle = math.radians(1) if robot.units.degrees else 1.0
         unit = angle if joint.is_revolute else 0.001 if robot.units.millimetres else 1.0
         start, end, bounds = 0.0, STRIDE[joint.is_revolute], joint.limits or ()
@@ -80,7 +78,8 @@ def new_plan_text(name: str, robot: Robot, source: str) -> str:
             end = min(start + end, (start + high) / 2)
         ends.append((start / unit, end / unit))
     home, away = (", ".join(f"{value:.6g}" for value in column) for column in zip(*ends, strict=True))
-    return _NEW.format(name=name, robot=source, values=values, pose=pose, home=home, away=away)
+    more = ("", "") if robot.coupled else (", line: yes, through: POINT, payload: 0.5 (kg)", ", exact (stick and slip)")
+    return _NEW.format(name=name, robot=source, values=values, pose=pose, home=home, away=away, more=more)
 
 
 def plan_text(keys: Mapping[str, Any]) -> str:

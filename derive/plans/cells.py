@@ -28,7 +28,7 @@ class PlanCells:
         for name in self.keys(("values",)):
             path: KeyPath = ("values", name)
             check_symbol(document, path, name)
-            if name == TIME or any(joint.variable == name for joint in robot.joints):
+            if name == TIME or any(joint.variable == name for joint in (*robot.joints, *robot.variables)):
                 what = "the time" if name == TIME else "a joint variable"
                 raise document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
             value = self.cells.symbol(path, robot, name)
@@ -104,13 +104,14 @@ class PlanCells:
     def of_joints(self, path: KeyPath, read: Read | None = None) -> tuple[Expression, ...]:
         """One cell a joint, by one of the readers of `cells`; None for angles and lengths in the units of the robot."""
         robot, count = self._robot, self._document.length(path)
-        if count != robot.n:
-            variables = listed(tuple(joint.variable for joint in robot.joints))
-            found = f"{count} value{'' if count == 1 else 's'} for {robot.n} joint{'' if robot.n == 1 else 's'}"
+        if count != robot.dof:
+            variables = listed(tuple(joint.variable for joint in robot.variables))
+            what = f"{'variable' if robot.coupled else 'joint'}{'' if robot.dof == 1 else 's'}"
+            found = f"{count} value{'' if count == 1 else 's'} for {robot.dof} {what}"
             raise self._document.error(path, found, f"allowed: one for each of {variables}")
-        for k, joint in enumerate(robot.joints):
+        for k, joint in enumerate(robot.variables):
             if read is None and not joint.is_revolute and contains_pi(self.cells.raw((*path, k))):
                 found = f"an angle, {quoted(self._document.text(*path, k))}, for the slide {joint.variable}"
                 raise self._document.error((*path, k), found, "allowed: a length, without pi")
-        reads = (read or (self.cells.angle if joint.is_revolute else self.cells.length) for joint in robot.joints)
+        reads = (read or (self.cells.angle if joint.is_revolute else self.cells.length) for joint in robot.variables)
         return tuple(self.number((*path, k), cell) for k, cell in enumerate(reads))

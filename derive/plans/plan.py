@@ -123,7 +123,7 @@ class _PlanReader:
         steps = tuple(self._step(index, points) for index in range(1, count))
         start = self._start(points) if count else ""
         curves = self._curves()
-        recorded, joints = document.scalar(("recorded",)), self._robot.joints
+        recorded, joints = document.scalar(("recorded",)), self._robot.variables
         given = self._check_way([("path", count), ("curves", len(curves)), ("recorded", recorded is not None)])
         check_effects(document, self._robot, given, points, steps)
         self._check_ends(steps, points)
@@ -144,7 +144,7 @@ class _PlanReader:
             recording=recording,
             base=read_base(document, numbers),
             speed=self._most("speed", tuple(joint.speed for joint in joints)),
-            acceleration=self._most("acceleration", (None,) * self._robot.n),
+            acceleration=self._most("acceleration", (None,) * self._robot.dof),
             torque=self._most("torque", tuple(joint.torque for joint in joints)),
             values=numbers.values,
             control=Control(
@@ -217,7 +217,7 @@ class _PlanReader:
             end = self._followed(path, self._end(path, "a pose"), "a pose")
             return Point(name, None, pose, branch.text if branch else "", location, end)
         numbers, q = self._numbers, self._numbers.of_joints(path)
-        for k, (joint, value) in enumerate(zip(self._robot.joints, q, strict=True)):
+        for k, (joint, value) in enumerate(zip(self._robot.variables, q, strict=True)):
             ends = joint.limits or ()
             if not ends or any(name not in numbers.numbers for limit in ends for name in names(limit)):
                 continue
@@ -243,11 +243,13 @@ class _PlanReader:
         return default or (names[0] if len(names) == 1 else "")
 
     def _followed(self, path: KeyPath, end: str, what: str) -> str:
-        """An end that the joints follow, which those of a root that moves cannot."""
-        if self._robot.root:
-            found = f"{what} of {self._robot.name}, whose root moves"
+        """An end that the joints follow, which those of a root that moves and coupled ones cannot."""
+        robot = self._robot
+        if robot.root or robot.coupled:
+            found = f"{what} of {robot.name}, whose {'joints are coupled' if robot.coupled else 'root moves'}"
+            allowed = f"allowed: poses of {'uncoupled joints' if robot.coupled else 'robots that stand'}"
             remedy = "write joint variables, without line, through and spline: hand"
-            raise self._document.error(path, found, "allowed: poses of robots that stand", remedy)
+            raise self._document.error(path, found, allowed, remedy)
         return end
 
     def _check_ends(self, steps: Sequence[Step], points: Mapping[str, Point]) -> None:
@@ -330,7 +332,7 @@ class _PlanReader:
         return Payload(mass, com, inertia, self._end(path, "a payload", end))
 
     def _gains(self, path: KeyPath) -> Vector:
-        n, count = self._robot.n, self._document.length(path)
+        n, count = self._robot.dof, self._document.length(path)
         if count and count != n:
             found = f"{count} gain{'s' * (count > 1)} for {n} joint{'s' * (n > 1)}"
             raise self._document.error(path, found, f"allowed: one, or {n}")
@@ -340,7 +342,7 @@ class _PlanReader:
 
     def _curves(self) -> dict[str, Expression]:
         """Formulas of time, one for each joint variable; a joint that is left out stands still at zero."""
-        variables = {joint.variable: joint for joint in self._robot.joints}
+        variables = {joint.variable: joint for joint in self._robot.variables}
         found = {}
         for name in self._numbers.keys(("curves",)):
             if name not in variables:
@@ -368,10 +370,14 @@ def check_effects(document: Document, robot: Robot, given: str, points: Iterable
     if document.text("control", "law") == "none":
         remedy = "name another law, or leave it out"
         idle += ((("control", key), f"{key} of no control law", remedy) for key in ("kp", "kd", "period"))
+    bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
     if not robot.has_dynamics:
         remedy = "leave it out, or write links into the robot file"
-        bodies: list[KeyPath] = [("path", k, "payload") for k in range(1, len(steps) + 1)]
         idle += ((path, f"{robot.name} has no dynamics", remedy) for path in (*bodies, ("plant",), ("disturbance",)))
+    if robot.coupled:
+        found, loads = f"not known of {robot.name}, whose joints are coupled", (("base",), ("plant", PAYLOAD), *bodies)
+        idle += ((path, found, "leave it out") for path in loads)
+        idle += [(("friction",), found, "write friction: smooth")] * (document.text("friction") == "exact")
     moved = "an end, and no line, arc or payload is its own"
     ends: list[tuple[KeyPath, Step]] = [(("path", k, "end"), step) for k, step in enumerate(steps, 1)]
     idle += ((path, moved, "leave it out") for path, step in ends if not (step.follows or step.payload))

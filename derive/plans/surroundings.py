@@ -56,7 +56,7 @@ def plant_numbers(document: Document, robot: Robot, numbers: PlanCells) -> dict[
 
 def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[Disturbance, ...]:
     """What pushes the joints."""
-    variables, found = tuple(joint.variable for joint in robot.joints), []
+    variables, found = tuple(joint.variable for joint in robot.variables), []
     for k in range(document.length(("disturbance",))):
         path: KeyPath = ("disturbance", k)
         name = document.text(*path, "joint")

@@ -128,14 +128,14 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     if (np.diff(times) <= 0).any():
         at = int(np.argmax(np.diff(times) <= 0)) + 3
         raise _refused(f"the time {numbers[at - 2, 0]:.6g} after {numbers[at - 3, 0]:.6g}", "times that ascend", at, 1)
-    orders = (numbers.shape[1] - 1) // robot.n
-    states = numbers[:, 1:].reshape(len(times), orders, robot.n)
+    orders = (numbers.shape[1] - 1) // robot.dof
+    states = numbers[:, 1:].reshape(len(times), orders, robot.dof)
     if orders == 1:
         scipy = optional("scipy.interpolate", "rates of a recorded motion need scipy", "motion")
         # Velocities of the cubic spline without a knot at the second point and the last but one.
         states = np.stack([states[:, 0], scipy.CubicSpline(times, states[:, 0])(times, 1)], axis=1)
     when = [Float(t) for t in times]
-    joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.n))
+    joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.dof))
     return Trajectory((Segment("recording", when[0], when[-1], joints),))
 
 
@@ -147,7 +147,7 @@ def _columns(heading: list[str], robot: Robot, source: str) -> list[tuple[int, f
         unit = unit.strip().removesuffix("]").strip()
         if unit in UNITS or not unit:
             named.setdefault(name.strip(), (k, UNITS.get(unit, 1.0)))
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.variables]
     for name in ("t", *variables):
         if name not in named:
             found = f"no column {quoted(name)} among {listed(tuple(map(quoted, heading)))}" if heading else "no heading"

@@ -121,7 +121,7 @@ class Violation:
 
 def bounds_of(plan: Plan, values: Mapping[str, float]) -> Bounds:
     """What robot and plan allow."""
-    joints = plan.robot.joints
+    joints = plan.robot.variables
 
     def _least(*rows: Sequence[Expression | None]) -> Array:
         of_joints = ([_known(most) for most in found if most is not None] for found in zip(*rows, strict=True))

@@ -216,7 +216,7 @@ class MotionCode:
 
     @cached_property
     def _pieces(self) -> tuple[tuple[str, tuple[AnyPiece, ...]], ...]:
-        segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.joints
+        segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.variables
         count = sum(len(pieces) for segment in segments for pieces in segment.joints)
         if count > MOST:
             remedy = "record fewer rows, or fewer lines and arcs in space"
@@ -261,11 +261,11 @@ class MotionCode:
             "digest": plan.digest,
             "joint_lines": joint_lines(plan.robot, c_comment),
             "docstring_joint_lines": joint_lines(plan.robot, python_docstring),
-            "joint_names": ", ".join(python_string(joint.label) for joint in plan.robot.joints),
+            "joint_names": ", ".join(python_string(joint.label) for joint in plan.robot.variables),
             "segments": [f"{c_comment(name)}: {start:.6g} s to {end:.6g} s" for name, start, end in spans],
             "prefix": self.prefix,
             "guard": f"DERIVE_{self.prefix.upper()}MOTION_H",
-            "dof": plan.robot.n,
+            "dof": plan.robot.dof,
             "start": repr(spans[0][1]),
             "end": repr(float(motion.duration)),
             "joints": joints,

@@ -22,9 +22,9 @@ from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.functions import arm_of
+from derive.motion.torques.functions import joint_positions
 from derive.robot.robot import Robot
-from derive.robot.tree import ends
+from derive.robot.tree import arm, ends
 from derive.workspace.poses import RobotPoses
 
 SUFFIXES = (".gif", ".mp4")
@@ -39,14 +39,19 @@ TIMES = 9  # when is looked whether a base that moves leaves the plane of its ar
 _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 
+def frames_of(motion: Motion, times: Array, q: Array) -> Array:
+    """Where the frames of the arm are."""
+    return _frames(motion, motion.plan.robot, times, joint_positions(motion.plan.robot, q, motion.values)[0])
+
+
 def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
     """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
-    arms = [arm_of(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
-    return [frames_of(motion, arm, times, q[:, list(places)])[:, -1, :3, 3] for arm, places in arms]
+    arms = [arm(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
+    q = joint_positions(motion.plan.robot, q, motion.values)[0]
+    return [_frames(motion, serial, times, q[:, list(places)])[:, -1, :3, 3] for serial, places in arms]
 
 
-def frames_of(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
-    """Where the frames of an arm are."""
+def _frames(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
     values = (*robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
     frames = np.array([poses.frames([float(value) for value in row]) for row in q])
@@ -58,7 +63,7 @@ def motion_normal(motion: Motion) -> Array | None:
     """The unit normal of the plane in which an arm moves; None where it moves in space, by its joints or its base."""
     times = np.linspace(0.0, motion.duration, TIMES)
     robot = motion.plan.robot
-    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, robot, times, motion(times)[0])])
+    return plane_normal([arm_scene(robot, frames) for frames in frames_of(motion, times, motion(times)[0])])
 
 
 def require_pillow() -> Any:
@@ -110,7 +115,7 @@ class Film:
     @cached_property
     def _scenes(self) -> list[Scene]:
         robot = self.motion.plan.robot
-        return [arm_scene(robot, frames) for frames in frames_of(self.motion, robot, self.times, self._q)]
+        return [arm_scene(robot, frames) for frames in frames_of(self.motion, self.times, self._q)]
 
     @cached_property
     def _view(self) -> View:

@@ -58,7 +58,7 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
     """The plot as the contents of a file."""
     matplotlib = require_matplotlib()
     robot = motion.plan.robot
-    kinds = [kind for kind in (True, False) if any(joint.is_revolute is kind for joint in robot.joints)]
+    kinds = [kind for kind in (True, False) if any(joint.is_revolute is kind for joint in robot.variables)]
     count = 4 if motion.has_torques else 3
     with matplotlib.rc_context({**STYLE, **SETTINGS}):
         from matplotlib.figure import Figure
@@ -71,7 +71,7 @@ def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
         violations = motion.violations if run is None else motion.violations_of(run)
         limits, marks = (motion.near_bounds(run), violations), {}
         for column, kind in enumerate(kinds):
-            joints = [j for j in range(robot.n) if robot.joints[j].is_revolute is kind]
+            joints = [j for j in range(robot.dof) if robot.variables[j].is_revolute is kind]
             for row in range(count):
                 axes, curves = panels[row][column], [(times, values[row]) for times, values in (drawn, wanted)]
                 with_reference = run is not None and rows[row] is not ERROR
@@ -147,12 +147,12 @@ def _panel(
     robot = motion.plan.robot
     notation = Notation.of(robot, robot.handout.notation)
     name, of_angle, of_slide = quantity
-    revolute = robot.joints[joints[0]].is_revolute
+    revolute = robot.variables[joints[0]].is_revolute
     axes.set_ylabel(f"{'force' if name == 'torque' and not revolute else name} [{of_angle if revolute else of_slide}]")
     marked = [item for item in limits[1] if item.what == name]
     (times, values), *references = curves
     for j in joints:
-        latex = notation.glyph(robot.joints[j].variable).box.tex.strip()
+        latex = notation.glyph(robot.variables[j].variable).box.tex.strip()
         look: dict[str, Any] = {"color": COLORS[j % len(COLORS)]}
         for when, wanted in references:
             axes.plot(when, wanted[:, j], **REFERENCE, **look)

@@ -34,7 +34,7 @@ def printed(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """All formulas, segment by segment."""
     for segment in motion.trajectory.segments:
         heading, lines = f"{segment.name}, 0 <= t <= {_time(segment.duration)} s", []
-        for joint, pieces in zip(motion.plan.robot.joints, segment.joints, strict=True):
+        for joint, pieces in zip(motion.plan.robot.variables, segment.joints, strict=True):
             if len(pieces) > MOST_PRINTED:
                 said = f"{joint.variable}: {len(pieces)} polynomials between places on the way"
                 lines.append(rf"  &\text{{{latex_text(said)}}}" if as_latex else f"  {said}")
@@ -70,7 +70,7 @@ def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
     found: dict[str, Any] = {
         "plan": motion.plan.source,
         "robot": robot.name,
-        "joints": [joint.variable for joint in robot.joints],
+        "joints": [joint.variable for joint in robot.variables],
         "duration": motion.duration,
         "samples": len(motion.times),
         "segments": [_segment(robot, peaks) for peaks in motion.peaks],
@@ -96,7 +96,7 @@ def summary(motion: Motion, run: Run | None = None) -> dict[str, Any]:
 
 def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
     joints: dict[str, dict[str, Any]] = {}
-    for j, joint in enumerate(robot.joints):
+    for j, joint in enumerate(robot.variables):
         joints[joint.variable] = {"speed": _peak(peaks.speeds[j]), "acceleration": _peak(peaks.accelerations[j])}
         if peaks.loads:
             load = peaks.loads[j]
@@ -111,7 +111,7 @@ def _segment(robot: Robot, peaks: SegmentPeaks) -> dict[str, Any]:
 
 def _violations(robot: Robot, violations: Sequence[Violation]) -> list[dict[str, Any]]:
     keys = ("what", "time", "value", "limit", "excess")
-    names = [joint.variable for joint in robot.joints]
+    names = [joint.variable for joint in robot.variables]
     return [{"joint": names[item.joint], **{key: getattr(item, key) for key in keys}} for item in violations]
 
 
@@ -195,7 +195,7 @@ def printed_weights(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
     """Which joint moves the hand most."""
     for end in ends(motion.plan.robot):
         hand = HandCurve(motion, end.name)
-        for joint, weight in zip(hand.robot.joints, hand.weights, strict=True):
+        for joint, weight in zip(hand.robot.variables, hand.weights, strict=True):
             if as_latex:
                 of_end = f"^{{\\text{{{latex_text(end.name)}}}}}" if end.name else ""
                 yield f"\\lVert J{of_end}_{{{latex(Symbol(joint.variable))}}} \\rVert = {latex(weight)}"

@@ -11,6 +11,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.motion.curves.limits import ROUNDING
 from derive.motion.motion import Motion
+from derive.motion.torques.functions import joint_positions
 from derive.plans.segments import Peak
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
@@ -39,7 +40,7 @@ def table(motion: Motion) -> list[tuple[str, ...]]:
             given = (*peaks.loads, peaks.base) if peaks.base else peaks.loads
             moved = sum(abs(other.power) for other in given) * float(peaks.segment.duration)
             cells.append(_torque(robot, at, load.peak, load.time))
-            cells += [_joules(work, moved) for work in (peaks.work, *(other.work for other in given[robot.n :]))]
+            cells += [_joules(work, moved) for work in (peaks.work, *(other.work for other in given[robot.dof :]))]
         rows.append(tuple(cells))
     return rows
 
@@ -54,7 +55,7 @@ def joint_table(motion: Motion) -> list[tuple[str, ...]]:
     rows, robot = [], motion.plan.robot
     for peaks in motion.peaks:
         name = peaks.segment.name
-        for j, joint in enumerate(robot.joints):
+        for j, joint in enumerate(robot.variables):
             unit, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
             cells = [name, joint.variable, f"{_number(peaks.speeds[j].value)} {unit}/s"]
             cells.append(f"{_number(peaks.accelerations[j].value)} {unit}/s^2")
@@ -70,7 +71,7 @@ def joint_table(motion: Motion) -> list[tuple[str, ...]]:
 
 
 def _torque(robot: Robot, joint: int, value: float, time: float) -> str:
-    unit = "N m" if robot.joints[joint].is_revolute else "N"
+    unit = "N m" if robot.variables[joint].is_revolute else "N"
     return f"tau{joint + 1} {value:.4g} {unit} at {time:.4g} s"
 
 
@@ -89,10 +90,10 @@ def simulated_table(motion: Motion, run: Run) -> list[tuple[str, ...]]:
         first, last = inside[0], inside[-1]
         worst = []
         for revolute, unit in ((True, "rad"), (False, "m")):
-            if joints := [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute]:
+            if joints := [j for j in range(robot.dof) if robot.variables[j].is_revolute is revolute]:
                 off = errors[inside][:, joints]
                 row, k = np.unravel_index(np.abs(off).argmax(), off.shape)
-                variable = robot.joints[joints[k]].variable
+                variable = robot.variables[joints[k]].variable
                 worst.append(f"{variable} {off[row, k]:.1e} {unit} at {run.t[inside][row]:.4g} s")
         torque = _torque(robot, int(joint), float(run.tau[inside][at, joint]), float(run.t[inside][at]))
         works = (_joules(float(entry[last] - entry[first]), most) for entry in ledger)
@@ -110,20 +111,22 @@ def diverged(motion: Motion, run: Run) -> str:
     found = run.divergence
     assert found is not None
     state = []
-    for joint, q, qd in zip(motion.plan.robot.joints, found.q, found.qd, strict=True):
+    for joint, q, qd in zip(motion.plan.robot.variables, found.q, found.qd, strict=True):
         unit = "rad" if joint.is_revolute else "m"
         state.append(f"{joint.variable} = {q:.4g} {unit}, {velocity_name(joint.variable)} = {qd:.4g} {unit}/s")
     when = f"after {found.time:.6g} s of {motion.duration:.6g} s, where {', '.join(state)}"
+    if found.is_dead:
+        return f"the simulation ends at a dead point of a loop {when}"
     return f"the simulation diverges {when}; smaller gains or a shorter period may help"
 
 
 def _largest(robot: Robot, peaks: Sequence[Peak], per: str) -> str:
     """The largest of the angles and the largest of the slides, those that move."""
-    said = []
+    said, kinds = [], [joint.is_revolute for joint in robot.variables]
     for revolute, unit in ((True, "rad"), (False, "m")):
-        if joints := [j for j in range(robot.n) if robot.joints[j].is_revolute is revolute and peaks[j].value != 0]:
+        if joints := [j for j, kind in enumerate(kinds) if kind is revolute and peaks[j].value != 0]:
             at = max(joints, key=lambda j: abs(float(peaks[j].value)))
-            said.append(f"{robot.joints[at].variable} {_number(peaks[at].value)} {unit}/{per}")
+            said.append(f"{robot.variables[at].variable} {_number(peaks[at].value)} {unit}/{per}")
     return ", ".join(said) or "none"
 
 
@@ -138,7 +141,7 @@ def violations(motion: Motion, run: Run | None = None) -> list[str]:
     """What a motion asks beyond the limits of its robot and its plan, a line each."""
     lines = []
     for found in motion.violations if run is None else motion.violations_of(run):
-        joint = motion.plan.robot.joints[found.joint]
+        joint = motion.plan.robot.variables[found.joint]
         length, force = ("rad", "N m") if joint.is_revolute else ("m", "N")
         units = {"position": length, "speed": f"{length}/s", "acceleration": f"{length}/s^2", "torque": force}
         unit, who = units[found.what], joint.variable if run is None else f"simulated {joint.variable}"
@@ -149,20 +152,22 @@ def violations(motion: Motion, run: Run | None = None) -> list[str]:
 
 def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Array]:
     """The motion row by row, as it is wanted or as it was simulated."""
-    robot = motion.plan.robot
-    variables = [joint.variable for joint in robot.joints]
+    robot, wanted = motion.plan.robot, motion(motion.times)
+    variables = [joint.variable for joint in robot.variables]
     names = ["t", *variables, *map(velocity_name, variables)]
-    torques = [f"tau{j + 1}" for j in range(robot.n)]
+    torques, places = [f"tau{j + 1}" for j in range(robot.dof)], [k for k, j in enumerate(robot.joints) if j.follows]
+    passive, q = [robot.joints[k].variable for k in places], wanted[0] if run is None else run.q
+    last = joint_positions(robot, q, motion.values)[0][:, places]
     if run is not None:
         ledger = ("energy", "work", "lost", *given_in(run))
         columns = [run.t[:, None], run.q, run.qd, run.tau, *(getattr(run, name)[:, None] for name in ledger)]
-        return (*names, *torques, *ledger), np.hstack(columns)
+        return (*names, *torques, *ledger, *passive), np.hstack([*columns, last])
     names += map(acceleration_name, variables)
-    columns = [motion.times[:, None], *motion(motion.times)]
+    columns = [motion.times[:, None], *wanted]
     if motion.has_torques:
         names += torques
         columns.append(motion.torques(motion.times))
-    return tuple(names), np.hstack(columns)
+    return (*names, *passive), np.hstack([*columns, last])
 
 
 def csv_bytes(motion: Motion, run: Run | None = None) -> bytes:

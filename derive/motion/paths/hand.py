@@ -72,7 +72,7 @@ class Hand:
     def limits(self) -> Limits:
         """The largest speeds, accelerations and torques of the plan."""
         plan = self._plan
-        torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.n
+        torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.dof
         cells = (plan.speed, plan.acceleration, torque)
         return Limits(*(tuple(None if cell is None else self.exact(cell) for cell in most) for most in cells))
 
@@ -85,7 +85,7 @@ class Hand:
         point = self._plan.points[name]
         if point.q is not None:
             return self._exact(point.q)
-        corner, arm = list(before or (ZERO,) * self._plan.robot.n), self._arm(point.end)
+        corner, arm = list(before or (ZERO,) * self._plan.robot.dof), self._arm(point.end)
         start = arm.q(corner)
         pose, branches = self._pose(point, arm), self.branches.get(name, ())
         found = arm.functions.nearest(pose, start, branches)
@@ -275,7 +275,7 @@ class Hand:
         grid = grid_of(path, knots)
         # Which step, and so which payload, each interval of the grid belongs to.
         steps = np.asarray(first + np.searchsorted(knots[1:], grid[:-1], side="right"))
-        links = self._plan.robot.links or (Link(),) * self._plan.robot.n
+        links = (not self._plan.robot.coupled and self._plan.robot.links) or (Link(),) * self._plan.robot.dof
         even = np.array([evaluate(link.signed[1], self._values) for link in links])
         try:
             nodes = FastestMotion(path, grid, steps, self.limits.numbers(), self._torques, even).solve()

@@ -9,7 +9,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import RobotFileError
 from derive.motion.curves.trajectory import Trajectory
-from derive.motion.simulation.stepping import PLANT, Divergence, Law, Plant, held_arm, smooth
+from derive.motion.simulation.stepping import PLANT, Divergence, Law, Plant, held_arm, rows_of, smooth
 from derive.motion.simulation.sticking import exact
 from derive.motion.torques.base_torques import BaseTorques, OpenLinks
 from derive.motion.torques.functions import Functions
@@ -238,7 +238,7 @@ def stages_of(
     reference = looked_up(trajectory, period, float(trajectory.duration)) if period else trajectory
     rate = max(RATES[plan.friction], CALLS_PER_LOOK / period if period else 0.0)
     expected = rate * float(trajectory.duration) if calls is None else calls
-    needed = PLANT | NEEDS[control.law]
+    needed = PLANT | NEEDS[control.law] | ({"passive_positions"} if robot.passive else set())
     known = link.carrying(bare, values) if link else values
     true = {**values, **{name: evaluate(value, values) for name, value in plan.plant.items()}}
     viscous = np.array([evaluate(each.viscous, true) for each in robot.links])
@@ -247,7 +247,7 @@ def stages_of(
     arm = link.robot if link else bare
     keeps = (period or control.law == "none") and (not coulomb.any() or (period and plan.friction == "smooth"))
     # Steps in C for torques that are held, where dry friction is smooth or there is none.
-    held = held_arm(arm, known, expected) if keeps and added is None else None
+    held = held_arm(arm, known, expected) if keeps and added is None and not robot.coupled else None
     functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
 
@@ -258,14 +258,16 @@ def stages_of(
     for start in _changes(plan, trajectory, values):
         pairs = zip(plan.steps, trajectory.segments, strict=False)
         carried = [None, *(step.payload for step, segment in pairs if float(segment.start) <= start)][-1]
-        push = np.zeros(robot.n)
+        push = np.zeros(robot.dof)
         for each in plan.disturbances:
             if evaluate(each.start, values) <= start < evaluate(each.end, values):
                 push[each.joint] += evaluate(each.torque, values)
         actual = _numbers(true, (carried, plan.plant_payload))
         base = replace(added, values=true).carrying(carried, plan.plant_payload) if added else None
         steps = held.given(actual) if held else None
-        plant = Plant(functions.given(actual), viscous, coulomb, push, steps, base)
+        own = functions.given(actual)
+        rows = rows_of(replace(robot, links=(), gravity=None), true, own) if robot.coupled else None
+        plant = Plant(own, viscous, coulomb, push, steps, base, rows)
         model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
         known_inertial = added.single(carried) if added else None
         stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))

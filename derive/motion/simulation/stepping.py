@@ -14,9 +14,12 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
+from derive.inverse.loops.linkage import linkage, twists
+from derive.mechanics.floats import FloatDomain
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
 from derive.programs.program import Program
+from derive.robot.coupling import coupling, loop_names
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 
@@ -25,6 +28,7 @@ STICTION_SPEED = 1e-4  # speed at which smooth friction has three quarters of it
 STIFF = 5000.0  # decay from which on implicit solvers take fewer steps [1/s], as of light links under large gains
 SHORT = 0.1  # time in which no solver takes many steps [s]
 ASIDE = 1e-6  # by how much a state is moved to see how its rates change
+DEAD = 1e-4  # of the sine of an angle of a loop, or the like: beyond, joints are on a branch that variables cannot tell
 DIVERGED = 1e4  # speed beyond which a simulation is given up [rad/s or m/s]
 # Generated functions of a plant.
 PLANT = frozenset({"forward_dynamics", "inertia_matrix", "kinetic_energy", "potential_energy"})
@@ -41,11 +45,17 @@ class Plant:
     push: Array  # what acts on the joints besides motors and friction [N m or N]
     held: Held | None = None  # its steps in C under held torques; None where that is not worth a compiler
     base: BaseTorques | None = None  # what the motion of the base adds to the torques; None where it stands
+    rows: Rows | None = None  # of coupled joints; None where each has its own variable
 
     def dry(self, way: Array) -> Array:
         """Dry friction by sign(qd), or by a smooth stand-in for it, (n,) [N m or N]; see `Link.signed`."""
         ahead, back = self.coulomb
         return np.asarray(((ahead + back) / 2 + (ahead - back) / 2 * way) * way)
+
+    def friction(self, q: Array, qd: Array, of_joints: Callable[[Array], Array]) -> Array:
+        """What variables feel of a friction that joints have by their rates, (n,) [N m or N]: S^T f(S qd)."""
+        rates = self.rows(q)[0] if self.rows else None
+        return of_joints(qd) if rates is None else np.asarray(rates.T @ of_joints(rates @ qd))
 
     def felt(self, driven: Array, t: float, q: Array, qd: Array) -> Array:
         """What accelerates joints that motors and pushes drive: less what the motion of the base takes [N m or N]."""
@@ -54,7 +64,8 @@ class Plant:
     def ledger(self, driven: Array, losses: Array, t: float, q: Array, rates: tuple[Array, Array]) -> tuple[float, ...]:
         """Power of motors and pushes, what friction takes, and the power of a base that moves [W], by qd and qdd."""
         qd, qdd = rates
-        found = float(driven @ qd), float((losses + self.viscous * qd) @ qd)
+        slowed = self.friction(q, qd, lambda rate: self.viscous * rate) if self.viscous.any() else 0.0
+        found = float(driven @ qd), float((losses + slowed) @ qd)
         return found if self.base is None else (*found, self.base.at(t, q).power(qd.tolist(), qdd.tolist()))
 
     def energy(self, q: Array, qd: Array, t: float | Array = 0.0) -> Array:
@@ -71,6 +82,7 @@ class Divergence:
     time: float  # when [s]
     q: Array  # joint variables then, (n,)
     qd: Array  # velocities then, (n,)
+    is_dead: bool = False  # whether a loop is at a dead point there, or does not close
 
 
 # States at the times that are wanted, and where it ended earlier. A state holds positions, velocities, the work of
@@ -78,6 +90,7 @@ class Divergence:
 Steps = tuple[Array, Divergence | None]
 # Steps of an arm, from torques of the motors, a state, start and end, to the times that are wanted.
 Held = Callable[[Plant, Array, Array, tuple[float, float], Array], Steps]
+Rows = Callable[[Array], tuple[Array, float]]  # see `rows_of`
 Change = tuple[float, Array]  # time and state at which something else begins
 
 
@@ -120,9 +133,30 @@ def integrated(
     return got, None, Divergence(end, last[:n], last[n : 2 * n])
 
 
+def rows_of(robot: Robot, values: Mapping[str, float], functions: Functions) -> Rows:
+    """S at the variables, (joints, n), and how far loops are from dead points: |det J_p| by its columns' lengths."""
+    own = FloatDomain(robot, (), {**values, **{name.name: 0.0 for name in loop_names(robot)}})
+    matrix, loops = np.array(coupling(robot, own.constant), dtype=float), linkage(robot)
+
+    def _at(q: Array) -> tuple[Array, float]:
+        rates, far, places = matrix.copy(), 1.0, matrix @ q
+        places[[bool(joint.follows) for joint in robot.joints]] = functions("passive_positions", q) if loops else ()
+        for one in loops:
+            # J_p qd_p + J_a qd_a = 0, by Cramer's rule; the rates of its own joints are still zero.
+            columns, _ = twists(robot, one, FloatDomain(robot, places.tolist(), values))
+            right = [sum(columns[m][row] * rates[m] for m in columns) for row in one.rows]
+            sizes = [np.linalg.norm([columns[p][row] for row in one.rows]) for p in one.passive]
+            determinant = one.determinant(columns) or np.nan
+            rates[list(one.passive)] = np.array(one.numerators(columns, right)) / determinant
+            far = min(float(abs(determinant) / np.prod(sizes)), far)
+        return rates, far
+
+    return _at
+
+
 def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], times: Array) -> Steps:
     """With friction f tanh(qd/v0): LSODA, or DOP853 where there is no dry friction and no fast decay."""
-    n = plant.viscous.size
+    n = plant.push.size
     frozen, nothing = np.zeros_like(state), np.zeros(n)
     rough = bool(plant.coulomb.any())
 
@@ -132,16 +166,21 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
             return frozen
         # B qdd = tau + push - C qd - g - viscous qd - f tanh(qd/v0), and the powers of the ledger beside.
         driven = law(t, q, qd) + plant.push
-        slip = plant.dry(np.tanh(qd / STICTION_SPEED)) if rough else nothing
+        slip = plant.friction(q, qd, lambda rate: plant.dry(np.tanh(rate / STICTION_SPEED))) if rough else nothing
         rates = np.empty_like(state)
         rates[:n] = qd
         rates[n : 2 * n] = plant.functions("forward_dynamics", q, qd, plant.felt(driven, t, q, qd) - slip)
         rates[2 * n :] = plant.ledger(driven, slip, t, q, (qd, rates[n : 2 * n]))
         return rates
 
+    def _far(_: float, state: Array) -> float:
+        return plant.rows(state[:n])[1] - DEAD if plant.rows else 1.0
+
+    if not _far(span[0], state) > 0:
+        return np.empty((0, state.size)), Divergence(span[0], state[:n], state[n : 2 * n], is_dead=True)
     method = "LSODA" if rough else solver(_rates, state, span)
-    got, _, divergence = integrated(_rates, state, span, times, method)
-    return got, divergence
+    got, end, divergence = integrated(_rates, state, span, times, method, _far if plant.rows else None)
+    return got, Divergence(end[0], end[1][:n], end[1][n : 2 * n], is_dead=True) if end else divergence
 
 
 def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[float, float]) -> str:

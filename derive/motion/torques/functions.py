@@ -17,9 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from derive.arrays import Array
+from derive.arrays import Array, Flags
 from derive.errors import Location, QuantityError, TargetError
 from derive.interrupts import TemporaryFolder
+from derive.inverse.loops.linkage import linkage, positions
 from derive.motion.curves.extremes import highest
 from derive.plans.segments import Load
 from derive.programs.build import build_program
@@ -49,7 +50,7 @@ class Functions:
         calls: float = 0,
         inverse: bool = False,
     ) -> None:
-        self.n = robot.n
+        self.n = robot.dof
         bare = bare_robot(robot)
         program = program_of(bare, names, inverse=inverse)
         operations = max(sum(counts.values()) for counts in program.operations.values())
@@ -109,8 +110,17 @@ def bare_robot(robot: Robot) -> Robot:
 
 def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
     """The serial arm that leads to an end, without links, and the indices of its joints; of a chain itself and all."""
+    if robot.coupled:  # joints move with variables of other rows, too: all of it, and all variables
+        own = replace(robot, ends=(replace(tree.end_named(robot, end), name=""),))
+        return replace(own, links=(), gravity=None), tuple(range(robot.dof))
     arm, places = tree.arm(robot, end)
     return replace(arm, links=(), gravity=None), places
+
+
+def joint_positions(robot: Robot, q: Array, values: Mapping[str, float]) -> tuple[Array, Flags]:
+    """Of all joints, (..., joints) [rad or m], by those of the variables, (..., n), and where loops close, (...)."""
+    found, closed = positions(robot, linkage(robot), list(np.moveaxis(q, -1, 0)), values)
+    return np.stack(found, axis=-1), closed
 
 
 @lru_cache(KEPT)
