@@ -135,7 +135,7 @@ def _branch(
     robot: Robot, loops: tuple[SolvedLoop, ...], inverse: InverseKinematics, known: tuple[PrintedLine, ...]
 ) -> Solution:
     """Which of the printed solutions is the branch of the file: the one whose numbers are those of its graph."""
-    values, full, _ = assembled(robot, loops)
+    values, _, full, _ = assembled(robot, loops)
     names = [sympy.Symbol(joint.variable) for joint in robot.joints]
     unknown = {names[k]: full[k] for one in loops[-1:] for k in one.passive}
     others = {name: x for name, x in zip(names, full, strict=True) if name not in unknown}

@@ -48,7 +48,6 @@ Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of o
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
 _OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
-_KEPT = 8  # of the configurations
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -62,9 +61,7 @@ class SolvedLoop:
     leaf: int  # which of its leaves is the branch that the file asks for
     passive: tuple[int, ...]  # indices of the joints that it determines
     rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
-    in_frame: bool = (
-        False  # whether the twists are taken in the axes of its first frame, not of where its branches begin
-    )
+    in_frame: bool = False  # whether the twists are in the axes of its first frame, not of where its branches begin
 
     def walk(
         self,
@@ -153,8 +150,8 @@ def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list
 def _are_opposed(robot: Robot, loop: Loop) -> bool:
     """Whether the z axes of the joined frames are opposed wherever the joints are: so is then that of the pin."""
     source = np.random.default_rng(3)
-    values = dict(parameter_values(robot)) | {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
-    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _KEPT))), values))
+    values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
+    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), values))
     one, other = (column(frame.rotation, 2) for frame in joined)
     return bool(np.all(np.abs(dot(one, other) + 1.0) < _OPEN))
 
@@ -191,22 +188,19 @@ class _Mobility:
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
-    one, (values, q, missing) = loops[-1], assembled(robot, loops)
-    mobility, names = _Mobility(robot, one, values, q), [joint.variable for joint in robot.joints]
+    one, (values, _, full, missing) = loops[-1], assembled(robot, loops)
+    mobility, names = _Mobility(robot, one, values, full), [joint.variable for joint in robot.joints]
     rank = mobility.rank(one.passive)
     if locked := mobility.rank(mobility.joints) - rank:
         active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
         raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
     if missing > 0.0:
-        found, remedy = (
-            f"it cannot be assembled: at best {missing:.3g} m are missing",
-            "correct lengths, frames or limits",
-        )
-        raise _refused(robot, one.loop, found, remedy=remedy)
+        found = f"it cannot be assembled: at best {missing:.3g} m are missing"
+        raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
-        mobility = _Mobility(robot, turned, values, q)
+        mobility = _Mobility(robot, turned, values, full)
         for rows in combinations(range(6), len(one.passive)):
             if mobility.determine(rows, one.passive):
                 return replace(turned, rows=rows)
@@ -214,15 +208,14 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
-def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], float]:
-    """Numbers of all symbols, positions of all joints in configurations in which the loops close, and zero.
+def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], list[Array], float]:
+    """Numbers of all symbols, positions of variables and joints in configurations in which the loops close, and zero.
 
     Where there are none, some others and what is missing at best [m].
     """
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
-        values = dict(parameter_values(robot))
-        values |= {name: source.uniform(0.2, 1.0) for name in symbols}
+        values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
         q = []
         for variable in robot.variables:
             most = math.pi if variable.is_revolute else 2.0
@@ -230,14 +223,14 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
             q.append(source.uniform(low, high, _SAMPLES))
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
-        if (kept := np.flatnonzero(exists)[:_KEPT]).size:
-            return numbers, [x[kept] for x in full], 0.0
+        if exists.any():
+            return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
     frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
     entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
     arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
     arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
     closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
-    return numbers, list(source.uniform(-2, 2, (robot.n, _KEPT))), float((arm.residual(closest) * arm.unit).min())
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), float((arm.residual(closest) * arm.unit).min())
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
