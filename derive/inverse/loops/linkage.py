@@ -12,7 +12,7 @@ Modeling, Identification and Control of Robots, 2002, chapter 7). G ceases to ex
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -40,6 +40,7 @@ from derive.robot import tree
 from derive.robot.coupling import coupling, loop_names, second_derivative
 from derive.robot.description import Closure, Loop
 from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.expression import Name
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -86,6 +87,17 @@ class SolvedLoop:
         replaced = ([[*r[:at], -e, *r[at + 1 :]] for r, e in zip(rows, right, strict=True)] for at in range(len(rows)))
         return [determinant(matrix) for matrix in replaced]
 
+    def first(
+        self, robot: Robot, columns: Mapping[int, Twist], share: Callable[[int, int], Any], zero: Any
+    ) -> Iterator[tuple[Name, Any]]:
+        """Names of first derivatives and their numerators; ``share`` of a known joint and a variable is in S."""
+        for k, variable in enumerate(robot.variables):
+            shares = [(m, share(m, k)) for m in columns if m not in self.passive]
+            right = [sum((columns[m][row] * s for m, s in shares), zero) for row in self.rows]
+            for p, numerator in zip(self.passive, self.numerators(columns, right), strict=True):
+                if (name := dict(robot.joints[p].follows).get(variable.variable)) is not None:
+                    yield name, numerator
+
     def branch(self, run: GraphWalk[Any, Any]) -> Leaf[Any, Any]:
         """The branch of the file."""
         return list(run.leaves())[self.leaf]
@@ -112,6 +124,9 @@ def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
 
 
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
+    if not {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}:
+        found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
+        raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
     own = circuit(robot, loop, before, opposed=loop.by is Closure.REVOLUTE and _are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
     try:
@@ -156,43 +171,33 @@ def _are_opposed(robot: Robot, loop: Loop) -> bool:
     return bool(np.all(np.abs(dot(one, other) + 1.0) < _OPEN))
 
 
-class _Mobility:
-    """Ranks of the twists of a loop where it is assembled."""
+def _columns(
+    robot: Robot, one: SolvedLoop, values: Mapping[str, float], full: Sequence[Array]
+) -> tuple[dict[int, Array], list[Array]]:
+    """Twists of the joints of a loop and of its closure where it is assembled, (configurations, 6) each."""
+    found, closing = twists(robot, one, ArrayDomain(robot, full, values))
+    unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
 
-    def __init__(self, robot: Robot, one: SolvedLoop, values: Mapping[str, float], q: Sequence[Array]) -> None:
-        found, closing = twists(robot, one, ArrayDomain(robot, q, values))
-        self.joints, size = tuple(found), len(q[0])
-        unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
+    def _column(twist: Twist) -> Array:
+        lengths = np.where(np.arange(6) < 3, unit, 1.0)
+        return np.stack([np.broadcast_to(x, len(full[0])) for x in twist], axis=-1) / lengths
 
-        def _column(twist: Twist) -> Array:
-            lengths = np.where(np.arange(6) < 3, unit, 1.0)
-            return np.stack([np.broadcast_to(x, size) for x in twist], axis=-1) / lengths
+    return {k: _column(twist) for k, twist in found.items()}, [_column(twist) for twist in closing]
 
-        self._columns = {k: _column(twist) for k, twist in found.items()}
-        self._closure = [_column(twist) for twist in closing]
 
-    def rank(self, joints: Iterable[int]) -> int:
-        """Of joints and those of the closure, at most configurations."""
-        return self._rank([*(self._columns[k] for k in joints), *self._closure])
-
-    def determine(self, rows: Sequence[int], joints: Sequence[int]) -> bool:
-        """Whether rows in which the closure has no part determine the rates of joints."""
-        own = list(rows)
-        is_free = all(np.abs(column[:, own]).max() < _RANK for column in self._closure)
-        return is_free and self._rank([self._columns[k][:, own] for k in joints]) == len(joints)
-
-    def _rank(self, columns: Sequence[Array]) -> int:
-        ranks = np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK) if columns else [0]
-        return int(np.median(ranks))
+def _rank(columns: Sequence[Array]) -> int:
+    """At most configurations."""
+    return int(np.median(np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK)))
 
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
     one, (values, _, full, missing) = loops[-1], assembled(robot, loops)
-    mobility, names = _Mobility(robot, one, values, full), [joint.variable for joint in robot.joints]
-    rank = mobility.rank(one.passive)
-    if locked := mobility.rank(mobility.joints) - rank:
-        active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
+    columns, closing = _columns(robot, one, values, full)
+    passive = [*closing, *(columns[k] for k in one.passive)]
+    rank = _rank(passive)
+    if locked := _rank([*closing, *columns.values()]) - rank:
+        active = [robot.joints[k].variable for k, column in columns.items() if _rank([*passive, column]) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
         raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
     if missing > 0.0:
@@ -200,9 +205,11 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
         raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
-        mobility = _Mobility(robot, turned, values, full)
-        for rows in combinations(range(6), len(one.passive)):
-            if mobility.determine(rows, one.passive):
+        columns, closing = _columns(robot, turned, values, full)
+        # Rows in which the closure has no part, and which determine the rates of the passive joints.
+        free = [row for row in range(6) if all(np.abs(column[:, row]).max() < _RANK for column in closing)]
+        for rows in combinations(free, len(one.passive)):
+            if _rank([columns[k][:, list(rows)] for k in one.passive]) == len(one.passive):
                 return replace(turned, rows=rows)
     found = "no velocities are free of the joint that closes it"
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
@@ -285,23 +292,18 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
 
 def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
-    columns, _ = twists(robot, one, domain)
-    first: dict[str, Polynomial] = {}
+    (columns, _), zero = twists(robot, one, domain), domain.ring.zero
+    first = {name.name: n for name, n in one.first(robot, columns, lambda m, k: domain.coupling[m][k], zero)}
     second: dict[str, Polynomial] = {}
-    zero, names = domain.ring.zero, [variable.variable for variable in robot.variables]
-    followed = {m: dict(robot.joints[m].follows) for m in columns}
-    others = [m for m in columns if m not in one.passive]
+    names, followed = [each.variable for each in robot.variables], {m: dict(robot.joints[m].follows) for m in columns}
     for k, name in enumerate(names):
-        shares = [(m, domain.coupling[m][k]) for m in others]
-        found = one.numerators(columns, [sum((columns[m][row] * s for m, s in shares), zero) for row in one.rows])
-        first |= {followed[p][name].name: n for p, n in zip(one.passive, found, strict=True) if name in followed[p]}
         for j, other in enumerate(names[: k + 1]):
             # d/dq_k of all columns, and the second derivatives of joints that loops before determine
             moved = [
                 sum((domain.derivative(columns[m][row], k) * domain.coupling[m][j] for m in columns), zero)
                 for row in one.rows
             ]
-            for m in (m for m in others if {name, other} <= followed[m].keys()):
+            for m in (m for m in columns if m not in one.passive and {name, other} <= followed[m].keys()):
                 bend = domain.constant(second_derivative(robot.joints[m], other, name))
                 moved = [x + columns[m][row] * bend for x, row in zip(moved, one.rows, strict=True)]
             pairs = zip(one.passive, one.numerators(columns, moved), strict=True)

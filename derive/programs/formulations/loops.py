@@ -20,21 +20,22 @@ from derive.robot.robot import Robot
 def passive_joints(robot: Robot, graph: Graph) -> Passive:
     """The passive joints, loop by loop."""
     found, bare, matrix = Passive(), replace(robot, links=(), gravity=None), coupling(robot)
+    variables = [variable.variable for variable in robot.variables]
     for one in linkage(robot):
         domain = TapeDomain(robot, graph, passive=found)
         found = replace(found, numbers={**found.numbers, **_positions(one, domain)})
         domain = TapeDomain(robot, graph, passive=found)
         columns, _ = twists(bare, one, domain)
-        others, determinant = [m for m in columns if m not in one.passive], one.determinant(columns)
-        slopes: dict[Expression, Value] = {}
-        for k, variable in enumerate(robot.variables):
-            shares = [(m, domain.constant(matrix[m][k])) for m in others]
-            right = [sum((columns[m][row] * share for m, share in shares), domain.number(0)) for row in one.rows]
-            for p, numerator in zip(one.passive, one.numerators(columns, right), strict=True):
-                if (name := dict(robot.joints[p].follows).get(variable.variable)) is not None:
-                    slopes[name] = numerator / determinant
+        determinant, share = one.determinant(columns), lambda m, k, known=domain: known.constant(matrix[m][k])
+        numerators = one.first(robot, columns, share, domain.number(0))
+        slopes: dict[Expression, Value] = {name: numerator / determinant for name, numerator in numerators}
         found = replace(found, slopes={**found.slopes, **slopes})
-        biases = _biases(robot, one, found, TapeDomain(robot, graph, passive=found))
+        domain, biases = TapeDomain(robot, graph, passive=found), dict[int, Value]()
+        for p in one.passive:  # dG/dt qd
+            names, own = zip(*robot.joints[p].follows, strict=True)
+            moved = derivative([found.slopes[slope] for slope in own], rates(robot, found, domain))
+            shares = (domain.variable(QD, variables.index(name)) for name in names)
+            biases[p] = sum((a * b for a, b in zip(moved, shares, strict=True)), domain.number(0))
         found = replace(found, biases={**found.biases, **biases})
     return found
 
@@ -62,16 +63,4 @@ def rates(robot: Robot, passive: Passive, domain: TapeDomain) -> dict[Value, Val
         else:
             cosine, sine = numbers
             found |= {cosine: -sine * rate, sine: cosine * rate}
-    return found
-
-
-def _biases(robot: Robot, one: SolvedLoop, passive: Passive, domain: TapeDomain) -> dict[int, Value]:
-    """dG/dt qd: what the passive joints of a loop accelerate while the variables do not."""
-    names = [variable.variable for variable in robot.variables]
-    found: dict[int, Value] = {}
-    for p in one.passive:
-        follows = robot.joints[p].follows
-        moved = derivative([passive.slopes[slope] for _, slope in follows], rates(robot, passive, domain))
-        shares = (domain.variable(QD, names.index(name)) for name, _ in follows)
-        found[p] = sum((a * b for a, b in zip(moved, shares, strict=True)), domain.number(0))
     return found
