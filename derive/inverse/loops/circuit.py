@@ -103,7 +103,15 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
         if at and not any(isinstance(step, Motion) for step in outer[at[-1] + 1 :]):
             before = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
             return _arm(robot, outer[at[0] :], before, TASKS["position"])
-    steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else []), *_closing(robot, loop)]
+    steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else [])]
+    # The joints of the closure, from its second frame to its first.
+    taken, k, stem = own_names(robot), robot.loops.index(loop) + 1, "psi"
+    while f"{stem}{k}" in taken:
+        stem += "_"
+    kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
+    names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
+    for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):
+        steps += [Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1), Screw("x", twist, ZERO)]
     unknown = _unknown(steps)
     # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
     twice, firsts = [*steps, *steps], [*unknown[1:], unknown[0] + len(steps)]
@@ -112,28 +120,15 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
     return _arm(robot, twice[last + 1 + len(known[last]) : last + 1 + len(steps)], known[last])
 
 
-def _closing(robot: Robot, loop: Loop) -> Iterator[Step]:
-    """The joints of a closure, from its second frame to its first."""
-    taken, k, stem = own_names(robot), robot.loops.index(loop) + 1, "psi"
-    while f"{stem}{k}" in taken:
-        stem += "_"
-    kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
-    names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
-    for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):
-        yield Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1)
-        yield Screw("x", twist, ZERO)
-
-
 def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
     """From where the branches of a loop meet to the frame of a row."""
     one, other = (tree.rows_to(robot, each) for each in loop.join)
     meeting = sum(a == b for a, b in zip(one, other, strict=False))
     index = {joint.label: k for k, joint in enumerate(robot.joints)}
     fixed = {row.name: row for row in robot.fixed}
-    above = one[meeting - 1] if meeting else BASE
     for name in tree.rows_to(robot, label)[meeting:]:
         row: Joint | FixedRow = fixed[name] if name in fixed else robot.joints[index[name]]
-        stand = row.stand or Stand(above)
+        stand = row.stand or Stand(BASE)  # right behind the row above, with nothing between
         link, about_z = Screw("x", row.alpha, row.a), Screw("z", row.theta, row.d)
         yield stand.mount
         yield Screw("z", stand.gamma, stand.b)

@@ -37,7 +37,7 @@ from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, column, cross, dot, multiply, scale, subtract, transpose
 from derive.robot import tree
-from derive.robot.coupling import coupling, loop_names, second_derivative
+from derive.robot.coupling import coupling, derivatives, second_derivative
 from derive.robot.description import Closure, Loop
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Name
@@ -70,12 +70,13 @@ class SolvedLoop:
         field: Field[Any, Any],
         variable: Callable[[int], Any],
         kind: type[GraphWalk[Any, Any]] = GraphWalk,
-    ) -> GraphWalk[Any, Any]:
-        """The solution's graph at the pose of the circuit, in a domain of the tree that knows the loops before."""
+    ) -> tuple[GraphWalk[Any, Any], Leaf[Any, Any]]:
+        """The solution's graph at the pose of the circuit, in a domain that knows the loops before; and its branch."""
         frame = self.circuit.pose(domain)
         pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
         given = [variable(self.circuit.places[k]) for k in self.graph.given]
-        return kind(self.graph, field, pose, given)
+        run = kind(self.graph, field, pose, given)
+        return run, list(run.leaves())[self.leaf]
 
     def determinant(self, columns: Mapping[int, Twist]) -> Any:
         """det J_p of the twists of the loop's joints."""
@@ -87,20 +88,15 @@ class SolvedLoop:
         replaced = ([[*r[:at], -e, *r[at + 1 :]] for r, e in zip(rows, right, strict=True)] for at in range(len(rows)))
         return [determinant(matrix) for matrix in replaced]
 
-    def first(
-        self, robot: Robot, columns: Mapping[int, Twist], share: Callable[[int, int], Any], zero: Any
-    ) -> Iterator[tuple[Name, Any]]:
-        """Names of first derivatives and their numerators; ``share`` of a known joint and a variable is in S."""
+    def first(self, robot: Robot, columns: Mapping[int, Twist], domain: Domain[Any]) -> Iterator[tuple[Name, Any]]:
+        """The first derivatives by name, numerators over det J_p."""
+        matrix = coupling(robot)
         for k, variable in enumerate(robot.variables):
-            shares = [(m, share(m, k)) for m in columns if m not in self.passive]
-            right = [sum((columns[m][row] * s for m, s in shares), zero) for row in self.rows]
+            shares = [(m, domain.constant(matrix[m][k])) for m in columns if m not in self.passive]
+            right = [sum((columns[m][row] * share for m, share in shares), domain.number(0)) for row in self.rows]
             for p, numerator in zip(self.passive, self.numerators(columns, right), strict=True):
                 if (name := dict(robot.joints[p].follows).get(variable.variable)) is not None:
                     yield name, numerator
-
-    def branch(self, run: GraphWalk[Any, Any]) -> Leaf[Any, Any]:
-        """The branch of the file."""
-        return list(run.leaves())[self.leaf]
 
 
 @dataclass(frozen=True)
@@ -250,13 +246,12 @@ def positions(
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
     values = parameter_values(robot) if values is None else values
-    slopes, shape = {*loop_names(robot)}, np.shape(q[0])
+    slopes, shape = {*derivatives(robot).values()}, np.shape(q[0])
     matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
     full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in matrix]
     missing = np.zeros(shape)
     for one in loops:
-        run = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
-        leaf = one.branch(run)
+        run, leaf = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
         # The formulas hold at poses that the arm reaches: lengths may be short, planes apart, and axes opposed.
         for miss in misses(run, leaf):
             missing = np.maximum(missing, np.abs(miss))
@@ -293,7 +288,7 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
 def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
     (columns, _), zero = twists(robot, one, domain), domain.ring.zero
-    first = {name.name: n for name, n in one.first(robot, columns, lambda m, k: domain.coupling[m][k], zero)}
+    first = {name.name: numerator for name, numerator in one.first(robot, columns, domain)}
     second: dict[str, Polynomial] = {}
     names, followed = [each.variable for each in robot.variables], {m: dict(robot.joints[m].follows) for m in columns}
     for k, name in enumerate(names):

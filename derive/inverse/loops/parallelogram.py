@@ -47,7 +47,7 @@ def reduced(robot: Robot) -> Robot:
 
 def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joint, ...]]:
     """The joints of a robot, the passive ones of the last loop as they follow the variables at some configurations."""
-    places = loops[-1].passive
+    places, names = loops[-1].passive, [each.variable for each in robot.variables]
     turns = np.array([[robot.joints[k].is_revolute] for k in places])
     values, q, full, _ = assembled(robot, loops)
 
@@ -65,19 +65,16 @@ def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joi
     for at in np.flatnonzero(off < _NEAR):
         joints = list(robot.joints)
         for p, k in enumerate(places):
-            joints[k] = _following(robot, k, factors[:, p, at].astype(int).tolist(), round(rest[p, at]))
+            joint, rights = joints[k], round(rest[p, at])
+            own = zip(names, factors[:, p, at].astype(int).tolist(), strict=True)
+            drive = tuple((name, number(joint.sign * factor)) for name, factor in own if factor)
+            exact = decompose(add(joint.theta, multiply(number(Fraction(joint.sign * rights, 2)), Pi())))
+            # Without whole turns; the constant of a slide, which is zero, leaves its angle as it is.
+            theta = composed(replace(exact, pi_multiple=1 - (1 - exact.pi_multiple) % 2)) if rights else joint.theta
+            # One that stands still has the factor 0: without any it would be a variable.
+            drive = drive or ((names[0], ZERO),)
+            joints[k] = replace(joint, name=joint.label, sign=1, theta=theta, drive=drive, follows=())
         yield tuple(joints)
-
-
-def _following(robot: Robot, place: int, factors: list[int], rights: int) -> Joint:
-    """A passive joint as a coupled one, with a constant of so many right angles."""
-    joint, names = robot.joints[place], [each.variable for each in robot.variables]
-    drive = tuple((name, number(joint.sign * f)) for name, f in zip(names, factors, strict=True) if f)
-    exact = decompose(add(joint.theta, multiply(number(Fraction(joint.sign * rights, 2)), Pi())))
-    # Without whole turns; the constant of a slide, which is zero, leaves its angle as it is.
-    theta = composed(replace(exact, pi_multiple=1 - (1 - exact.pi_multiple) % 2)) if rights else joint.theta
-    # One that stands still has the factor 0: without any it would be a variable.
-    return replace(joint, name=joint.label, sign=1, theta=theta, drive=drive or ((names[0], ZERO),), follows=())
 
 
 def _is_closed(robot: Robot, loop: Loop) -> bool:
