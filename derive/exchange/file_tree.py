@@ -83,14 +83,8 @@ class FileTree:
         values, found = dict(zip(self.moving, np.moveaxis(q, -1, 0), strict=True)), list[Array]()
         for k, step in enumerate(self.steps):
             before = found[step.parent] if step.parent >= 0 else np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
-            found.append(before @ step.origin)
-            if step.turns is not None:
-                motion = np.broadcast_to(np.eye(4), (*values[k].shape, 4, 4)).copy()
-                if step.turns:
-                    motion[..., :3, :3] = _turned(step.axis, values[k])
-                else:
-                    motion[..., :3, 3] = step.axis * values[k][..., None]
-                found[-1] = found[-1] @ motion
+            pose = before @ step.origin
+            found.append(pose if step.turns is None else pose @ _motion(step, values[k]))
         return np.stack(found, axis=-3)
 
     def torques(self, q: Array, qd: Array, qdd: Array) -> Array:
@@ -163,6 +157,15 @@ def _turned(axis: Array, angle: Array) -> Array:
     k = cross_matrix(axis)
     s, c = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
     return np.asarray(np.eye(3) + s * k + (1 - c) * (k @ k))
+
+
+def _motion(step: Step, value: Array) -> Array:
+    frame = np.broadcast_to(np.eye(4), (*value.shape, 4, 4)).copy()
+    if step.turns:
+        frame[..., :3, :3] = _turned(step.axis, value)
+    else:
+        frame[..., :3, 3] = step.axis * value[..., None]
+    return frame
 
 
 def _body(urdf: Urdf, link: str) -> tuple[float, Array, Array]:

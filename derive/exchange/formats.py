@@ -204,13 +204,7 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
-        if numeric.root and numeric.root.type is RootType.FLOATING:
-            # Seen from frame 0: other programs count the place of a root that floats in their own world.
-            frame, down = frame_of(numeric.base), numeric.gravity
-            if down is not None:
-                x, y, z = (number(decimal(c)) for c in frame.turned((ball(down[0]), ball(down[1]), ball(down[2]))))
-                down = (x, y, z)
-            numeric = replace(numeric, base=IDENTITY, gravity=down)
+        numeric = _seen_from_frame_0(numeric) if numeric.root and numeric.root.type is RootType.FLOATING else numeric
         written = arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
         if not form.has_rotors:
             written, changes = with_rotors(arm, form.says, inertia)
@@ -218,6 +212,15 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
         head = [f"{numeric.name}, written by derive {__version__} from its robot file", *remarks]
         text = form.write(written, [re.sub("-(?=-)", "- ", line) for line in head])
     return Exported(text, remarks)
+
+
+def _seen_from_frame_0(robot: Robot) -> Robot:
+    """A tree whose root floats in frame 0: other programs count its place in their own world."""
+    frame, down = frame_of(robot.base), robot.gravity
+    if down is not None:
+        x, y, z = (number(decimal(c)) for c in frame.turned((ball(down[0]), ball(down[1]), ball(down[2]))))
+        down = (x, y, z)
+    return replace(robot, base=IDENTITY, gravity=down)
 
 
 def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:

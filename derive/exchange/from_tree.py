@@ -171,11 +171,7 @@ class _Tree:
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
         if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
-        axes = [self._axis(joint, joint.child) for joint in kept if joint.type in MOVING]
-        self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(axes), WORLD, WORLD.z, (), ()), proven=False)
-        if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
-            n = len(changes)
-            self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
+        self._note(kept)
         tool = IDENTITY if ends[0].name else ends[0].tool
         own = [row for row in joints if not row.drive]
         coupled = [Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own]
@@ -257,6 +253,13 @@ class _Tree:
         if gone := [joint.child for joint in self.joints if joint not in kept and self._moved(joint.child)]:
             self.notes.append(f"links without a body that are left out, as long as --ends names none: {some(gone)}")
         return kept[::-1]
+
+    def _note(self, kept: Sequence[UrdfJoint]) -> None:
+        moving = [self._axis(joint, joint.child) for joint in kept if joint.type in MOVING]
+        self.notes += notes_on(self.urdf, Arm(self._base, "", tuple(moving), WORLD, WORLD.z, (), ()), proven=False)
+        if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
+            n = len(changes)
+            self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
 
 
 def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fraction, Fraction]:

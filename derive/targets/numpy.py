@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch
+from derive.programs.program import ARGUMENTS, FELT, WIDTHS, Function, Inverse, InverseSearch, Program
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.escape import python_docstring, python_string
@@ -73,8 +73,6 @@ def python_context(source: Source) -> dict[str, object]:
         "PARAMETERS": [python_string(name) for name in program.parameters],
         **tables,
     }
-    # The functions that take an end of a tree by its name, with their arguments.
-    of_ends = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
     felt = {name: both for name, both in FELT.items() if all(each in program for each in both)}
     return heading(source, python_docstring) | {
         "constants": [  # tuples at the top of the module, on one line where that is enough
@@ -96,9 +94,15 @@ def python_context(source: Source) -> dict[str, object]:
             _python_function(each, program.parameters, robot.dof, felt.get(each.name, ())) for each in program
         ],
         "has_felt": bool(felt),
-        "functions_of_ends": [{"name": name, "arguments": arguments} for name, arguments in of_ends.items()],
+        "functions_of_ends": _functions_of_ends(program),
         "ends": [end.name for end in robot.ends],
     }
+
+
+def _functions_of_ends(program: Program) -> list[dict[str, str]]:
+    """The functions that take an end of a tree by its name, with their arguments."""
+    found = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
+    return [{"name": name, "arguments": arguments} for name, arguments in found.items()]
 
 
 def _python_function(

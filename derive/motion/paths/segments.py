@@ -102,12 +102,7 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
         found = f"a {profile} motion stops at its points, and {run[0].to} is passed"
         remedy = "write via: stop, or a profile of cubic, quintic, septic, spline, fastest"
         raise RobotFileError(found, remedy=remedy, location=run[0].location)
-    timed = [step.time for step in run if step.time is not None]
-    if timed and len(timed) < len(run):  # all, or none
-        untimed = next(step for step in run if step.time is None)
-        remedy = "write a time for each segment between two stops, or for none"
-        raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
-    lengths = given = tuple(map(hand.exact, timed))
+    lengths = given = _given_times(hand, run)
     if not given and by_hand:
         lengths = proportions(hand.distances(run, corners[0]))
     elif not given:
@@ -136,6 +131,16 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
     factor = _stretched(hand, run[0], joints)
     moved: list[Joints] = [tuple(_moved(track, start, factor) for track in pieces) for pieces in joints]
     return [start + time * factor for time in times], moved
+
+
+def _given_times(hand: Hand, run: Sequence[Step]) -> tuple[Expr, ...]:
+    """The times of segments without a stop between them: all, or none."""
+    given = [step.time for step in run if step.time is not None]
+    if given and len(given) < len(run):
+        untimed = next(step for step in run if step.time is None)
+        remedy = "write a time for each segment between two stops, or for none"
+        raise RobotFileError(f"no time from here to {untimed.to}", remedy=remedy, location=untimed.location)
+    return tuple(map(hand.exact, given))
 
 
 def _moved(track: Sequence[AnyPiece], start: Expr, factor: Expr) -> tuple[Piece, ...]:
