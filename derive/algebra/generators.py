@@ -12,7 +12,7 @@ from math import isqrt, lcm
 
 from derive.algebra.angles import ExactAngle, decompose
 from derive.robot import tree
-from derive.robot.coupling import loop_names
+from derive.robot.coupling import derivatives
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power
 from derive.robot.robot import Robot
 
@@ -239,6 +239,6 @@ def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
         if link.motor is not None:
             values += (link.motor.mass, link.motor.inertia, link.motor.ratio)
     more_values, more_angles = tree.constant_cells(robot)
-    values = values + [factor for joint in robot.joints for _, factor in joint.drive] + [*loop_names(robot)]
+    values = values + [factor for joint in robot.joints for _, factor in joint.drive] + [*derivatives(robot).values()]
     angles = [angle for joint in robot.joints for angle in (joint.theta, joint.alpha)]
     return values + more_values, angles + more_angles

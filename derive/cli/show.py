@@ -196,14 +196,12 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
             case InverseKinematics():
                 heading = [f"{COMMENTS[form]} {name}"] if "[" in name else []  # of which end of a tree it is
                 return [*heading, *derivation.derivation_lines(value, form, notation)]
-            case Closure() if as_json:
-                return closure_parts(value)
             case Closure():
-                return closure_lines(value, form, notation)
-            case Reach() if as_json:
-                return derivation.workspace_parts(value)
+                return closure_parts(value) if as_json else closure_lines(value, form, notation)
             case Reach():
-                return derivation.workspace_lines(value, form, notation)
+                return (
+                    derivation.workspace_parts(value) if as_json else derivation.workspace_lines(value, form, notation)
+                )
             case Aspects() if as_json:
                 return singularities.aspects_parts(value)
             case Aspects():
@@ -267,8 +265,8 @@ def _list(robot: Robot, form: str) -> None:
 
     known = [row for row in REGISTRY.values() if row.is_of(robot)]
     rows = {row.call: (row.symbol, row.shape_of(robot), row.unit, row.summary) for row in known}
-    described = [name for name in DESCRIBED if not robot.is_tree or name == "decoupling"]
-    described = described if robot.has_dynamics and robot.dof > 1 else [n for n in described if n != "decoupling"]
+    decouples = robot.has_dynamics and robot.dof > 1
+    described = [name for name in DESCRIBED if (decouples if name == "decoupling" else not robot.is_tree)]
     rows |= {name: ("", "", "", DESCRIBED[name]) for name in described}
     if form == "json":
         found = {n: dict(zip(("symbol", "shape", "unit", "summary"), row, strict=True)) for n, row in rows.items()}

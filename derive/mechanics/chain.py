@@ -181,7 +181,11 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
     ends = rows if standard else [unit] * len(rows)
     joints = []
     for i, way in enumerate(tree.ways(robot)):
-        mount = _mount(robot, robot.joints[i].stand, way, domain)
+        mount, stand = None, robot.joints[i].stand
+        if stand is not None:  # from the DH frame of the joint that the row follows to where the row begins
+            mount = stand_frame(stand, domain)
+            for row in reversed(way.rows):
+                mount = _fixed_frame(robot, row, domain) @ mount
         # K is that of the row before and the mount (standard), or the mount and that of the row itself (modified).
         factors = (rows[way.joint] if way.joint >= 0 else None, mount) if standard else (mount, rows[i])
         found = [factor for factor in factors if factor is not None]
@@ -197,16 +201,6 @@ def build_chain(robot: Robot, domain: Domain[S]) -> Chain[S]:
         in_world = constant_vector(robot.gravity, domain)
         gravity, drop = multiply(vectors.transpose(base.rotation), in_world), vectors.dot(in_world, base.position)
     return Chain(zero, one, base, tuple(joints), tip, tool, tuple(ends), tuple(bodies), gravity, drop, ground)
-
-
-def _mount(robot: Robot, stand: Stand | None, way: tree.Way, domain: Domain[S]) -> Frame[S] | None:
-    """From the DH frame of the joint that a row follows to where the row begins; None where nothing is between."""
-    if stand is None:
-        return None
-    found = stand_frame(stand, domain)
-    for row in reversed(way.rows):
-        found = _fixed_frame(robot, row, domain) @ found
-    return found
 
 
 def way_frame(robot: Robot, label: str, domain: Domain[S]) -> tuple[int, Frame[S] | None]:

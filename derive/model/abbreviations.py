@@ -39,34 +39,25 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
             f"abbreviations by {way} do not apply to {quantity!r}", allowed=f"they apply to {listed(allowed[way])}"
         )
     writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
-    matrix, definitions, letter = _matrix(model, quantity, writer), writer.names.definitions, writer.names.letter
+    n, rows = range(model.n), []
+    coefficient = None if quantity in ("B", "g", "tau") else model.rate_coefficient(quantity)
+    for i in n:
+        row = []
+        if coefficient is not None:
+            row = [writer.rate_sum([(coefficient(i, j, k), model.qd[k]) for k in n]) for j in n]
+        elif quantity != "g":
+            row = [writer.constant_part(model.dynamics.inertia_matrix[i][j], model.B[i, j]) for j in n]
+        if quantity == "tau":
+            accelerated = [entry * qdd for entry, qdd in zip(row, model.qdd, strict=True)]
+            row = [*accelerated, writer.rate_sum(model.velocity_pairs(i)), model.friction[i]]
+        if quantity in ("g", "tau"):
+            row = [sympy.Add(*row, writer.constant_part(model.kinematics.gravity_vector[i], model.g[i]))]
+        rows.append(row)
+    matrix, definitions, letter = sympy.ImmutableMatrix(rows), writer.names.definitions, writer.names.letter
     if len(definitions) != 1:
         return matrix, definitions
     ((symbol, value),) = definitions.items()
     return matrix.xreplace({symbol: sympy.Symbol(letter)}), {sympy.Symbol(letter): value}
-
-
-def _matrix(model: DynamicModel, quantity: str, writer: _ByChristoffel | _ByCoefficients) -> Matrix:
-    n = range(model.n)
-    if quantity in ("B", "g", "tau"):
-        rows = []
-        for i in n:
-            row = []
-            if quantity != "g":
-                b = model.dynamics.inertia_matrix[i]
-                row = [writer.constant_part(b[j], model.B[i, j]) for j in n]
-            if quantity == "tau":
-                accelerated = [entry * qdd for entry, qdd in zip(row, model.qdd, strict=True)]
-                row = [*accelerated, writer.rate_sum(model.velocity_pairs(i)), model.friction[i]]
-            if quantity != "B":
-                row = [sympy.Add(*row, writer.constant_part(model.kinematics.gravity_vector[i], model.g[i]))]
-            rows.append(row)
-        return sympy.ImmutableMatrix(rows)
-    coefficient = model.rate_coefficient(quantity)
-    assert coefficient is not None, "what else is abbreviated is linear in the rates"
-    return sympy.ImmutableMatrix(
-        [[writer.rate_sum([(coefficient(i, j, k), model.qd[k]) for k in n]) for j in n] for i in n]
-    )
 
 
 class _Names:

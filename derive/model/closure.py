@@ -106,38 +106,34 @@ class Closure:
 
 def find_closure(model: KinematicModel) -> Closure:
     """The loops of a robot in the notation of a model."""
-    loops = linkage(model.robot)
-    return Closure(model.robot, tuple(_described(model, loops[: k + 1]) for k in range(len(loops))))
-
-
-def _described(model: KinematicModel, loops: tuple[SolvedLoop, ...]) -> LoopClosure:
-    robot, one, domain = model.robot, loops[-1], model.domain
-    inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
-    used = sympy.Tuple(*inverse.expressions).free_symbols
-    pose = zip(
-        inverse.pose[:3, :], chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one)), strict=False
-    )
-    known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose if symbol in used)
-    solution = _branch(robot, loops, inverse, known)
-    inverse.conditions = ()  # a loop that closes meets them
-    moving = slopes(robot, one, domain)
-    both = {**moving.first, **moving.second}.items()
-    quotients = {name: _quotient(domain, *reduced(p, moving.determinant)) for name, p in both}
-    # A factor that all have in common is one of the rows that were chosen, not of the loop.
-    common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
+    robot, domain, loops, found = model.robot, model.domain, linkage(model.robot), list[LoopClosure]()
     variables = {sympy.Symbol(joint.variable) for joint in (*robot.variables, *robot.passive)}
-    factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
-    zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
-    return LoopClosure(one.loop, known, inverse, solution, zeros, quotients)
+    for k, one in enumerate(loops):
+        inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
+        used = sympy.Tuple(*inverse.expressions).free_symbols
+        entries = chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one))
+        pose = [pair for pair in zip(inverse.pose[:3, :], entries, strict=False) if pair[0] in used]
+        known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose)
+        solution = _branch(robot, loops[: k + 1], inverse, known)
+        inverse.conditions = ()  # a loop that closes meets them
+        moving = slopes(robot, one, domain)
+        both = {**moving.first, **moving.second}.items()
+        quotients = {name: _quotient(domain, *reduced(p, moving.determinant)) for name, p in both}
+        # A factor that all have in common is one of the rows that were chosen, not of the loop.
+        common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
+        factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
+        zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
+        found.append(LoopClosure(one.loop, known, inverse, solution, zeros, quotients))
+    return Closure(robot, tuple(found))
 
 
 def _branch(
     robot: Robot, loops: tuple[SolvedLoop, ...], inverse: InverseKinematics, known: tuple[PrintedLine, ...]
 ) -> Solution:
     """Which of the printed solutions is the branch of the file: the one whose numbers are those of its graph."""
-    values, full, _ = assembled(robot, loops)
+    values, _, full, _ = assembled(robot, loops)
     names = [sympy.Symbol(joint.variable) for joint in robot.joints]
-    unknown = {names[k]: full[k] for one in loops[-1:] for k in one.passive}
+    unknown = {names[k]: full[k] for k in loops[-1].passive}
     others = {name: x for name, x in zip(names, full, strict=True) if name not in unknown}
 
     def _gap(solution: Solution) -> Any:

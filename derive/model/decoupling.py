@@ -22,12 +22,14 @@ from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.robot import tree
-from derive.robot.coupling import loop_names
+from derive.robot.coupling import derivatives
 from derive.robot.description import Motor
 from derive.robot.expression import Name, names
 from derive.robot.options.style import Grouping
 
 Condition = tuple[tuple[Expr, Expr], ...]  # equations, of which at least one holds
+# The conditions of an entry, none where it is always zero, or a coefficient that no parameters but zeros make zero.
+Entry = tuple[Condition, ...] | Expr
 Zeros = frozenset[Polynomial]  # the factors of a coefficient that may be zero
 Write = Callable[[Any], str]
 
@@ -36,13 +38,11 @@ Write = Callable[[Any], str]
 class Decoupling:
     """When the inertia matrix is diagonal: all conditions hold that it lists."""
 
-    # By row and column from 1: the conditions of an entry, none where it is always zero, or a coefficient that no
-    # parameters but zeros make zero.
-    entries: dict[tuple[int, int], tuple[Condition, ...] | Expr]
+    entries: dict[tuple[int, int], Entry]  # by row and column from 1
     conditions: tuple[Condition, ...]  # of all entries that have some
     is_exact: bool  # whether they are necessary, too: not where functions of q depend on each other
 
-    def _text(self, entry: tuple[Condition, ...] | Expr, write: Write, without: str) -> str:
+    def _text(self, entry: Entry, write: Write, without: str) -> str:
         if not isinstance(entry, tuple):
             return f"{'never without a zero parameter' if self.is_exact else 'unknown'}: {write(entry)}"
         return ", ".join(" or ".join(f"{write(a)} = {write(b)}" for a, b in each) for each in entry) or without
@@ -72,12 +72,8 @@ def find_decoupling(model: DynamicModel) -> Decoupling:
     if robot.dof < 2:
         raise QuantityError(f"decoupling of {robot.name}, which has one variable", allowed="allowed: two or more")
     write: Callable[[Polynomial], Expr] = partial(model.form.dynamic, grouping=Grouping.EXPANDED)
-    can_vanish, every, entries = (
-        _can_vanish(domain),
-        set[Zeros](),
-        dict[tuple[int, int], tuple[Condition, ...] | Expr](),
-    )
-    slopes = {name.name for name in loop_names(robot)}
+    can_vanish, every, entries = _can_vanish(domain), set[Zeros](), dict[tuple[int, int], Entry]()
+    slopes = {name.name for name in derivatives(robot).values()}
     kinds = (Kind.SINE, Kind.COSINE, Kind.VARIABLE)
     functions = [i for i, g in enumerate(domain.generators) if g.kind in kinds or g.name in slopes]
     for i, j in combinations(range(robot.dof), 2):

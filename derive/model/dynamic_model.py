@@ -116,7 +116,7 @@ class DynamicModel(KinematicModel):
 
     def _require_body(self, i: int) -> None:
         self._require_links("link and rotor Jacobians")
-        self._require_index(i, 1)
+        self._require_index(i, 1, self.robot.n)
 
     # -- Jacobians of bodies
 
@@ -234,7 +234,7 @@ class DynamicModel(KinematicModel):
             QuantityError: No such joint, or the file gives no links.
         """
         for index in (i, j, k):
-            self._require_variable(index)
+            self._require_index(index, 1, self.n)
         p = self.dynamics.christoffel(i - 1, j - 1, k - 1)
         return self.dynamic_form.entry(p, self.christoffel_limit, self.style.christoffel)
 

@@ -48,19 +48,15 @@ class TreeModel:
         kind: Any = type(self)
         return cast("tuple[Self, tuple[int, ...]]", _arm(kind, self.robot, self.style, end))
 
-    def _require_index(self, i: int, first: int) -> None:
-        if not first <= i <= self.robot.n:
-            raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {self.robot.n} for {self.robot.name}")
-
-    def _require_variable(self, k: int) -> None:
-        if not 1 <= k <= self.robot.dof:
-            raise QuantityError(f"index {k}", allowed=f"allowed: 1 to {self.robot.dof} for {self.robot.name}")
+    def _require_index(self, i: int, first: int, last: int) -> None:
+        if not first <= i <= last:
+            raise QuantityError(f"index {i}", allowed=f"allowed: {first} to {last} for {self.robot.name}")
 
     def _index(self, i: int | str) -> int:
         """The number of a frame of a chain."""
         if isinstance(i, str):
             raise QuantityError(f"frame {i!r} of {self.robot.name}", allowed="allowed: numbers, for it is no tree")
-        self._require_index(i, 0)
+        self._require_index(i, 0, self.robot.n)
         return i
 
     def frame_number(self, row: str, *, or_end: bool = False) -> int:

@@ -139,7 +139,7 @@ class KinematicModel(TreeModel):
         Raises:
             QuantityError: No such row.
         """
-        self._require_index(i, 1)
+        self._require_index(i, 1, self.robot.n)
         return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
     def transform(self, i: int | str, j: int | str) -> Matrix:
@@ -309,7 +309,7 @@ class KinematicModel(TreeModel):
         Raises:
             QuantityError: No such joint.
         """
-        self._require_variable(k)
+        self._require_index(k, 1, self.n)
         if isinstance(every := self.J, OfEnds) and self.robot.passive:  # these move with q_k, too
             return OfEnds(tuple(every), lambda end: self.arm(end)[0].hessian(k))
         if isinstance(every, OfEnds):

@@ -54,14 +54,11 @@ def build_program(
     found, reason = next((result for end, result in solved if not end), (None, without))
     closed = found if isinstance(found, Inverse) else None
     search = found if isinstance(found, InverseSearch) else None
-    of_ends = tuple(_of_end(robot, end, found) for end, (found, _) in solved if end and isinstance(found, Inverse))
-    return Program(functions, free_symbols(robot), closed, reason, search, of_ends)
-
-
-def _of_end(robot: Robot, end: str, found: Inverse) -> EndInverse:
-    """Inverse kinematics of the arm to an end, its functions named by the end."""
-    function, step = (replace(each, interface=each.interface.at(end)) for each in (found.function, found.step))
-    return EndInverse(end, *tree.arm(robot, end), replace(found, function=function, step=step))
+    of_ends = []
+    for end, own in [(end, own) for end, (own, _) in solved if end and isinstance(own, Inverse)]:
+        function, step = (replace(each, interface=each.interface.at(end)) for each in (own.function, own.step))
+        of_ends.append(EndInverse(end, *tree.arm(robot, end), replace(own, function=function, step=step)))
+    return Program(functions, free_symbols(robot), closed, reason, search, tuple(of_ends))
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,11 +38,6 @@ def derivatives(robot: Description) -> dict[tuple[str, ...], Name]:
     return found
 
 
-def loop_names(robot: Description) -> tuple[Name, ...]:
-    """The names of the first and second derivatives of the variables of passive joints."""
-    return tuple(derivatives(robot).values())
-
-
 def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:
     """S, a row for each joint and a column for each variable."""
     rows = (dict(joint.drive or joint.follows) or {joint.variable: ONE} for joint in robot.joints)

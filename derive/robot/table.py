@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 
-from derive.errors import RobotFileError, listed, quoted
+from derive.errors import listed, quoted
 from derive.robot import expression as tree
 from derive.robot.cells import Cells, inert_text, length_in_metres
 from derive.robot.description import IDENTITY, INERTIA, Inertia, Joint, JointType, Link, Matrix, Motor, Vector
@@ -80,38 +80,31 @@ class _Row:
         rest: list[Expression] = []
         for factor, term in tree.linear_terms(expression):
             moved = [name for name in names(term) if name in self._variables]
-            others = [
-                part
-                for part in (term.factors if isinstance(term, Product) else (term,))
-                if part != Name(*moved[:1] or [""])
-            ]
+            parts = term.factors if isinstance(term, Product) else (term,)
+            others = [part for part in parts if part != Name(*moved[:1] or [""])]
             if not moved:
                 rest.append(tree.multiply(tree.number(factor), term))
-            elif len(moved) == 1 and len(others) < len(term.factors if isinstance(term, Product) else (term,)):
+            elif len(moved) == 1 and len(others) < len(parts):
                 factors.setdefault(moved[0], []).append(tree.multiply(tree.number(factor), *others))
             else:
                 found = f"{quoted(to_text(expression))} is not linear in {listed(dict.fromkeys(moved))}"
                 raise self._document.error(path, found, f"allowed: {_SUM}", "multiply it out")
-        drive = tuple((name, total) for name, parts in factors.items() if (total := tree.add(*parts)) != ZERO)
+        drive = tuple((name, total) for name, own in factors.items() if (total := tree.add(*own)) != ZERO)
         if not drive:
-            raise self._constant(path, expression)
+            name, is_own = self._variable, self._variable in self._variables
+            other = next((other for other in names(expression) if other not in self._variables), None)
+            hint = f"; if '{other}' is the variable, write q: {other}" if other else ""
+            what = f"{self._moving} is the cell that moves in a {self._type.value} joint"
+            how = f"leave the cell out or write {self._moving}: {name} + ..." if is_own else "write what moves the row"
+            raise self._document.error(
+                path,
+                f"{quoted(to_text(expression))} is constant, but {what}",
+                f"allowed: {f'{name} or -{name}, with a constant added, or ' * is_own}{_SUM}",
+                f"{how}; a figure's position is no part of the table{hint}",
+            )
         if [name for name, _ in drive] == [self._variable] and drive[0][1] in (ONE, tree.negate(ONE)):
             return 1 if drive[0][1] == ONE else -1, tree.add(*rest), ()
         return 1, tree.add(*rest), drive
-
-    def _constant(self, path: KeyPath, expression: Expression) -> RobotFileError:
-        name = self._variable
-        is_own = name in self._variables
-        other = next((other for other in names(expression) if other not in self._variables), None)
-        hint = f"; if '{other}' is the variable, write q: {other}" if other else ""
-        return self._document.error(
-            path,
-            f"{quoted(to_text(expression))} is constant, but {self._moving} is the cell that moves in a "
-            f"{self._type.value} joint",
-            f"allowed: {f'{name} or -{name}, with a constant added, or ' * is_own}{_SUM}",
-            f"{f'leave the cell out or write {self._moving}: {name} + ...' if is_own else 'write what moves the row'}"
-            f"; a figure's position is no part of the table{hint}",
-        )
 
 
 def read_limits(

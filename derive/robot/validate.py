@@ -45,8 +45,14 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
         _check_limits(document, place, joint, values)
     for variable in robot.coupled:
         _check_limits(document, ("variables", variable.variable), variable, values)
-    for index, _ in enumerate(robot.figure.q or ()):
-        _check_drawn(document, index, robot, values)
+    for index, (mover, cell) in enumerate(zip(robot.variables, robot.figure.q or (), strict=False)):
+        if mover.limits is None:
+            continue
+        lower, upper = (_value(limit, values) for limit in mover.limits)
+        drawn = evaluate(cell, {})
+        if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):
+            found = f"outside of the limits of '{mover.variable}'"
+            raise document.error(("figure", "q", index), found, remedy="draw another configuration")
     for place, link in located_links(robot):
         masses = {("mass",): link.mass} | ({("motor", "mass"): link.motor.mass} if link.motor else {})
         for key, mass in masses.items():
@@ -163,15 +169,3 @@ def _check_limits(document: Document, place: KeyPath, joint: Joint | Variable, v
     if lower is not None and upper is not None and not lower < upper:
         found, remedy = "lower limit is not below the upper", "exchange or correct them"
         raise document.error((*place, "limits"), found, "allowed: [lower, upper]", remedy)
-
-
-def _check_drawn(document: Document, index: int, robot: Description, values: Mapping[str, float]) -> None:
-    """The configuration that is drawn is within the limits."""
-    joint = robot.variables[index]
-    if joint.limits is None or robot.figure.q is None:
-        return
-    lower, upper = (_value(limit, values) for limit in joint.limits)
-    drawn = evaluate(robot.figure.q[index], {})
-    if (lower is not None and drawn < lower - _ROUNDING) or (upper is not None and drawn > upper + _ROUNDING):
-        found = f"outside of the limits of '{joint.variable}'"
-        raise document.error(("figure", "q", index), found, remedy="draw another configuration")

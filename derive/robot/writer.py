@@ -12,7 +12,6 @@ from derive.robot.description import (
     INERTIA,
     Convention,
     Description,
-    End,
     FileUnits,
     FixedRow,
     Inertia,
@@ -66,7 +65,15 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     for variable in robot.coupled:
         lines += ["variables:"] if variable is robot.coupled[0] else []
         lines += [f"  {variable.variable}: {_variable(variable, robot)}"]
-    lines += [*_block("ends", {end.name: _end(end, units) for end in robot.ends if end.name}), *_root(robot)]
+    ends = {}
+    for end in (end for end in robot.ends if end.name):
+        after, tool = _quoted(end.after), f"[{', '.join(_frame(end.tool, units))}]"
+        ends[end.name] = after if end.tool == IDENTITY else f"{{after: {after}, tool: {tool}}}"
+    lines += _block("ends", ends)
+    if robot.root is not None:
+        lines += _block("root", {"type": robot.root.type.value, "q": f"[{', '.join(robot.root.variables)}]"})
+        if robot.root.link and robot.root.link != Link():
+            lines += ["  link:", *(f"    {line[4:]}" for line in _link(robot.root.link, units))]
     lines += ["loops:"] if robot.loops else []
     for loop in robot.loops:
         branch = f", branch: {_quoted(loop.branch)}" if loop.branch else ""
@@ -129,11 +136,6 @@ def _frame(matrix: Matrix, units: FileUnits) -> list[str]:
     return [*lengths, _list(matrix[3])]
 
 
-def _end(end: End, units: FileUnits) -> str:
-    after = _quoted(end.after)
-    return after if end.tool == IDENTITY else f"{{after: {after}, tool: [{', '.join(_frame(end.tool, units))}]}}"
-
-
 def _variable(variable: Variable, robot: Description) -> str:
     """The bounds of a variable in braces, without those that are its row's anyway."""
     alone = next((joint for joint in robot.joints if joint.variable == variable.variable), None)
@@ -144,15 +146,6 @@ def _variable(variable: Variable, robot: Description) -> str:
     cells += [f"speed: {cell_text(unit(speed))}"] if speed else []
     cells += [f"torque: {cell_text(torque)}"] if torque else []
     return f"{{{', '.join(cells)}}}"
-
-
-def _root(robot: Description) -> Iterator[str]:
-    if robot.root is None:
-        return
-    yield from _block("root", {"type": robot.root.type.value, "q": f"[{', '.join(robot.root.variables)}]"})
-    if robot.root.link and robot.root.link != Link():
-        yield "  link:"
-        yield from (f"    {line[4:]}" for line in _link(robot.root.link, robot.units))
 
 
 def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
@@ -172,12 +165,9 @@ def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]
     order = ("theta", "d", "a", "alpha") if standard else ("gamma", "b", "alpha", "a", "theta", "d")
     yield from (f"{key}: {cells[key]}" for key in order if cells[key] != "0")
     if isinstance(row, Joint):
-        if row.limits is not None:
-            yield f"limits: {_list(row.limits)}"
-        if row.speed is not None:
-            yield f"speed: {cell_text(row.speed)}"
-        if row.torque is not None:
-            yield f"torque: {cell_text(row.torque)}"
+        yield from [f"limits: {_list(row.limits)}"] if row.limits is not None else []
+        bounds = (("speed", row.speed), ("torque", row.torque))
+        yield from (f"{key}: {cell_text(cell)}" for key, cell in bounds if cell is not None)
     if row.name:
         yield f"name: {_quoted(row.name)}"
 

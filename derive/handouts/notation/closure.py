@@ -60,7 +60,7 @@ def closure_parts(found: Closure) -> list[dict[str, Any]]:
 
 def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -> list[str]:
     """What G_q3_q1 and H_q3_q1_q1 mean in what is printed, and the rows of G and H."""
-    robot, lines, meanings = model.robot, [], dict[str, str]()
+    robot, lines, meanings = model.robot, list[str](), dict[str, str]()
     if any(name.partition("[")[0] in "GH" for name, _ in shown):
         rows, columns = (listed(joint.variable for joint in part) for part in (robot.passive, robot.variables))
         lines += [f"rows {rows}; columns {columns}, of H their pairs; {undefined(model.closure.loops)}"]
@@ -68,9 +68,9 @@ def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -
     for of, symbol in derivatives(robot).items():
         if symbol.name in used:
             meanings.setdefault(symbol.name[0], f"{symbol.name} = d{'2' * (len(of) > 2)}{of[0]}/d{' d'.join(of[1:])}")
-    return (
-        [*lines, f"{', '.join(meanings.values())}: derive show {address} {' '.join(meanings)}"] if meanings else lines
-    )
+    if meanings:
+        lines.append(f"{', '.join(meanings.values())}: derive show {address} {' '.join(meanings)}")
+    return lines
 
 
 def undefined(loops: Sequence[LoopClosure]) -> str:

@@ -60,13 +60,12 @@ class Context:
     @cached_property
     def ends(self) -> "tuple[Context, ...]":
         """What the parts about one end effector are made from: of a tree with several ends one for each of these."""
-        return tuple(map(self._of_end, (end.name for end in self.robot.ends if end.name))) or (self,)
-
-    def _of_end(self, name: str) -> "Context":
-        arm, places = self.entries.model.arm(name)
-        poses = self.poses and poses_of(arm.robot)
-        entries, options = ModelEntries(arm), self.options
-        return Context(entries, options, self.text, self.version, poses, self.policy, self, name, places)
+        found = []
+        for name in (end.name for end in self.robot.ends if end.name):
+            arm, places = self.entries.model.arm(name)
+            poses, whole = self.poses and poses_of(arm.robot), (self.options, self.text, self.version)
+            found.append(Context(ModelEntries(arm), *whole, poses, self.policy, self, name, places))
+        return tuple(found) or (self,)
 
     def name(self, label: str) -> Box:
         """How the frame of a row of a tree is written: by its number, or by the name of a row without motion."""

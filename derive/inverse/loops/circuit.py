@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 from itertools import takewhile
-from operator import matmul
 
 from derive.mechanics.chain import Domain, about_z, constant_frame, link_factor
 from derive.mechanics.vectors import Frame, S
@@ -47,13 +46,6 @@ class Screw:
     angle: Expression  # [rad]
     length: Expression  # [m]
 
-    def back(self) -> Screw:
-        """Its inverse."""
-        return Screw(self.axis, negate(self.angle), negate(self.length))
-
-
-_OVER = Screw("x", Pi(), ZERO)
-
 
 @dataclass(frozen=True, slots=True)
 class Motion:
@@ -63,12 +55,10 @@ class Motion:
     index: int  # of the joint in the tree, -1 of a closure
     way: int
 
-    def back(self) -> Motion:
-        """The same the other way."""
-        return replace(self, way=-self.way)
-
 
 Step = Screw | Motion | Matrix
+_OVER = Screw("x", Pi(), ZERO)
+_NOTHING = (IDENTITY, Screw("x", ZERO, ZERO), Screw("z", ZERO, ZERO))
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +71,22 @@ class Circuit:
 
     def pose(self, domain: Domain[S]) -> Frame[S]:
         """The pose of the arm, in a domain of the tree."""
-        frames = [_frame(step, domain) for step in self.known]
-        return reduce(matmul, frames, constant_frame(IDENTITY, domain)).inverse
+        frame, zero, one = constant_frame(IDENTITY, domain), domain.number(0), domain.number(1)
+        for step in self.known:
+            if isinstance(step, tuple):
+                frame = frame @ constant_frame(step, domain)
+            elif isinstance(step, Screw):
+                x, angle = step.length, step.angle
+                frame = frame @ (link_factor(x, angle, domain) if step.axis == "x" else about_z(angle, x, domain))
+            else:
+                joint, (c, s), d = replace(step.joint, theta=ZERO, d=ZERO), (one, zero), zero
+                if joint.is_revolute:
+                    c, s = domain.joint_cosine_sine(step.index, joint)
+                else:
+                    d = domain.joint_offset(step.index, joint)
+                moved = Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, d))
+                frame = frame @ (moved if step.way > 0 else moved.inverse)
+        return frame.inverse
 
 
 def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = False) -> Circuit:
@@ -97,31 +101,23 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
         # Where a ball joint ends the only branch that has unknown joints, these have a position to reach.
         at = _unknown(outer) if loop.by is Closure.SPHERICAL and not _unknown(inner) else []
         if at and not any(isinstance(step, Motion) for step in outer[at[-1] + 1 :]):
-            known = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
-            return _arm(robot, outer[at[0] :], known, TASKS["position"])
-    steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else []), *_closing(robot, loop)]
-    unknown = _unknown(steps)
-    # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
-    gaps = list(zip(unknown, [*unknown[1:], unknown[0] + len(steps)], strict=True))
-    last, first = max(gaps, key=lambda gap: (_joints_between(steps, *gap), gap[1] - gap[0]))
-    rotated = [*steps[last % len(steps) + 1 :], *steps[: last % len(steps) + 1]]
-    count = (first - last - 1) % len(steps)
-    return _arm(robot, rotated[count:], tuple(rotated[:count]))
-
-
-def _joints_between(steps: Sequence[Step], one: int, other: int) -> int:
-    return sum(isinstance(steps[k % len(steps)], Motion) for k in range(one + 1, other))
-
-
-def _closing(robot: Robot, loop: Loop) -> Iterator[Step]:
-    """The joints of a closure, from its second frame to its first."""
-    taken, k = own_names(robot), robot.loops.index(loop) + 1
-    stem = next(stem for stem in ("psi", *(f"psi{'_' * m}" for m in range(1, 99))) if f"{stem}{k}" not in taken)
+            before = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
+            return _arm(robot, outer[at[0] :], before, TASKS["position"])
+    steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else [])]
+    # The joints of the closure, from its second frame to its first.
+    taken, k, stem = own_names(robot), robot.loops.index(loop) + 1, "psi"
+    while f"{stem}{k}" in taken:
+        stem += "_"
     kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
     names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
     for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):
-        yield Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1)
-        yield Screw("x", twist, ZERO)
+        steps += [Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1), Screw("x", twist, ZERO)]
+    unknown = _unknown(steps)
+    # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
+    twice, firsts = [*steps, *steps], [*unknown[1:], unknown[0] + len(steps)]
+    known = {last: tuple(twice[last + 1 : first]) for last, first in zip(unknown, firsts, strict=True)}
+    last = max(known, key=lambda at: (sum(isinstance(step, Motion) for step in known[at]), len(known[at])))
+    return _arm(robot, twice[last + 1 + len(known[last]) : last + 1 + len(steps)], known[last])
 
 
 def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
@@ -130,10 +126,9 @@ def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
     meeting = sum(a == b for a, b in zip(one, other, strict=False))
     index = {joint.label: k for k, joint in enumerate(robot.joints)}
     fixed = {row.name: row for row in robot.fixed}
-    above = one[meeting - 1] if meeting else BASE
     for name in tree.rows_to(robot, label)[meeting:]:
         row: Joint | FixedRow = fixed[name] if name in fixed else robot.joints[index[name]]
-        stand = row.stand or Stand(above)
+        stand = row.stand or Stand(BASE)  # right behind the row above, with nothing between
         link, about_z = Screw("x", row.alpha, row.a), Screw("z", row.theta, row.d)
         yield stand.mount
         yield Screw("z", stand.gamma, stand.b)
@@ -147,8 +142,10 @@ def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
 
 
 def _back(step: Step) -> Step:
-    if not isinstance(step, tuple):
-        return step.back()
+    if isinstance(step, Motion):
+        return replace(step, way=-step.way)
+    if isinstance(step, Screw):
+        return Screw(step.axis, negate(step.angle), negate(step.length))
     (a, b, c, x), (d, e, f, y), (g, h, i, z), last = step  # (R, p)^-1 = (R^T, -R^T p)
     columns = ((a, d, g), (b, e, h), (c, f, i))
     moved = (negate(add(*(multiply(r, p) for r, p in zip(row, (x, y, z), strict=True)))) for row in columns)
@@ -163,7 +160,7 @@ def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...], task: Tas
     between: list[Step] = []
     for step in steps:
         if not isinstance(step, Motion):
-            between += [step] if _moves(step) else []
+            between += [step] if step not in _NOTHING else []
             continue
         # What turns about z right behind a joint or right before one belongs to its own row.
         lead = _about_z(between) if rows else []
@@ -191,10 +188,6 @@ def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...], task: Tas
         inverse=InverseOptions(task, given),
     )
     return Circuit(tree.plain(arm), tuple(places), known)
-
-
-def _moves(step: Screw | Matrix) -> bool:
-    return step != IDENTITY if isinstance(step, tuple) else (step.angle, step.length) != (ZERO, ZERO)
 
 
 def _about_z(steps: Sequence[Step]) -> list[Screw]:
@@ -230,19 +223,3 @@ def _product(left: Matrix, right: Matrix) -> Matrix:
         for row in left
     ]
     return tuple((a, b, c, d) for a, b, c, d in rows)
-
-
-def _frame(step: Step, domain: Domain[S]) -> Frame[S]:
-    """A step that is known."""
-    if isinstance(step, tuple):
-        return constant_frame(step, domain)
-    if isinstance(step, Screw):
-        x, angle = step.length, step.angle
-        return link_factor(x, angle, domain) if step.axis == "x" else about_z(angle, x, domain)
-    joint, zero, one = replace(step.joint, theta=ZERO, d=ZERO), domain.number(0), domain.number(1)
-    if joint.is_revolute:
-        (c, s), d = domain.joint_cosine_sine(step.index, joint), zero
-    else:
-        (c, s), d = (one, zero), domain.joint_offset(step.index, joint)
-    frame = Frame(((c, -s, zero), (s, c, zero), (zero, zero, one)), (zero, zero, d))
-    return frame if step.way > 0 else frame.inverse

@@ -12,7 +12,7 @@ Modeling, Identification and Control of Robots, 2002, chapter 7). G ceases to ex
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -37,9 +37,10 @@ from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, column, cross, dot, multiply, scale, subtract, transpose
 from derive.robot import tree
-from derive.robot.coupling import coupling, loop_names, second_derivative
+from derive.robot.coupling import coupling, derivatives, second_derivative
 from derive.robot.description import Closure, Loop
 from derive.robot.evaluate import parameter_values, to_float
+from derive.robot.expression import Name
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -48,7 +49,6 @@ Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of o
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
 _OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
-_KEPT = 8  # of the configurations
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -62,9 +62,7 @@ class SolvedLoop:
     leaf: int  # which of its leaves is the branch that the file asks for
     passive: tuple[int, ...]  # indices of the joints that it determines
     rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
-    in_frame: bool = (
-        False  # whether the twists are taken in the axes of its first frame, not of where its branches begin
-    )
+    in_frame: bool = False  # whether the twists are in the axes of its first frame, not of where its branches begin
 
     def walk(
         self,
@@ -72,12 +70,13 @@ class SolvedLoop:
         field: Field[Any, Any],
         variable: Callable[[int], Any],
         kind: type[GraphWalk[Any, Any]] = GraphWalk,
-    ) -> GraphWalk[Any, Any]:
-        """The solution's graph at the pose of the circuit, in a domain of the tree that knows the loops before."""
+    ) -> tuple[GraphWalk[Any, Any], Leaf[Any, Any]]:
+        """The solution's graph at the pose of the circuit, in a domain that knows the loops before; and its branch."""
         frame = self.circuit.pose(domain)
         pose = [[*frame.rotation[i], frame.position[i]] for i in range(3)]
         given = [variable(self.circuit.places[k]) for k in self.graph.given]
-        return kind(self.graph, field, pose, given)
+        run = kind(self.graph, field, pose, given)
+        return run, list(run.leaves())[self.leaf]
 
     def determinant(self, columns: Mapping[int, Twist]) -> Any:
         """det J_p of the twists of the loop's joints."""
@@ -89,9 +88,15 @@ class SolvedLoop:
         replaced = ([[*r[:at], -e, *r[at + 1 :]] for r, e in zip(rows, right, strict=True)] for at in range(len(rows)))
         return [determinant(matrix) for matrix in replaced]
 
-    def branch(self, run: GraphWalk[Any, Any]) -> Leaf[Any, Any]:
-        """The branch of the file."""
-        return list(run.leaves())[self.leaf]
+    def first(self, robot: Robot, columns: Mapping[int, Twist], domain: Domain[Any]) -> Iterator[tuple[Name, Any]]:
+        """The first derivatives by name, numerators over det J_p."""
+        matrix = coupling(robot)
+        for k, variable in enumerate(robot.variables):
+            shares = [(m, domain.constant(matrix[m][k])) for m in columns if m not in self.passive]
+            right = [sum((columns[m][row] * share for m, share in shares), domain.number(0)) for row in self.rows]
+            for p, numerator in zip(self.passive, self.numerators(columns, right), strict=True):
+                if (name := dict(robot.joints[p].follows).get(variable.variable)) is not None:
+                    yield name, numerator
 
 
 @dataclass(frozen=True)
@@ -115,6 +120,9 @@ def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
 
 
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
+    if not {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}:
+        found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
+        raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
     own = circuit(robot, loop, before, opposed=loop.by is Closure.REVOLUTE and _are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
     try:
@@ -153,76 +161,64 @@ def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list
 def _are_opposed(robot: Robot, loop: Loop) -> bool:
     """Whether the z axes of the joined frames are opposed wherever the joints are: so is then that of the pin."""
     source = np.random.default_rng(3)
-    values = dict(parameter_values(robot)) | {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)}
-    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _KEPT))), values))
+    values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
+    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), values))
     one, other = (column(frame.rotation, 2) for frame in joined)
     return bool(np.all(np.abs(dot(one, other) + 1.0) < _OPEN))
 
 
-class _Mobility:
-    """Ranks of the twists of a loop where it is assembled."""
+def _columns(
+    robot: Robot, one: SolvedLoop, values: Mapping[str, float], full: Sequence[Array]
+) -> tuple[dict[int, Array], list[Array]]:
+    """Twists of the joints of a loop and of its closure where it is assembled, (configurations, 6) each."""
+    found, closing = twists(robot, one, ArrayDomain(robot, full, values))
+    unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
 
-    def __init__(self, robot: Robot, one: SolvedLoop, values: Mapping[str, float], q: Sequence[Array]) -> None:
-        found, closing = twists(robot, one, ArrayDomain(robot, q, values))
-        self.joints, size = tuple(found), len(q[0])
-        unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
+    def _column(twist: Twist) -> Array:
+        lengths = np.where(np.arange(6) < 3, unit, 1.0)
+        return np.stack([np.broadcast_to(x, len(full[0])) for x in twist], axis=-1) / lengths
 
-        def _column(twist: Twist) -> Array:
-            lengths = np.where(np.arange(6) < 3, unit, 1.0)
-            return np.stack([np.broadcast_to(x, size) for x in twist], axis=-1) / lengths
+    return {k: _column(twist) for k, twist in found.items()}, [_column(twist) for twist in closing]
 
-        self._columns = {k: _column(twist) for k, twist in found.items()}
-        self._closure = [_column(twist) for twist in closing]
 
-    def rank(self, joints: Iterable[int]) -> int:
-        """Of joints and those of the closure, at most configurations."""
-        return self._rank([*(self._columns[k] for k in joints), *self._closure])
-
-    def determine(self, rows: Sequence[int], joints: Sequence[int]) -> bool:
-        """Whether rows in which the closure has no part determine the rates of joints."""
-        own = list(rows)
-        is_free = all(np.abs(column[:, own]).max() < _RANK for column in self._closure)
-        return is_free and self._rank([self._columns[k][:, own] for k in joints]) == len(joints)
-
-    def _rank(self, columns: Sequence[Array]) -> int:
-        ranks = np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK) if columns else [0]
-        return int(np.median(ranks))
+def _rank(columns: Sequence[Array]) -> int:
+    """At most configurations."""
+    return int(np.median(np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK)))
 
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
-    one, (values, q, missing) = loops[-1], assembled(robot, loops)
-    mobility, names = _Mobility(robot, one, values, q), [joint.variable for joint in robot.joints]
-    rank = mobility.rank(one.passive)
-    if locked := mobility.rank(mobility.joints) - rank:
-        active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
+    one, (values, _, full, missing) = loops[-1], assembled(robot, loops)
+    columns, closing = _columns(robot, one, values, full)
+    passive = [*closing, *(columns[k] for k in one.passive)]
+    rank = _rank(passive)
+    if locked := _rank([*closing, *columns.values()]) - rank:
+        active = [robot.joints[k].variable for k, column in columns.items() if _rank([*passive, column]) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
         raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
     if missing > 0.0:
-        found, remedy = (
-            f"it cannot be assembled: at best {missing:.3g} m are missing",
-            "correct lengths, frames or limits",
-        )
-        raise _refused(robot, one.loop, found, remedy=remedy)
+        found = f"it cannot be assembled: at best {missing:.3g} m are missing"
+        raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
-        mobility = _Mobility(robot, turned, values, q)
-        for rows in combinations(range(6), len(one.passive)):
-            if mobility.determine(rows, one.passive):
+        columns, closing = _columns(robot, turned, values, full)
+        # Rows in which the closure has no part, and which determine the rates of the passive joints.
+        free = [row for row in range(6) if all(np.abs(column[:, row]).max() < _RANK for column in closing)]
+        for rows in combinations(free, len(one.passive)):
+            if _rank([columns[k][:, list(rows)] for k in one.passive]) == len(one.passive):
                 return replace(turned, rows=rows)
     found = "no velocities are free of the joint that closes it"
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
-def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], float]:
-    """Numbers of all symbols, positions of all joints in configurations in which the loops close, and zero.
+def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], list[Array], float]:
+    """Numbers of all symbols, positions of variables and joints in configurations in which the loops close, and zero.
 
     Where there are none, some others and what is missing at best [m].
     """
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
-        values = dict(parameter_values(robot))
-        values |= {name: source.uniform(0.2, 1.0) for name in symbols}
+        values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
         q = []
         for variable in robot.variables:
             most = math.pi if variable.is_revolute else 2.0
@@ -230,14 +226,14 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
             q.append(source.uniform(low, high, _SAMPLES))
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
-        if (kept := np.flatnonzero(exists)[:_KEPT]).size:
-            return numbers, [x[kept] for x in full], 0.0
+        if exists.any():
+            return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
     frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
     entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
     arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
     arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
     closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
-    return numbers, list(source.uniform(-2, 2, (robot.n, _KEPT))), float((arm.residual(closest) * arm.unit).min())
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), float((arm.residual(closest) * arm.unit).min())
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
@@ -250,13 +246,12 @@ def positions(
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
     values = parameter_values(robot) if values is None else values
-    slopes, shape = {*loop_names(robot)}, np.shape(q[0])
+    slopes, shape = {*derivatives(robot).values()}, np.shape(q[0])
     matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
     full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in matrix]
     missing = np.zeros(shape)
     for one in loops:
-        run = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
-        leaf = one.branch(run)
+        run, leaf = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
         # The formulas hold at poses that the arm reaches: lengths may be short, planes apart, and axes opposed.
         for miss in misses(run, leaf):
             missing = np.maximum(missing, np.abs(miss))
@@ -292,23 +287,18 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
 
 def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
-    columns, _ = twists(robot, one, domain)
-    first: dict[str, Polynomial] = {}
+    (columns, _), zero = twists(robot, one, domain), domain.ring.zero
+    first = {name.name: numerator for name, numerator in one.first(robot, columns, domain)}
     second: dict[str, Polynomial] = {}
-    zero, names = domain.ring.zero, [variable.variable for variable in robot.variables]
-    followed = {m: dict(robot.joints[m].follows) for m in columns}
-    others = [m for m in columns if m not in one.passive]
+    names, followed = [each.variable for each in robot.variables], {m: dict(robot.joints[m].follows) for m in columns}
     for k, name in enumerate(names):
-        shares = [(m, domain.coupling[m][k]) for m in others]
-        found = one.numerators(columns, [sum((columns[m][row] * s for m, s in shares), zero) for row in one.rows])
-        first |= {followed[p][name].name: n for p, n in zip(one.passive, found, strict=True) if name in followed[p]}
         for j, other in enumerate(names[: k + 1]):
             # d/dq_k of all columns, and the second derivatives of joints that loops before determine
             moved = [
                 sum((domain.derivative(columns[m][row], k) * domain.coupling[m][j] for m in columns), zero)
                 for row in one.rows
             ]
-            for m in (m for m in others if {name, other} <= followed[m].keys()):
+            for m in (m for m in columns if m not in one.passive and {name, other} <= followed[m].keys()):
                 bend = domain.constant(second_derivative(robot.joints[m], other, name))
                 moved = [x + columns[m][row] * bend for x, row in zip(moved, one.rows, strict=True)]
             pairs = zip(one.passive, one.numerators(columns, moved), strict=True)

@@ -11,28 +11,24 @@ closed form, the branch of the file, is either of them, depending on the side of
 there. It is taken where the branch is linear in some configuration within the limits of the variables.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
 from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.errors import QuantityError
-from derive.inverse.loops.linkage import Array, SolvedLoop, linkage, positions
+from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import column, cross, subtract
 from derive.robot.description import Closure, Joint, Loop
-from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Pi, add, multiply, number
-from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
 _STEP, _NEAR = 1e-4, 1e-3  # of the variables [rad or m], and how near to whole numbers slopes and constants are
 _RIGHT = np.pi / 2
-_SAMPLES, _DRAWS = 64, 16  # configurations of the variables, and numbers of symbols, at which the loops may close
 
 
 def reduced(robot: Robot) -> Robot:
@@ -51,9 +47,9 @@ def reduced(robot: Robot) -> Robot:
 
 def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joint, ...]]:
     """The joints of a robot, the passive ones of the last loop as they follow the variables at some configurations."""
-    places = loops[-1].passive
+    places, names = loops[-1].passive, [each.variable for each in robot.variables]
     turns = np.array([[robot.joints[k].is_revolute] for k in places])
-    q, full, values = _assembled(robot, loops)
+    values, q, full, _ = assembled(robot, loops)
 
     def _whole(angles: Array) -> Array:
         """Without whole turns."""
@@ -69,35 +65,16 @@ def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joi
     for at in np.flatnonzero(off < _NEAR):
         joints = list(robot.joints)
         for p, k in enumerate(places):
-            joints[k] = _following(robot, k, factors[:, p, at].astype(int).tolist(), round(rest[p, at]))
+            joint, rights = joints[k], round(rest[p, at])
+            own = zip(names, factors[:, p, at].astype(int).tolist(), strict=True)
+            drive = tuple((name, number(joint.sign * factor)) for name, factor in own if factor)
+            exact = decompose(add(joint.theta, multiply(number(Fraction(joint.sign * rights, 2)), Pi())))
+            # Without whole turns; the constant of a slide, which is zero, leaves its angle as it is.
+            theta = composed(replace(exact, pi_multiple=1 - (1 - exact.pi_multiple) % 2)) if rights else joint.theta
+            # One that stands still has the factor 0: without any it would be a variable.
+            drive = drive or ((names[0], ZERO),)
+            joints[k] = replace(joint, name=joint.label, sign=1, theta=theta, drive=drive, follows=())
         yield tuple(joints)
-
-
-def _assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[list[Array], list[Array], dict[str, Any]]:
-    """Variables and positions of all joints where the loops close, if they do, and the numbers of the symbols."""
-    source, kept = np.random.default_rng(7), np.zeros(_SAMPLES, dtype=bool)
-    for _ in range(_DRAWS):
-        values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
-        q = []
-        for each in robot.variables:
-            most = np.pi if each.is_revolute else 2.0
-            low, high = (to_float(limit, values) for limit in each.limits) if each.limits else (-most, most)
-            q.append(source.uniform(low, high, _SAMPLES))
-        full, kept = positions(robot, loops, q, values)
-        if kept.any():
-            break
-    return [x[kept] for x in q], [x[kept] for x in full], values
-
-
-def _following(robot: Robot, place: int, factors: list[int], rights: int) -> Joint:
-    """A passive joint as a coupled one, with a constant of so many right angles."""
-    joint, names = robot.joints[place], [each.variable for each in robot.variables]
-    drive = tuple((name, number(joint.sign * f)) for name, f in zip(names, factors, strict=True) if f)
-    exact = decompose(add(joint.theta, multiply(number(Fraction(joint.sign * rights, 2)), Pi())))
-    # Without whole turns; the constant of a slide, which is zero, leaves its angle as it is.
-    theta = composed(replace(exact, pi_multiple=1 - (1 - exact.pi_multiple) % 2)) if rights else joint.theta
-    # One that stands still has the factor 0: without any it would be a variable.
-    return replace(joint, name=joint.label, sign=1, theta=theta, drive=drive or ((names[0], ZERO),), follows=())
 
 
 def _is_closed(robot: Robot, loop: Loop) -> bool:

@@ -27,7 +27,7 @@ from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.generators import Kind
 from derive.algebra.quotients import Quotient
-from derive.algebra.residues import Array, NoPointError, Residue, ResidueDomain, echelon
+from derive.algebra.residues import NoPointError, Residue, ResidueDomain, echelon
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.errors import DeriveError, ExpressionError, QuantityError
 from derive.mechanics.chain import build_chain
@@ -235,7 +235,19 @@ def _related(
     """The candidates that are kept, what replaces the others, and those for which that is too long to find."""
     if not candidates:
         return [], [], []
-    residues, pivots, reduced = _independent(domain, candidates, samples)
+    n, residues = domain.robot.dof, ResidueDomain(domain, samples)
+    coupling = [[residues.value(entry) for entry in row] for row in domain.coupling] if domain.robot.coupled else ()
+    units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), False, coupling)
+    place = {pair: k for k, pair in enumerate([(a, b) for a in range(n) for b in range(a, n)])}
+    # Entries of B (upper triangle) and g at every sample, one column for each parameter, modulo a prime.
+    matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
+    for j, parameter in enumerate(candidates):
+        for pair, value in units.inertia(parameter).items():
+            matrix[:, place[pair], j] = value.values[:, 0]
+        for i, value in units.gravity(parameter).items():
+            matrix[:, len(place) + i, j] = value.values[:, 0]
+    # The first independent columns from the left, and all columns in them.
+    pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
     solver = ColumnSolver(domain, residues)
     relations: list[Relation] = []
     too_long: list[Parameter] = []
@@ -248,26 +260,6 @@ def _related(
             continue
         relations.append(Relation(candidates[j], tuple(zip(support, coefficients, strict=True))))
     return [candidates[pivot] for pivot in pivots], relations, too_long
-
-
-def _independent(
-    domain: PolynomialDomain, candidates: Sequence[Parameter], samples: int
-) -> tuple[ResidueDomain, tuple[int, ...], Array]:
-    """The first independent columns from the left, and all columns in them, at points modulo a prime."""
-    n = domain.robot.dof
-    residues = ResidueDomain(domain, samples)
-    coupling = [[residues.value(entry) for entry in row] for row in domain.coupling] if domain.robot.coupled else ()
-    units: UnitDynamics[Residue] = UnitDynamics(build_chain(domain.robot, residues), False, coupling)
-    place = {pair: k for k, pair in enumerate([(a, b) for a in range(n) for b in range(a, n)])}
-    # Entries of B (upper triangle) and g at every sample, one column for each parameter.
-    matrix = np.zeros((samples, len(place) + n, len(candidates)), dtype=np.int64)
-    for j, parameter in enumerate(candidates):
-        for pair, value in units.inertia(parameter).items():
-            matrix[:, place[pair], j] = value.values[:, 0]
-        for i, value in units.gravity(parameter).items():
-            matrix[:, len(place) + i, j] = value.values[:, 0]
-    pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
-    return residues, pivots, reduced
 
 
 def absorbed_rotors(robot: Robot) -> tuple[int, ...]:

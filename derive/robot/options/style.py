@@ -163,9 +163,14 @@ class Style:
         """A style in any of the ways in which one can be given."""
         if isinstance(value, Style):
             return value
+        changes = {} if isinstance(value, str) else dict(value)
         if isinstance(value, str):
-            value = _options_in(value)
-        changes = dict(value)
+            for part in value.split(","):  # a word without a colon is the name of a set
+                key, colon, word = (each.strip() for each in part.replace("=", ":").partition(":"))
+                key, word = (key, word) if colon else ("name", key)
+                if key in changes:
+                    raise QuantityError(f"{quoted(key)} twice in style {quoted(value)}", remedy="remove one")
+                changes[key] = word
         start = changes.pop("name", DEFAULT_STYLE)
         if start not in NAMED_STYLES:
             allowed = f"allowed: {listed(NAMED_STYLES)}, or options such as gravity: body"
@@ -231,15 +236,3 @@ STYLE_OPTIONS: Mapping[str, type[StrEnum]] = {
     option.name: cast(type[StrEnum], type(option.default)) for option in fields(Style)
 }
 """Every option of a style and its values."""
-
-
-def _options_in(text: str) -> dict[str, str]:
-    """The options of a text such as ``by-geometry, gravity: body``; a word without a colon is the name of a set."""
-    found: dict[str, str] = {}
-    for part in text.split(","):
-        key, colon, value = (word.strip() for word in part.replace("=", ":").partition(":"))
-        key, value = (key, value) if colon else ("name", key)
-        if key in found:
-            raise QuantityError(f"{quoted(key)} twice in style {quoted(text)}", remedy="remove one")
-        found[key] = value
-    return found

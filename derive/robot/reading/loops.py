@@ -15,8 +15,18 @@ Label = Callable[[KeyPath], str]  # the label of the row that a cell names
 
 def with_loops(document: Document, robot: Description, passive_rows: Sequence[int], label: Label) -> Description:
     """The robot with its loops, whose passive joints follow the variables of theirs."""
-    count = document.length(("loops",)) if document.find(("loops",)) is not None else 0
-    loops = tuple(_loop(document, k, label) for k in range(count))
+    loops: list[Loop] = []
+    for k in range(document.length(("loops",)) if document.find(("loops",)) is not None else 0):
+        path: KeyPath = ("loops", k)
+        one, other = (label((*path, "join", side)) for side in (0, 1))
+        if one == other:
+            found, remedy = f"{quoted(one)} joined with itself", "name the two rows whose frames coincide"
+            raise document.error((*path, "join"), found, "allowed: two rows", remedy)
+        branch = document.text(*path, "branch")
+        if set(branch) - {"+", "-"}:
+            remedy = "derive show ROBOT closure lists the branches"
+            raise document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
+        loops.append(Loop((one, other), Closure(document.text(*path, "by")), branch, document.location(path)))
     places = joint_places(robot)
     passive = {k for k, place in enumerate(places) if place[0] == "joints" and place[1] in passive_rows}
     groups = [{k for branch in around(robot, loop) for k in branch} for loop in loops]
@@ -40,17 +50,4 @@ def with_loops(document: Document, robot: Description, passive_rows: Sequence[in
             found, allowed = "all joints of its loops are passive", "allowed: loops that a variable moves"
             raise document.error((*places[k], "passive"), found, allowed, "leave passive out of one")
         joints[k] = replace(joints[k], follows=follows)
-    return replace(robot, joints=tuple(joints), loops=loops)
-
-
-def _loop(document: Document, k: int, label: Label) -> Loop:
-    path: KeyPath = ("loops", k)
-    one, other = (label((*path, "join", side)) for side in (0, 1))
-    if one == other:
-        found, remedy = f"{quoted(one)} joined with itself", "name the two rows whose frames coincide"
-        raise document.error((*path, "join"), found, "allowed: two rows", remedy)
-    branch = document.text(*path, "branch")
-    if set(branch) - {"+", "-"}:
-        remedy = "derive show ROBOT closure lists the branches"
-        raise document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-    return Loop((one, other), Closure(document.text(*path, "by")), branch, document.location(path))
+    return replace(robot, joints=tuple(joints), loops=tuple(loops))

@@ -1,7 +1,7 @@
 """The table of a robot file: which row follows which, rows without motion, a root that moves, ends, and all bodies."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from derive.errors import RobotFileError, listed, near_miss, quoted
@@ -106,12 +106,9 @@ class _Table:
         self._declared = tuple(block.entries) if isinstance(block, YamlMapping) else ()
         self._variables = self._read_variables()  # by row; nothing where it is fixed
         self._own = [name if self._is_own(row, name) else "" for row, name in enumerate(self._variables)]
-        self._labels = [self._label_of(row) for row in range(len(self._variables))]
+        usual = [own or (f"row {row + 1}" if self._variables[row] else "") for row, own in enumerate(self._own)]
+        self._labels = [document.text("joints", row, "name") or label for row, label in enumerate(usual)]
         self.passive = [row for row in range(len(self._variables)) if document.text("joints", row, "passive") == "true"]
-
-    def _label_of(self, row: int) -> str:
-        usual = self._own[row] or (f"row {row + 1}" if self._variables[row] else "")
-        return self._document.text("joints", row, "name") or usual
 
     def _read_variables(self) -> list[str]:
         most, rows = FILE_LIMITS.joints, range(self._document.length(("joints",)))
@@ -149,13 +146,14 @@ class _Table:
             for at in range(len(self._labels))
         )
         for at, row in enumerate(rows):
-            if row.label == BASE and (self._is_tree() or self.coupled(rows)):
-                raise self._named_base(("joints", at, "name" if row.name else "q"))
+            if row.label == BASE:  # which means something in a file that says what only those of trees say
+                keys = (("joints", k, key) for k in range(len(rows)) for key in ("after", "mount", "gamma", "b"))
+                is_tree = any(self._document.find(key) is not None for key in (("root",), ("ends",), *keys))
+                if is_tree or "" in self._variables or self.coupled(rows):
+                    raise self._named_base(("joints", at, "name" if row.name else "q"))
             if (first := self._labels.index(row.label)) < at or row.label in self._roots:
-                what, whose = (
-                    "joint" if self._variables[at] else "row",
-                    f"row {first + 1}" if first < at else "the root",
-                )
+                what = "joint" if self._variables[at] else "row"
+                whose = f"row {first + 1}" if first < at else "the root"
                 said = f"{what} name {quoted(row.label)} belongs to {whose} already"
                 place: KeyPath = ("joints", at if row.name else first, "name")
                 raise self._document.error(place, said, remedy=f"give every {what} a name of its own")
@@ -191,25 +189,19 @@ class _Table:
             return ()
         own = (name for row, name in enumerate(self._own) if row not in self.passive)
         used = dict.fromkeys((*self._roots, *filter(None, own)))
-        order = (
-            self._declared
-            if used.keys() <= {*self._declared}
-            else (*used, *(n for n in self._declared if n not in used))
-        )
+        order = self._declared if used.keys() <= {*self._declared} else tuple({**used, **dict.fromkeys(self._declared)})
         variables = tuple(self._variable(name, [*self._root_joints, *joints]) for name in order)
-        if self._cells.units.degrees or self._cells.units.millimetres:
-            self._refuse_mixed(rows, {variable.variable: variable.type for variable in variables})
-        return variables
-
-    def _refuse_mixed(self, rows: Sequence[Joint | FixedRow], kinds: Mapping[str, JointType]) -> None:
-        """Refuse factors between an angle and a length, of which nobody could say whether they are per degree."""
-        joints = ((at, row) for at, row in enumerate(rows) if isinstance(row, Joint))
-        for at, joint in joints:
-            if any(kinds[name] is not joint.type for name, _ in joint.drive):
+        kinds = {variable.variable: variable.type for variable in variables}
+        has_units = self._cells.units.degrees or self._cells.units.millimetres
+        for at, joint in enumerate(rows):
+            # Of factors between an angle and a length nobody could say whether they are per degree.
+            drive = joint.drive if has_units and isinstance(joint, Joint) else ()
+            if isinstance(joint, Joint) and any(kinds[name] is not joint.type for name, _ in drive):
                 path: KeyPath = ("joints", at, "theta" if joint.is_revolute else "d")
                 said = "a length moves an angle" if joint.is_revolute else "an angle moves a length"
                 allowed = "allowed in files with units: factors between angles, or between lengths"
                 raise self._document.error(path, said, allowed, "write the file in rad and m, without units:")
+        return variables
 
     def _variable(self, name: str, joints: Sequence[Joint]) -> Variable:
         path: KeyPath = ("variables", name)
@@ -223,11 +215,9 @@ class _Table:
         kind = next(joint.type for joint in (alone, driven) if joint)
         own = Variable(name, kind) if alone is None else Variable(name, kind, alone.limits, alone.speed, alone.torque)
         angle = self._cells.angle if kind is JointType.REVOLUTE else self._cells.length
-        limits, speed, torque = (
-            read_limits(self._document, self._cells, path, angle),
-            read_bound(self._document, self._cells, path, "speed", angle),
-            read_bound(self._document, self._cells, path, "torque", self._cells.plain),
-        )
+        limits = read_limits(self._document, self._cells, path, angle)
+        speed = read_bound(self._document, self._cells, path, "speed", angle)
+        torque = read_bound(self._document, self._cells, path, "torque", self._cells.plain)
         return Variable(name, kind, limits or own.limits, speed or own.speed, torque or own.torque)
 
     def _fixed_row(self, row: int) -> FixedRow:
@@ -336,13 +326,6 @@ class _Table:
             allowed = "allowed: rows that move or follow one that does"
             raise self._document.error(place, f"no joint moves {quoted(after)}", allowed, "leave the end out")
         return End(name, after, read_frame(self._document, self._cells, (*path, "tool")))
-
-    def _is_tree(self) -> bool:
-        """Whether the file says anything that only files of trees say."""
-        keys = (("joints", row, key) for row in range(len(self._labels)) for key in ("after", "mount", "gamma", "b"))
-        return "" in self._variables or any(
-            self._document.find(key) is not None for key in (("root",), ("ends",), *keys)
-        )
 
     def _named_base(self, path: KeyPath) -> RobotFileError:
         found = f"'{BASE}' is what rows follow that stand on the base, or on a root that moves"

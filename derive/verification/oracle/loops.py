@@ -21,9 +21,8 @@ STEPS = 3  # of Newton's method, which needs two from where a guess has to be
 CLOSED = 1e-13  # largest phi of a closed loop, lengths over that of the arm
 NEAR = 1e-6  # from a guess to what it leads to, angles [rad], lengths over that of the arm
 SHARED = {Closure.REVOLUTE: (2,), Closure.SPHERICAL: ()}  # axes that the frames share; of others all
-Guess = Callable[
-    [Array], Array
-]  # positions of the passive joints, (m, p), at variables (m, v); NaN where there are none
+# Positions of the passive joints, (m, p), at variables (m, v); NaN where there are none.
+Guess = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,9 +37,24 @@ class Following:
     def of(cls, arm: NumericArm, q: Array, guess: Guess | None) -> Following:
         """At configurations (..., v), loops closed from a guess on."""
         assert arm.coupling is not None, "each joint has its own variable"
+        x = q @ arm.coupling.T
         if guess is None:
-            return cls(arm, q @ arm.coupling.T, arm.coupling)
-        x = _assembled(arm, q, guess)
+            return cls(arm, x, arm.coupling)
+        x[..., arm.passive] = guess(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:-1], len(arm.passive))
+        exists = np.isfinite(x).all(axis=-1)
+        x[~exists] = np.nan
+        found = x[exists]
+        for _ in range(STEPS):
+            gap, matrix = _closure(arm, found)
+            found[:, arm.passive] += _passive(arm, matrix, gap[..., None])[..., 0]
+        gap = np.abs(_closure(arm, found)[0]).max(axis=-1)
+        moved = np.abs((found - x[exists]) / np.where(arm.revolute, 1.0, arm.length)).max(axis=-1)
+        for k in np.flatnonzero(~(gap <= CLOSED) | ~(moved <= NEAR))[:1]:
+            raise VerificationError(
+                f"closed form of loops: {moved[k]:.3g} from where they are open by {gap[k]:.3g}, at q = {q[exists][k]}",
+                allowed=f"allowed: {NEAR:g} and {CLOSED:g}",
+            )
+        x[exists] = found
         slope = np.broadcast_to(arm.coupling, (*q.shape[:-1], *arm.coupling.shape)).copy()
         matrix = _closure(arm, x)[1]
         slope[..., arm.passive, :] = _passive(arm, matrix, matrix @ slope)
@@ -67,28 +81,6 @@ class Following:
         """Smallest singular value of Phi_p: 0 where it does not determine the passive joints, or no loop closes."""
         matrix = _closure(self.arm, self.x)[1] * np.where(self.arm.revolute, 1.0, self.arm.length)
         return np.asarray(np.linalg.svd(np.nan_to_num(matrix[..., self.arm.passive]), compute_uv=False)[..., -1])
-
-
-def _assembled(arm: NumericArm, q: Array, guess: Guess) -> Array:
-    """Positions of all joints, (..., n)."""
-    assert arm.coupling is not None
-    x = q @ arm.coupling.T
-    x[..., arm.passive] = guess(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:-1], len(arm.passive))
-    exists = np.isfinite(x).all(axis=-1)
-    x[~exists] = np.nan
-    found = x[exists]
-    for _ in range(STEPS):
-        gap, matrix = _closure(arm, found)
-        found[:, arm.passive] += _passive(arm, matrix, gap[..., None])[..., 0]
-    gap = np.abs(_closure(arm, found)[0]).max(axis=-1)
-    moved = np.abs((found - x[exists]) / np.where(arm.revolute, 1.0, arm.length)).max(axis=-1)
-    for k in np.flatnonzero(~(gap <= CLOSED) | ~(moved <= NEAR))[:1]:
-        raise VerificationError(
-            f"closed form of loops: {moved[k]:.3g} from where they are open by {gap[k]:.3g}, at q = {q[exists][k]}",
-            allowed=f"allowed: {NEAR:g} and {CLOSED:g}",
-        )
-    x[exists] = found
-    return np.asarray(x)
 
 
 def _passive(arm: NumericArm, matrix: Array, right: Array) -> Array:

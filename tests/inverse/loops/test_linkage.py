@@ -93,6 +93,9 @@ REFUSED = {
     "it does not determine q4, q3, q2": changed(
         "  - {type: fixed", "  - {type: revolute, name: more, a: l4, passive: true}\n  - {type: fixed"
     ).replace("[coupler,", "[more,"),
+    "over-constrained: loops above determine all its passive joints": changed(
+        "by: revolute}\n", "by: revolute}\n  - {join: [coupler, rocker], by: fixed}\n"
+    ),
     "all joints of its loops are passive": changed("a: l1}", "a: l1, passive: true}"),
     "no joint of the loop is passive": FOUR.replace(", passive: true", ""),
     "no loop moves the joint": FOUR.replace("loops:\n  - {join: [coupler, rocker], by: revolute}\n", ""),

@@ -18,7 +18,7 @@ from derive.verification.samples import sample_sets
 from derive.verification.tolerance import expectation
 from tests.random_robots import _yaml, seeds
 from tests.verification.oracle.pinocchio_reference import Array
-from tests.verification.oracle.test_trees import error
+from tests.verification.oracle.test_physics import relative_error
 
 # Rows by name: the row before, the type, * of passive ones, theta, and a and alpha in the standard convention, a pair
 # of lengths for one between them. Then what joins which frames.
@@ -143,9 +143,11 @@ def test_all_joints_accelerate_as_under_pinocchios_constraints(name: str, seed: 
         assert np.abs(now).max() < 1e-13
         assert np.abs(after - before).max() / (2 * step) < 1e-5 * (1 + np.abs(xd).max() ** 3)
         assert np.abs(after + before).max() / step**2 < 1e-5 * (1 + np.abs(xd).max() ** 4)
-        assert error(w.T @ (pin.rnea(outside.model, outside.data, x, xd, xdd) + outside.friction(xd)), t) < 1e-9
+        assert (
+            relative_error(w.T @ (pin.rnea(outside.model, outside.data, x, xd, xdd) + outside.friction(xd)), t) < 1e-9
+        )
         if name != "shaper":
-            assert error(xdd, outside.accelerations(x, xd, t)) < 1e-8
+            assert relative_error(xdd, outside.accelerations(x, xd, t)) < 1e-8
 
 
 @pytest.mark.parametrize("seed", seeds(40, 1, 20))
@@ -163,15 +165,15 @@ def test_functions_are_derivatives_of_poses_and_energies(name: str, seed: int) -
     states = zip(oracle.following(q).x, along(lambda q: oracle.following(q).x, qd), strict=True)
     twice = np.array([rates @ pin.crba(outside.model, outside.data, x) @ rates for x, rates in states])
     b, c, j = of("inertia_matrix")(q), of("coriolis_matrix", qd)(q), of("jacobian_a0")(q)
-    assert error(np.einsum("ki,kij,kj->k", qd, b, qd), twice) < 1e-7
-    assert error(of("kinetic_energy", qd)(q), twice / 2) < 1e-7
-    assert error(along(of("inertia_matrix"), qd), c + np.swapaxes(c, -1, -2)) < 1e-6
-    assert error(of("coriolis_vector", qd)(q), np.einsum("kij,kj->ki", c, qd)) < 1e-12
-    assert error(of("jacobian_dot_a0", qd)(q), along(of("jacobian_a0"), qd)) < 1e-6
-    assert error(of("wrench_torques_a0", h)(q), np.einsum("kij,ki->kj", j, h)) < 1e-12
+    assert relative_error(np.einsum("ki,kij,kj->k", qd, b, qd), twice) < 1e-7
+    assert relative_error(of("kinetic_energy", qd)(q), twice / 2) < 1e-7
+    assert relative_error(along(of("inertia_matrix"), qd), c + np.swapaxes(c, -1, -2)) < 1e-6
+    assert relative_error(of("coriolis_vector", qd)(q), np.einsum("kij,kj->ki", c, qd)) < 1e-12
+    assert relative_error(of("jacobian_dot_a0", qd)(q), along(of("jacobian_a0"), qd)) < 1e-6
+    assert relative_error(of("wrench_torques_a0", h)(q), np.einsum("kij,ki->kj", j, h)) < 1e-12
     for k, unit in enumerate(np.eye(outside.robot.dof)):
-        assert error(of("gravity_vector")(q)[:, k], along(of("potential_energy"), unit)) < 1e-7
-        assert error(j[:, :3, k], along(of("forward_kinematics_a0"), unit)[:, :3, 3]) < 1e-7
+        assert relative_error(of("gravity_vector")(q)[:, k], along(of("potential_energy"), unit)) < 1e-7
+        assert relative_error(j[:, :3, k], along(of("forward_kinematics_a0"), unit)[:, :3, 3]) < 1e-7
 
 
 def test_a_wrong_closed_form_is_an_error_and_an_open_loop_has_no_value() -> None:
@@ -182,7 +184,7 @@ def test_a_wrong_closed_form_is_an_error_and_an_open_loop_has_no_value() -> None
     assert {"regressor", "jacobian_hessian_a0"}.isdisjoint(oracle.functions)
     value = oracle.evaluate("passive_positions", q)
     turned = replace(oracle, guess=lambda q: guess(q) + 2 * np.pi)
-    assert error(turned.evaluate("passive_positions", q), value) < 1e-14
+    assert relative_error(turned.evaluate("passive_positions", q), value) < 1e-14
     assert (expectation("passive_positions", samples, (q,)).errors(value + np.array([2 * np.pi, 0])) < 1e-14).all()
     with pytest.raises(VerificationError, match=r"closed form of loops: 0\.001 "):
         replace(oracle, guess=lambda q: guess(q) + 1e-3).evaluate("inertia_matrix", q)
