@@ -225,7 +225,7 @@ class Variable:
         return self.type is JointType.REVOLUTE
 
 
-class Closure(StrEnum):
+class Joining(StrEnum):
     """What joins two frames where a loop closes."""
 
     REVOLUTE = "revolute"  # their origins and z axes coincide
@@ -239,7 +239,7 @@ class Loop:
     """A closed loop of a tree: two of its frames are joined."""
 
     join: tuple[str, str]  # labels of the rows whose frames are joined, or `BASE`
-    by: Closure  # what joins them
+    by: Joining  # what joins them
     branch: str = ""  # a sign for each choice of the assembly, "+" or "-"; empty for all "+"
     location: Location | None = field(default=None, compare=False, repr=False)  # in the file, for messages
 

@@ -13,6 +13,7 @@ from derive.algebra.domain import polynomial_expression
 from derive.errors import QuantityError
 from derive.inverse.loops.linkage import linkage, positions, slopes
 from derive.lecture.sympy_conversion import expression_to_sympy
+from derive.model.closure import find_closure
 from derive.notebook import Model
 from derive.robot.robot import Robot
 from tests.cli.command import accepted
@@ -128,3 +129,10 @@ def test_what_only_some_robots_have_is_refused_or_means_what_books_say() -> None
             model.quantity(name)
     with pytest.raises(QuantityError, match=r"coupler, rocker, at this point: it is open, or singular"):
         model.at("B", [0.7], values={"l1": 9})
+
+
+@every
+def test_the_number_of_assemblies_is_proven_and_the_branch_is_one_of_them(name: str) -> None:
+    (one,) = find_closure(model_of(name)).loops
+    assert one.inverse.complete
+    assert len(one.solution.signs) == 1

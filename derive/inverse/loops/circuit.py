@@ -19,9 +19,9 @@ from derive.robot import tree
 from derive.robot.description import (
     BASE,
     IDENTITY,
-    Closure,
     Convention,
     FixedRow,
+    Joining,
     Joint,
     JointType,
     Loop,
@@ -48,7 +48,7 @@ class Screw:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class Passage:
     """A joint passed outwards (+1) or inwards (-1), its variable alone."""
 
     joint: Joint  # a row of the tree, or one of a closure
@@ -56,7 +56,7 @@ class Motion:
     way: int
 
 
-Step = Screw | Motion | Matrix
+Step = Screw | Passage | Matrix
 _OVER = Screw("x", Pi(), ZERO)
 _NOTHING = (IDENTITY, Screw("x", ZERO, ZERO), Screw("z", ZERO, ZERO))
 
@@ -93,14 +93,14 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
     """A loop of which some passive joints are known from loops before; ``opposed`` are z axes of joined frames."""
 
     def _unknown(steps: Sequence[Step]) -> list[int]:
-        motions = [(at, step) for at, step in enumerate(steps) if isinstance(step, Motion)]
+        motions = [(at, step) for at, step in enumerate(steps) if isinstance(step, Passage)]
         return [at for at, step in motions if step.index < 0 or (step.joint.follows and step.index not in solved)]
 
     one, other = (list(_outwards(robot, label, loop)) for label in loop.join)
     for inner, outer in ((one, other), (other, one)):
         # Where a ball joint ends the only branch that has unknown joints, these have a position to reach.
-        at = _unknown(outer) if loop.by is Closure.SPHERICAL and not _unknown(inner) else []
-        if at and not any(isinstance(step, Motion) for step in outer[at[-1] + 1 :]):
+        at = _unknown(outer) if loop.by is Joining.SPHERICAL and not _unknown(inner) else []
+        if at and not any(isinstance(step, Passage) for step in outer[at[-1] + 1 :]):
             before = (*(_back(step) for step in reversed(inner)), *outer[: at[0]])
             return _arm(robot, outer[at[0] :], before, TASKS["position"])
     steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else [])]
@@ -108,15 +108,15 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
     taken, k, stem = own_names(robot), robot.loops.index(loop) + 1, "psi"
     while f"{stem}{k}" in taken:
         stem += "_"
-    kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
-    names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
+    kind = JointType.PRISMATIC if loop.by is Joining.PRISMATIC else JointType.REVOLUTE
+    names = {Joining.FIXED: (), Joining.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
     for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):
-        steps += [Motion(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1), Screw("x", twist, ZERO)]
+        steps += [Passage(Joint(kind, name, 1, ZERO, ZERO, ZERO, ZERO), -1, -1), Screw("x", twist, ZERO)]
     unknown = _unknown(steps)
     # Cut where most of what is known lies between two unknown joints: these are the last and the first of the arm.
     twice, firsts = [*steps, *steps], [*unknown[1:], unknown[0] + len(steps)]
     known = {last: tuple(twice[last + 1 : first]) for last, first in zip(unknown, firsts, strict=True)}
-    last = max(known, key=lambda at: (sum(isinstance(step, Motion) for step in known[at]), len(known[at])))
+    last = max(known, key=lambda at: (sum(isinstance(step, Passage) for step in known[at]), len(known[at])))
     return _arm(robot, twice[last + 1 + len(known[last]) : last + 1 + len(steps)], known[last])
 
 
@@ -136,13 +136,13 @@ def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
             yield link
         yield about_z
         if isinstance(row, Joint):
-            yield Motion(row, index[name], 1)
+            yield Passage(row, index[name], 1)
         if robot.convention is Convention.STANDARD:
             yield link
 
 
 def _back(step: Step) -> Step:
-    if isinstance(step, Motion):
+    if isinstance(step, Passage):
         return replace(step, way=-step.way)
     if isinstance(step, Screw):
         return Screw(step.axis, negate(step.angle), negate(step.length))
@@ -159,7 +159,7 @@ def _arm(robot: Robot, steps: Sequence[Step], known: tuple[Step, ...], task: Tas
     places: list[int] = []
     between: list[Step] = []
     for step in steps:
-        if not isinstance(step, Motion):
+        if not isinstance(step, Passage):
             between += [step] if step not in _NOTHING else []
             continue
         # What turns about z right behind a joint or right before one belongs to its own row.

@@ -38,7 +38,7 @@ from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, column, cross, dot, multiply, scale, subtract, transpose
 from derive.robot import tree
 from derive.robot.coupling import coupling, derivatives, second_derivative
-from derive.robot.description import Closure, Loop
+from derive.robot.description import Joining, Loop
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Name
 from derive.robot.names import free_symbols
@@ -123,7 +123,7 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     if not {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}:
         found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
         raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
-    own = circuit(robot, loop, before, opposed=loop.by is Closure.REVOLUTE and _are_opposed(robot, loop))
+    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and _are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
     try:
         graph = solve(own.arm)
@@ -265,7 +265,7 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
     """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure."""
     loop = one.loop
     chain, frames, joined = _frames(robot, loop, domain)
-    end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Closure.PRISMATIC
+    end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Joining.PRISMATIC
     # Unless one slides along the other their origins are one point, to which each branch has a way of its own.
     points = [end.position, end.position if is_slide else joined[1].position]
 
@@ -280,7 +280,7 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
             linear = cross(z, subtract(point, frames[k].position)) if turns else z
             found[k] = _in_axes(linear, z if turns else chain.null)
     z = column(end.rotation, 2)
-    axes = {Closure.REVOLUTE: [z], Closure.SPHERICAL: [column(end.rotation, i) for i in range(3)]}.get(loop.by, [])
+    axes = {Joining.REVOLUTE: [z], Joining.SPHERICAL: [column(end.rotation, i) for i in range(3)]}.get(loop.by, [])
     slides = [_in_axes(z, chain.null)] if is_slide else []
     return found, [*slides, *(_in_axes(chain.null, axis) for axis in axes)]
 

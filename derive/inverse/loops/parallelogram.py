@@ -23,7 +23,7 @@ from derive.errors import QuantityError
 from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import column, cross, subtract
-from derive.robot.description import Closure, Joint, Loop
+from derive.robot.description import Joining, Joint, Loop
 from derive.robot.expression import ZERO, Pi, add, multiply, number
 from derive.robot.robot import Robot
 
@@ -82,9 +82,9 @@ def _is_closed(robot: Robot, loop: Loop) -> bool:
     kinematics = Kinematics(robot, PolynomialDomain(robot, rates=False))
     one, other = map(kinematics.placed, loop.join)
     apart, (z, end) = subtract(other.position, one.position), (column(frame.rotation, 2) for frame in (one, other))
-    if loop.by is Closure.SPHERICAL:
+    if loop.by is Joining.SPHERICAL:
         return not any(apart)
-    if loop.by is Closure.REVOLUTE:  # the axes may be opposed
+    if loop.by is Joining.REVOLUTE:  # the axes may be opposed
         return not any((*apart, *cross(z, end)))
     turned = [x - y for pair in zip(other.rotation, one.rotation, strict=True) for x, y in zip(*pair, strict=True)]
-    return not any((*(cross(z, apart) if loop.by is Closure.PRISMATIC else apart), *turned))
+    return not any((*(cross(z, apart) if loop.by is Joining.PRISMATIC else apart), *turned))

@@ -19,7 +19,7 @@ from derive.mechanics.floats import FloatDomain
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
 from derive.programs.program import Program
-from derive.robot.coupling import coupling, loop_names
+from derive.robot.coupling import coupling, derivatives
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 
@@ -135,7 +135,7 @@ def integrated(
 
 def rows_of(robot: Robot, values: Mapping[str, float], functions: Functions) -> Rows:
     """S at the variables, (joints, n), and how far loops are from dead points: |det J_p| by its columns' lengths."""
-    own = FloatDomain(robot, (), {**values, **{name.name: 0.0 for name in loop_names(robot)}})
+    own = FloatDomain(robot, (), {**values, **{name.name: 0.0 for name in derivatives(robot).values()}})
     matrix, loops = np.array(coupling(robot, own.constant), dtype=float), linkage(robot)
 
     def _at(q: Array) -> tuple[Array, float]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from derive.errors import quoted
 from derive.robot.coupling import drives
-from derive.robot.description import Closure, Description, Loop
+from derive.robot.description import Description, Joining, Loop
 from derive.robot.expression import Name
 from derive.robot.reading.document import Document, KeyPath
 from derive.robot.tree import around, joint_places
@@ -26,7 +26,7 @@ def with_loops(document: Document, robot: Description, passive_rows: Sequence[in
         if set(branch) - {"+", "-"}:
             remedy = "derive show ROBOT closure lists the branches"
             raise document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-        loops.append(Loop((one, other), Closure(document.text(*path, "by")), branch, document.location(path)))
+        loops.append(Loop((one, other), Joining(document.text(*path, "by")), branch, document.location(path)))
     places = joint_places(robot)
     passive = {k for k, place in enumerate(places) if place[0] == "joints" and place[1] in passive_rows}
     groups = [{k for branch in around(robot, loop) for k in branch} for loop in loops]

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.robot import tree
-from derive.robot.description import BASE, Closure, Convention, End, FixedRow, Link, Matrix, Motor, Stand
+from derive.robot.description import BASE, Convention, End, FixedRow, Joining, Link, Matrix, Motor, Stand
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import ZERO, Expression
 from derive.robot.options.inverse import POSE
@@ -60,7 +60,7 @@ class NumericArm:
     coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
     task: tuple[str, ...]  # what is asked of the end effector, in the words of robot files
     coupling: Array | None  # (n, v) positions of joints per unit of each variable; None where each joint has its own
-    loops: tuple[tuple[Closure, Place, Place], ...]  # what joins which two frames
+    loops: tuple[tuple[Joining, Place, Place], ...]  # what joins which two frames
     passive: Array  # joints that the loops move, whose rows of the coupling are zeros
 
     @property

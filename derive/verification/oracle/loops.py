@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.errors import VerificationError
-from derive.robot.description import Closure
+from derive.robot.description import Joining
 from derive.verification.oracle.frames import Array, NumericArm, angular_jacobian, chain_frames, cross, point_jacobian
 
 STEP = 1e-30  # complex step
 STEPS = 3  # of Newton's method, which needs two from where a guess has to be
 CLOSED = 1e-13  # largest phi of a closed loop, lengths over that of the arm
 NEAR = 1e-6  # from a guess to what it leads to, angles [rad], lengths over that of the arm
-SHARED = {Closure.REVOLUTE: (2,), Closure.SPHERICAL: ()}  # axes that the frames share; of others all
+SHARED = {Joining.REVOLUTE: (2,), Joining.SPHERICAL: ()}  # axes that the frames share; of others all
 # Positions of the passive joints, (m, p), at variables (m, v); NaN where there are none.
 Guess = Callable[[Array], Array]
 
@@ -100,7 +100,7 @@ def _closure(arm: NumericArm, x: Array) -> tuple[Array, Array]:
             for at, (k, _) in zip((one, other), places, strict=True)
         ]
         gap, rate = (one - other)[..., 3], moves[0] - moves[1]
-        if by is Closure.PRISMATIC:  # what is beside the axis
+        if by is Joining.PRISMATIC:  # what is beside the axis
             z = other[..., 2]
             gap, rate = cross(gap, z), cross(rate, z) + cross(gap, cross(turns[1], z))
         values += [gap / arm.length]

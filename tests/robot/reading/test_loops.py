@@ -2,7 +2,7 @@
 
 import pytest
 
-from derive.robot.description import Closure
+from derive.robot.description import Joining
 from derive.robot.load import robot_file_bytes
 from derive.robot.reading.document import read_document
 from derive.robot.reading.loops import with_loops
@@ -24,7 +24,7 @@ def test_passive_joints_follow_the_variables_of_their_own_loops_alone() -> None:
     assert set(map(tuple, names.values())) == {("x", "y", "z")}
     robot = Robot.load("slider-crank")
     assert (robot.dof, robot.n, [joint.variable for joint in robot.passive]) == (1, 3, ["q2", "s"])
-    assert [loop.by for loop in robot.loops] == [Closure.REVOLUTE]
+    assert [loop.by for loop in robot.loops] == [Joining.REVOLUTE]
 
 
 def test_a_file_without_loops_is_read_as_before() -> None:

@@ -10,10 +10,11 @@ import pytest
 
 from derive.errors import VerificationError
 from derive.exchange.formats import exported
-from derive.robot.description import BASE, Closure
+from derive.robot.description import BASE, Joining
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import numeric_arm
+from derive.verification.oracle.loops import Following
 from derive.verification.samples import sample_sets
 from derive.verification.tolerance import expectation
 from tests.random_robots import _yaml, seeds
@@ -47,7 +48,7 @@ MECHANISMS: dict[str, Any] = {
         ("rod", "rocker", "prismatic"),
     ),
 }
-HELD = {Closure.REVOLUTE: [0, 1, 2, 3, 4], Closure.PRISMATIC: [0, 1, 3, 4, 5], Closure.SPHERICAL: [0, 1, 2]}
+HELD = {Joining.REVOLUTE: [0, 1, 2, 3, 4], Joining.PRISMATIC: [0, 1, 3, 4, 5], Joining.SPHERICAL: [0, 1, 2]}
 
 
 def mechanism(name: str, seed: int) -> Robot:
@@ -115,7 +116,7 @@ class Outside:
         held, six = pin.StdVec_RigidConstraintModel(), pin.ContactType.CONTACT_6D
         for loop, (a, b) in zip(self.robot.loops, self.joined, strict=True):
             ends = (a.parentJoint, a.placement, b.parentJoint, b.placement)
-            kind = six if loop.by is Closure.FIXED else pin.ContactType.CONTACT_3D
+            kind = six if loop.by is Joining.FIXED else pin.ContactType.CONTACT_3D
             held.append(pin.RigidConstraintModel(kind, self.model, *ends, pin.LOCAL))
         data = pin.StdVec_RigidConstraintData([each.createData() for each in held])
         pin.initConstraintDynamics(self.model, self.data, held, data)
@@ -189,3 +190,10 @@ def test_a_wrong_closed_form_is_an_error_and_an_open_loop_has_no_value() -> None
     with pytest.raises(VerificationError, match=r"closed form of loops: 0\.001 "):
         replace(oracle, guess=lambda q: guess(q) + 1e-3).evaluate("inertia_matrix", q)
     assert np.isnan(replace(oracle, guess=lambda q: guess(q) * np.nan).evaluate("coriolis_matrix", q, q)).all()
+
+
+def test_slopes_keep_the_joined_frames_together() -> None:
+    outside, step = Outside("four-bar", 1), 1e-5
+    oracle, q = outside.oracle, outside.q
+    ahead, here, back = (Following.of(oracle.arm, q + k * step, oracle.guess) for k in (1, 0, -1))
+    assert np.nanmax(np.abs((ahead.x - back.x) / (2 * step) - here.rates(np.ones_like(q)))) < 1e-6
