@@ -143,7 +143,8 @@ def _branch(
     def _gap(solution: Solution) -> Any:
         own = {sympy.Symbol(name): np.float64(x) for name, x in values.items()} | others
         for line in solution.lines:
-            own[line.symbol] = array_value(line.value, own)
+            with np.errstate(all="ignore"):  # at poses that another solution does not reach
+                own[line.symbol] = array_value(line.value, own)
         gaps = [np.exp(1j * own[name]) - np.exp(1j * x) for name, x in unknown.items()]
         return np.nan_to_num(np.abs(gaps), nan=2.0).sum()
 

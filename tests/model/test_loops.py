@@ -128,3 +128,17 @@ def test_what_only_some_robots_have_is_refused_or_means_what_books_say() -> None
             model.quantity(name)
     with pytest.raises(QuantityError, match=r"coupler, rocker, at this point: it is open, or singular"):
         model.at("B", [0.7], values={"l1": 9})
+
+
+def test_lengths_without_numbers_and_rates_without_poles_are_built_and_told(tmp_path: Path) -> None:
+    rows = f"{BARS}{ROCKER}loops: [{{join: [coupler, rocker], by: revolute}}]\nends: {{pin: coupler}}\n"
+    (tmp_path / "bars.yaml").write_text(f"name: bars\nconvention: standard\njoints:\n{rows}")
+    accepted("build", "bars.yaml", "--target", "numpy", folder=tmp_path)  # a loop that closes with some numbers
+    rail = f"{FIXED}rail, after: base, theta: pi/2, alpha: pi/2}}\n  - {{type: prismatic, passive: true, q: s, "
+    yoke = f"{rail}theta: pi/2, alpha: pi/2}}\n  - {{type: prismatic, passive: true, q: t}}\n"
+    text = f"{TURNING}crank, a: r}}\n{yoke}{FIXED}pin, theta: pi/2, alpha: pi/2}}\n"
+    ends = "loops: [{join: [crank, pin], by: revolute}]\nends: {slide: s}\n"
+    (tmp_path / "yoke.yaml").write_text(f"name: yoke\nconvention: standard\njoints:\n{text}{ends}")
+    shown = accepted("show", "yoke.yaml", "closure", "G", folder=tmp_path).stdout
+    assert "G and H have values wherever the loops close" in shown
+    assert "RuntimeWarning" not in accepted("show", "yoke.yaml", "closure", folder=tmp_path).stderr
