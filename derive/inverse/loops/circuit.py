@@ -116,7 +116,8 @@ def _joints_between(steps: Sequence[Step], one: int, other: int) -> int:
 def _closing(robot: Robot, loop: Loop) -> Iterator[Step]:
     """The joints of a closure, from its second frame to its first."""
     taken, k = own_names(robot), robot.loops.index(loop) + 1
-    stem = next(stem for stem in ("psi", *(f"psi{'_' * m}" for m in range(1, 99))) if f"{stem}{k}" not in taken)
+    # No name begins with it: those of the three angles of a ball and of their rates are as free as its own.
+    stem = next(stem for stem in (f"psi{'_' * m}" for m in range(99)) if not any(n.startswith(stem) for n in taken))
     kind = JointType.PRISMATIC if loop.by is Closure.PRISMATIC else JointType.REVOLUTE
     names = {Closure.FIXED: (), Closure.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))
     for name, twist in zip(names, (*_BALL[: len(names) - 1], ZERO), strict=False):

@@ -129,7 +129,8 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     branches = [node.formulas[0].branches for node in graph.nodes if node.formulas[0].branches > 1]
     signs = loop.branch or "+" * len(branches)
     if len(signs) != len(branches) or any(count != 2 for count in branches):
-        allowed = f"allowed: {'a sign for each of ' if len(branches) > 1 else 'one sign for '}{len(branches)} choices"
+        count = len(branches)
+        allowed = f"allowed: {f'a sign for each of {count} choices' if count > 1 else 'one sign for 1 choice'}"
         raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
     leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
     return SolvedLoop(loop, own, graph, leaf, passive)
@@ -184,9 +185,27 @@ class _Mobility:
         is_free = all(np.abs(column[:, own]).max() < _RANK for column in self._closure)
         return is_free and self._rank([self._columns[k][:, own] for k in joints]) == len(joints)
 
+    def fidelity(self, rows: Sequence[int], joints: Sequence[int]) -> float:
+        """1 where the determinant of rows is zero only where joints are loose: where it is a part of their volume.
+
+        Of over-constrained loops, as that of Bennett, some rows are also dependent elsewhere.
+        """
+        own, columns = list(rows), [self._columns[k] for k in joints]
+        part = _volume([column[:, own] for column in columns]) * _volume(self._closure)
+        whole = _volume([*columns, *self._closure])
+        share = part[whole > _RANK] / whole[whole > _RANK]
+        return round(float(share.min() / share.max()), 2) if share.size else 0.0
+
     def _rank(self, columns: Sequence[Array]) -> int:
         ranks = np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK) if columns else [0]
         return int(np.median(ranks))
+
+
+def _volume(columns: Sequence[Array]) -> Array:
+    """Of the parallelepiped of columns, which are nowhere more than they have entries; of none 1."""
+    if not columns:
+        return np.ones(1)
+    return np.asarray(np.prod(np.linalg.svd(np.stack(columns, axis=-1), compute_uv=False), axis=-1))
 
 
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
@@ -204,12 +223,15 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
             "correct lengths, frames or limits",
         )
         raise _refused(robot, one.loop, found, remedy=remedy)
+    found_rows: list[tuple[float, SolvedLoop]] = []
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
         mobility = _Mobility(robot, turned, values, q)
         for rows in combinations(range(6), len(one.passive)):
             if mobility.determine(rows, one.passive):
-                return replace(turned, rows=rows)
+                found_rows.append((mobility.fidelity(rows, one.passive), replace(turned, rows=rows)))
+    if found_rows:
+        return max(found_rows, key=lambda pair: pair[0])[1]  # the first of the best
     found = "no velocities are free of the joint that closes it"
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
