@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cache, reduce
 from itertools import chain, combinations_with_replacement
 from typing import Any
 
@@ -38,7 +38,8 @@ class LoopClosure:
     inverse: InverseKinematics  # of the arm, every branch
     solution: Solution  # the branch of the file, with what is known before it
     zeros: tuple[Expr, ...]  # factors of det J_p that move: no derivative has a value where one of them is zero
-    slopes: Mapping[str, Expr]  # the derivatives by name, G_q3_q1, and in these the second ones, H_q3_q1_q1
+    names: tuple[str, ...]  # of the derivatives, G_q3_q1, and of the second ones, H_q3_q1_q1
+    slope: Callable[[str], Expr]  # one by its name, a second one in the first: all of many variables take minutes
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,9 @@ class Closure:
         return self._matrix(list(combinations_with_replacement([q.variable for q in self.robot.variables], 2)))
 
     def _matrix(self, columns: Sequence[tuple[str, ...]]) -> Matrix:
-        known = {name: value for one in self.loops for name, value in one.slopes.items()}
-        entries = {by: known[name.name] for by, name in derivatives(self.robot).items()}
+        known = {name: one.slope for one in self.loops for name in one.names}
+        named, size = derivatives(self.robot).items(), len(columns[0]) + 1
+        entries = {by: known[name.name](name.name) for by, name in named if len(by) == size}
         rows = [joint.variable for joint in self.robot.passive]
         return sympy.ImmutableMatrix([[entries.get((row, *column), 0) for column in columns] for row in rows])
 
@@ -90,14 +92,14 @@ class Closure:
             known = {sympy.Symbol(k): value_of(expression_to_sympy(e), {}) for k, e in point.items()}
             for one in self.loops:
                 lines = {line.symbol: line.value for line in one.solution.lines}
-                for symbol, formula in {**lines, **{sympy.Symbol(k): e for k, e in one.slopes.items()}}.items():
+                for symbol, formula in {**lines, **{sympy.Symbol(k): one.slope(k) for k in one.names}}.items():
                     try:
                         known[symbol] = value = value_of(formula, dict(known))
                     except (ArithmeticError, ValueError):
                         found = f"the loop of {self.robot.name} that joins {listed(one.loop.join)}, at this point"
                         raise QuantityError(f"{found}: it is open, or singular") from None
                     name = str(symbol)
-                    if not isinstance(value, sympy.Basic) and name in {*wanted, *one.slopes}:
+                    if not isinstance(value, sympy.Basic) and name in {*wanted, *one.names}:
                         if name in wanted and wanted[name].is_revolute:
                             value = mpmath.atan2(mpmath.sin(value), mpmath.cos(value))
                         full[name] = expression_from_sympy(written(value))
@@ -121,14 +123,14 @@ def _described(model: KinematicModel, loops: tuple[SolvedLoop, ...]) -> LoopClos
     solution = _branch(robot, loops, inverse, known)
     inverse.conditions = ()  # a loop that closes meets them
     moving = slopes(robot, one, domain)
-    both = {**moving.first, **moving.second}.items()
-    quotients = {name: _quotient(domain, *reduced(p, moving.determinant)) for name, p in both}
+    both = {**moving.first, **moving.second}
+    quotient = cache(lambda name: _quotient(domain, *reduced(both[name], moving.determinant)))
     # A factor that all have in common is one of the rows that were chosen, not of the loop.
     common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
     variables = {sympy.Symbol(joint.variable) for joint in (*robot.variables, *robot.passive)}
     factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
     zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
-    return LoopClosure(one.loop, known, inverse, solution, zeros, quotients)
+    return LoopClosure(one.loop, known, inverse, solution, zeros, tuple(both), quotient)
 
 
 def _branch(

@@ -216,7 +216,10 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     if locked := mobility.rank(mobility.joints) - rank:
         active = [names[k] for k in mobility.joints if mobility.rank((*one.passive, k)) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
-        raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
+        remedy = (
+            f"write passive: true on {locked} more joint{'s' * (locked > 1)}, correct frames, or leave the loop out"
+        )
+        raise _refused(robot, one.loop, found, remedy=remedy)
     if missing > 0.0:
         found, remedy = (
             f"it cannot be assembled: at best {missing:.3g} m are missing",
