@@ -18,7 +18,7 @@ from derive.verification.oracle.frames import numeric_arm
 from derive.verification.samples import sample_sets
 from tests.random_robots import _yaml, seeds
 from tests.verification.oracle.pinocchio_reference import Array
-from tests.verification.oracle.test_trees import error
+from tests.verification.oracle.test_physics import relative_error as error
 
 # Rows by name: the row before, the type, * of passive ones, theta, and a and alpha in the standard convention, a pair
 # of lengths for one between them. Then what joins which frames.
