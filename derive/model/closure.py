@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cache, partial, reduce
 from itertools import chain, combinations_with_replacement
 from typing import Any
 
@@ -38,7 +38,8 @@ class LoopClosure:
     inverse: InverseKinematics  # of the arm, every branch
     solution: Solution  # the branch of the file, with what is known before it
     zeros: tuple[Expr, ...]  # factors of det J_p that move: no derivative has a value where one of them is zero
-    slopes: Mapping[str, Expr]  # the derivatives by name, G_q3_q1, and in these the second ones, H_q3_q1_q1
+    names: tuple[str, ...]  # of the derivatives, G_q3_q1, and of the second ones, H_q3_q1_q1
+    slope: Callable[[str], Expr]  # one by its name, a second one in the first: all of many variables take minutes
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,9 @@ class Closure:
         return self._matrix(list(combinations_with_replacement([q.variable for q in self.robot.variables], 2)))
 
     def _matrix(self, columns: Sequence[tuple[str, ...]]) -> Matrix:
-        known = {name: value for one in self.loops for name, value in one.slopes.items()}
-        entries = {by: known[name.name] for by, name in derivatives(self.robot).items()}
+        known = {name: one.slope for one in self.loops for name in one.names}
+        named, size = derivatives(self.robot).items(), len(columns[0]) + 1
+        entries = {by: known[name.name](name.name) for by, name in named if len(by) == size}
         rows = [joint.variable for joint in self.robot.passive]
         return sympy.ImmutableMatrix([[entries.get((row, *column), 0) for column in columns] for row in rows])
 
@@ -90,14 +92,14 @@ class Closure:
             known = {sympy.Symbol(k): value_of(expression_to_sympy(e), {}) for k, e in point.items()}
             for one in self.loops:
                 lines = {line.symbol: line.value for line in one.solution.lines}
-                for symbol, formula in {**lines, **{sympy.Symbol(k): e for k, e in one.slopes.items()}}.items():
+                for symbol, formula in {**lines, **{sympy.Symbol(k): one.slope(k) for k in one.names}}.items():
                     try:
                         known[symbol] = value = value_of(formula, dict(known))
                     except (ArithmeticError, ValueError):
                         found = f"the loop of {self.robot.name} that joins {listed(one.loop.join)}, at this point"
                         raise QuantityError(f"{found}: it is open, or singular") from None
                     name = str(symbol)
-                    if not isinstance(value, sympy.Basic) and name in {*wanted, *one.slopes}:
+                    if not isinstance(value, sympy.Basic) and name in {*wanted, *one.names}:
                         if name in wanted and wanted[name].is_revolute:
                             value = mpmath.atan2(mpmath.sin(value), mpmath.cos(value))
                         full[name] = expression_from_sympy(written(value))
@@ -117,13 +119,13 @@ def find_closure(model: KinematicModel) -> Closure:
         solution = _branch(robot, loops[: k + 1], inverse, known)
         inverse.conditions = ()  # a loop that closes meets them
         moving = slopes(robot, one, domain)
-        both = {**moving.first, **moving.second}.items()
-        quotients = {name: _quotient(domain, *reduced(p, moving.determinant)) for name, p in both}
+        both = {**moving.first, **moving.second}
+        quotient = cache(partial(_quotient, domain, both, moving.determinant))
         # A factor that all have in common is one of the rows that were chosen, not of the loop.
         common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
         factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
         zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
-        found.append(LoopClosure(one.loop, known, inverse, solution, zeros, quotients))
+        found.append(LoopClosure(one.loop, known, inverse, solution, zeros, tuple(both), quotient))
     return Closure(robot, tuple(found))
 
 
@@ -139,7 +141,8 @@ def _branch(
     def _gap(solution: Solution) -> Any:
         own = {sympy.Symbol(name): np.float64(x) for name, x in values.items()} | others
         for line in solution.lines:
-            own[line.symbol] = array_value(line.value, own)
+            with np.errstate(all="ignore"):  # at poses that another solution does not reach
+                own[line.symbol] = array_value(line.value, own)
         gaps = [np.exp(1j * own[name]) - np.exp(1j * x) for name, x in unknown.items()]
         return np.nan_to_num(np.abs(gaps), nan=2.0).sum()
 
@@ -151,9 +154,9 @@ def _contracted(domain: PolynomialDomain, p: Polynomial) -> Expr:
     return TR10i(sympy.expand(expression_to_sympy(polynomial_expression(p, domain))))
 
 
-def _quotient(domain: PolynomialDomain, above: Polynomial, below: Polynomial) -> Expr:
-    """A quotient without common factors, as a sum or as one fraction, whichever is shorter."""
-    top, bottom = (_contracted(domain, p) for p in (above, below))
+def _quotient(domain: PolynomialDomain, numerators: Mapping[str, Polynomial], below: Polynomial, name: str) -> Expr:
+    """A derivative without common factors, as a sum or as one fraction, whichever is shorter."""
+    top, bottom = (_contracted(domain, p) for p in reduced(numerators[name], below))
     size = bottom.as_coeff_Mul()[0]
     top, bottom = sympy.expand(top / size), bottom / size
     turns = sorted(top.atoms(sympy.sin, sympy.cos), key=str)

@@ -77,7 +77,7 @@ class Model(DynamicModel):
             QuantityError: The robot has no loops, or one that cannot be solved in closed form.
         """
         if not self.robot.passive:
-            remedy = "write loops: in the robot file"
+            remedy = "write loops: in the robot file; those of parallelograms are coupled joints, without G and H"
             raise QuantityError(f"closed loops of {self.robot.name}, which has none", remedy=remedy)
         from derive.model.closure import find_closure
 

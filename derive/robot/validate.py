@@ -80,7 +80,9 @@ def _check_derived_names(document: Document, cells: Cells, robot: Description) -
     taken: dict[str, str] = {joint.variable: "joint variable" for joint in (*robot.variables, *robot.passive)}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
     places = [("variables",)] * robot.dof if robot.coupled else joint_places(robot)
-    for place, joint in zip(places, robot.variables, strict=True):
+    # Passive joints are variables of the arm that their loop is solved as.
+    passive = [pair for pair in zip(joint_places(robot), robot.joints, strict=True) if pair[1].follows]
+    for place, joint in (*zip(places, robot.variables, strict=True), *passive):
         derived = {"velocity": velocity_name(joint.variable), "acceleration": acceleration_name(joint.variable)}
         for kind, name in derived.items():
             if name in taken:

@@ -257,15 +257,15 @@ def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet
             if way != "parameters" and (way != "blocks" or sample_set is sample_sets[0]):
                 yield _trial(way, model, function, arguments, sample_set)
     if "parameters" in model.ways and sample_sets[0].parameters:
-        # Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations.
-        arguments, sets = _arguments(function, sample_sets[0]), len(sample_sets)
+        # Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations of
+        # these: loops that close with the numbers of one set may be open with those of another.
+        owned = [_arguments(function, one) for one in sample_sets]
         stacked: Parameters = {
-            name: np.reshape([one.parameters[name] for one in sample_sets], (sets, *(1 for _ in arguments[:1])))
+            name: np.reshape([one.parameters[name] for one in sample_sets], (-1, *(1 for _ in owned[0][:1])))
             for name in sample_sets[0].parameters
         }
-        shaped = read_only([np.broadcast_to(argument, (sets, *argument.shape)) for argument in arguments])
-        call = cache(partial(model.call, function, shaped, stacked))
-        for index, sample_set in enumerate(sample_sets):
+        call = cache(partial(model.call, function, read_only([*map(np.stack, zip(*owned, strict=True))]), stacked))
+        for index, (sample_set, arguments) in enumerate(zip(sample_sets, owned, strict=True)):
             own: Callable[[], Array] = partial(lambda k: np.asarray(call())[k], index)
             yield Trial("a batch of parameters", own, arguments, sample_set)
 

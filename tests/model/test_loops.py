@@ -93,7 +93,7 @@ def test_what_is_printed_is_the_quotient_of_the_determinants(name: str) -> None:
     known = slopes(model.robot, linkage(model.robot)[0], model.domain)
     for k, p in {**known.first, **known.second}.items():
         top, below = (expression_to_sympy(polynomial_expression(e, model.domain)) for e in (p, known.determinant))
-        gap = sympy.expand_trig(model.closure.loops[0].slopes[k] * below - top)
+        gap = sympy.expand_trig(model.closure.loops[0].slope(k) * below - top)
         rest = sympy.fraction(sympy.together(gap))[0].expand()
         for q in rest.free_symbols:  # the ring of sines and cosines
             rest = sympy.rem(rest, sympy.sin(q) ** 2 + sympy.cos(q) ** 2 - 1, sympy.sin(q))
@@ -136,3 +136,15 @@ def test_the_number_of_assemblies_is_proven_and_the_branch_is_one_of_them(name: 
     (one,) = find_closure(model_of(name)).loops
     assert one.inverse.complete
     assert len(one.solution.signs) == 1
+
+
+def test_lengths_without_numbers_and_rates_without_poles_are_built_and_told(tmp_path: Path) -> None:
+    rows = f"{BARS}{ROCKER}loops: [{{join: [coupler, rocker], by: revolute}}]\nends: {{pin: coupler}}\n"
+    (tmp_path / "bars.yaml").write_text(f"name: bars\nconvention: standard\njoints:\n{rows}")
+    accepted("build", "bars.yaml", "--target", "numpy", folder=tmp_path)  # a loop that closes with some numbers
+    rail = f"{FIXED}rail, after: base, theta: pi/2, alpha: pi/2}}\n  - {{type: prismatic, passive: true, q: s, "
+    slides = f"{rail}theta: pi/2, alpha: pi/2}}\n  - {{type: prismatic, passive: true, q: t}}\n"
+    text = f"{TURNING}crank, a: r}}\n{slides}{FIXED}pin, theta: pi/2, alpha: pi/2}}\n"
+    loop = "name: yoke\nconvention: standard\nloops: [{join: [crank, pin], by: revolute}]\nends: {slide: s}\n"
+    (tmp_path / "yoke.yaml").write_text(f"{loop}joints:\n{text}")
+    assert "have values wherever" in accepted("show", "yoke.yaml", "closure", folder=tmp_path).stdout

@@ -89,7 +89,8 @@ def arguments(*batch: int, joints: int = 2, seed: int = 0) -> dict[str, np.ndarr
 
 
 IDENTIFICATION = ("regressor", "base_parameters")  # one like `base_regressor`, and one without arguments
-FUNCTIONS = tuple(name for name in INTERFACES if name not in IDENTIFICATION)
+OF_LOOPS = "passive_positions"  # which arms without loops have not
+FUNCTIONS = tuple(name for name in INTERFACES if name not in (*IDENTIFICATION, OF_LOOPS))
 
 
 REQUIRED_C = os.environ.get("DERIVE_REQUIRE_COMPILER") == "1"

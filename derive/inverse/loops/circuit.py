@@ -106,7 +106,7 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
     steps = [*(_back(step) for step in reversed(one)), *other, *([_OVER] if opposed else [])]
     # The joints of the closure, from its second frame to its first.
     taken, k, stem = own_names(robot), robot.loops.index(loop) + 1, "psi"
-    while f"{stem}{k}" in taken:
+    while any(name.startswith(stem) for name in taken):  # names of their rates are free, too
         stem += "_"
     kind = JointType.PRISMATIC if loop.by is Joining.PRISMATIC else JointType.REVOLUTE
     names = {Joining.FIXED: (), Joining.SPHERICAL: tuple(f"{stem}{k}{a}" for a in "abc")}.get(loop.by, (f"{stem}{k}",))

@@ -137,7 +137,8 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     branches = [node.formulas[0].branches for node in graph.nodes if node.formulas[0].branches > 1]
     signs = loop.branch or "+" * len(branches)
     if len(signs) != len(branches) or any(count != 2 for count in branches):
-        allowed = f"allowed: {'a sign for each of ' if len(branches) > 1 else 'one sign for '}{len(branches)} choices"
+        count = len(branches)
+        allowed = f"allowed: {f'a sign for each of {count} choices' if count > 1 else 'one sign for 1 choice'}"
         raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
     leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
     return SolvedLoop(loop, own, graph, leaf, passive)
@@ -186,6 +187,24 @@ def _rank(columns: Sequence[Array]) -> int:
     return int(np.median(np.linalg.matrix_rank(np.stack(columns, axis=-1), rtol=_RANK)))
 
 
+def _fidelity(rows: Sequence[int], passive: Sequence[Array], closing: Sequence[Array]) -> float:
+    """1 where the determinant of rows is zero only where joints are loose: where it is a part of their volume.
+
+    Of over-constrained loops, as that of Bennett, some rows are also dependent elsewhere.
+    """
+    part = _volume([column[:, list(rows)] for column in passive]) * _volume(closing)
+    whole = _volume([*passive, *closing])
+    share = part[whole > _RANK] / whole[whole > _RANK]
+    return round(float(share.min() / share.max()), 2) if share.size else 0.0
+
+
+def _volume(columns: Sequence[Array]) -> Array:
+    """Of the parallelepiped of columns, which are nowhere more than they have entries; of none 1."""
+    if not columns:
+        return np.ones(1)
+    return np.asarray(np.prod(np.linalg.svd(np.stack(columns, axis=-1), compute_uv=False), axis=-1))
+
+
 def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
     one, (values, _, full, missing) = loops[-1], assembled(robot, loops)
@@ -195,18 +214,25 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     if locked := _rank([*closing, *columns.values()]) - rank:
         active = [robot.joints[k].variable for k, column in columns.items() if _rank([*passive, column]) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
-        raise _refused(robot, one.loop, found, remedy=f"write passive: true on {locked} more joint{'s' * (locked > 1)}")
+        remedy = (
+            f"write passive: true on {locked} more joint{'s' * (locked > 1)}, correct frames, or leave the loop out"
+        )
+        raise _refused(robot, one.loop, found, remedy=remedy)
     if missing > 0.0:
         found = f"it cannot be assembled: at best {missing:.3g} m are missing"
         raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
+    choices: list[tuple[float, SolvedLoop]] = []
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
         columns, closing = _columns(robot, turned, values, full)
+        own = [columns[k] for k in one.passive]
         # Rows in which the closure has no part, and which determine the rates of the passive joints.
         free = [row for row in range(6) if all(np.abs(column[:, row]).max() < _RANK for column in closing)]
-        for rows in combinations(free, len(one.passive)):
-            if _rank([columns[k][:, list(rows)] for k in one.passive]) == len(one.passive):
-                return replace(turned, rows=rows)
+        for rows in combinations(free, len(own)):
+            if _rank([column[:, list(rows)] for column in own]) == len(own):
+                choices.append((_fidelity(rows, own, closing), replace(turned, rows=rows)))
+    if choices:
+        return max(choices, key=lambda choice: choice[0])[1]  # the first of the best
     found = "no velocities are free of the joint that closes it"
     raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 

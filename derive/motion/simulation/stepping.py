@@ -14,7 +14,6 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
-from derive.inverse.loops.linkage import linkage, twists
 from derive.mechanics.floats import FloatDomain
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
@@ -135,6 +134,8 @@ def integrated(
 
 def rows_of(robot: Robot, values: Mapping[str, float], functions: Functions) -> Rows:
     """S at the variables, (joints, n), and how far loops are from dead points: |det J_p| by its columns' lengths."""
+    from derive.inverse.loops.linkage import linkage, twists  # the inverse kinematics, which few motions need
+
     own = FloatDomain(robot, (), {**values, **{name.name: 0.0 for name in derivatives(robot).values()}})
     matrix, loops = np.array(coupling(robot, own.constant), dtype=float), linkage(robot)
 

@@ -20,7 +20,6 @@ import numpy as np
 from derive.arrays import Array, Flags
 from derive.errors import Location, QuantityError, TargetError
 from derive.interrupts import TemporaryFolder
-from derive.inverse.loops.linkage import linkage, positions
 from derive.motion.curves.extremes import highest
 from derive.plans.segments import Load
 from derive.programs.build import build_program
@@ -119,6 +118,8 @@ def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
 
 def joint_positions(robot: Robot, q: Array, values: Mapping[str, float]) -> tuple[Array, Flags]:
     """Of all joints, (..., joints) [rad or m], by those of the variables, (..., n), and where loops close, (...)."""
+    from derive.inverse.loops.linkage import linkage, positions  # the inverse kinematics, which few motions need
+
     found, closed = positions(robot, linkage(robot), list(np.moveaxis(q, -1, 0)), values)
     return np.stack(found, axis=-1), closed
 

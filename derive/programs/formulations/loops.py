@@ -7,7 +7,6 @@ from functools import partial
 
 from derive.inverse.closed.unknowns import turned
 from derive.inverse.closed.walk import GraphWalk
-from derive.inverse.loops.linkage import linkage, twists
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.field import ClosingField, ClosingWalk
 from derive.programs.tape.graph import Graph
@@ -20,6 +19,10 @@ from derive.robot.robot import Robot
 def passive_joints(robot: Robot, graph: Graph) -> Passive:
     """The passive joints, loop by loop: cosines and sines, or lengths, of their variables, G, and dG/dt qd."""
     found, bare = Passive(), replace(robot, links=(), gravity=None)
+    if not robot.loops:
+        return found
+    from derive.inverse.loops.linkage import linkage, twists  # the inverse kinematics, which few programs need
+
     variables = [variable.variable for variable in robot.variables]
     for one in linkage(robot):
         domain, numbers = TapeDomain(robot, graph, passive=found), dict[int, tuple[Value, ...]]()

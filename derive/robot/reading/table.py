@@ -222,7 +222,7 @@ class _Table:
 
     def _fixed_row(self, row: int) -> FixedRow:
         path: KeyPath = ("joints", row)
-        for key in ("q", "limits", "speed", "torque"):
+        for key in ("q", "limits", "speed", "torque", *(["passive"] if row in self.passive else [])):
             if self._document.find((*path, key)) is not None:
                 allowed = "allowed in a fixed row: name, after, mount and constant cells"
                 remedy = "remove it, or write type: revolute or type: prismatic"

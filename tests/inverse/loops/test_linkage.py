@@ -11,7 +11,8 @@ import pytest
 from derive.errors import DeriveError
 from derive.inverse.closed.solve import solve
 from derive.inverse.loops.circuit import circuit
-from derive.inverse.loops.linkage import linkage, positions
+from derive.inverse.loops.linkage import linkage, positions, twists
+from derive.mechanics.floats import ArrayDomain
 from derive.robot.robot import Robot
 from tests.random_robots import seeds
 
@@ -100,6 +101,8 @@ REFUSED = {
     "no joint of the loop is passive": FOUR.replace(", passive: true", ""),
     "no loop moves the joint": FOUR.replace("loops:\n  - {join: [coupler, rocker], by: revolute}\n", ""),
     "branch '++'; allowed: one sign for 1 choice": changed("by: revolute", "by: revolute, branch: '++'"),
+    "a fixed row has no motion": changed("after: base, a: l0", "after: base, a: l0, passive: true"),
+    "the velocity of 'q2' is called 'qd2', and that is a symbol already": changed("a: l2", "a: qd2"),
     "branch 'open'; allowed: signs + and -": changed("by: revolute", "by: revolute, branch: open"),
     "no row 'rockr'": changed("[coupler, rocker]", "[coupler, rockr]"),
     "'coupler' joined with itself": changed("[coupler, rocker]", "[coupler, coupler]"),
@@ -131,3 +134,29 @@ def test_a_pin_joins_opposed_axes_too() -> None:
     one, other = robot(FOUR), robot(changed("a: l3", "a: l3, alpha: pi"))
     found = [np.array(positions(each, linkage(each), q, values)[0]) for each in (one, other)]
     assert np.abs(np.exp(1j * found[0]) - np.exp(1j * found[1])).max() < 1e-12
+
+
+def test_closures_take_no_name_that_the_file_has() -> None:
+    for name in ("psi", "psi1", "psid1"):
+        arm = linkage(robot(changed("a: l2", f"a: {name}")))[0].circuit.arm
+        assert "psi_1" in [joint.variable for joint in arm.joints]
+
+
+BENNETT = """
+name: bennett
+convention: standard
+joints:
+  - {type: revolute, name: one, a: 1, alpha: pi/6}
+  - {type: revolute, name: two, a: 2, alpha: pi/2, passive: true}
+  - {type: revolute, name: three, a: 1, alpha: pi/6, passive: true}
+  - {type: fixed, name: ground, after: base, a: -2, alpha: -pi/2}
+ends: {tip: two}
+loops: [{join: [three, ground], by: revolute}]"""
+
+
+def test_rates_of_an_over_constrained_linkage_exist_wherever_it_moves() -> None:
+    (loop,) = loops = linkage(one := robot(BENNETT))
+    full, _ = positions(one, loops, [np.linspace(-3, 3, 61)])
+    found, _ = twists(one, loop, ArrayDomain(one, full, {}))
+    matrix = np.array([[np.broadcast_to(found[k][row], 61) for k in loop.passive] for row in loop.rows])
+    assert np.abs(np.linalg.det(matrix.T)).min() > 0.1  # at the flat linkage, q = 0, some rows are dependent

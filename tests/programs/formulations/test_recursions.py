@@ -203,6 +203,8 @@ def test_closed_forms_give_the_torques(robot: Robot) -> None:
     torques = at("tau")
     tolerance = 1e-10 * np.abs(torques).max()
     np.testing.assert_allclose(at("regressor") @ at("standard_parameters"), torques, atol=tolerance)
+    if robot.loops:  # which have no base parameters
+        return
     np.testing.assert_allclose(at("regressor_base") @ at("base_parameters"), torques, atol=tolerance)
     assert model.regressor.shape == (robot.dof, len(model.standard_parameter_names))
     assert model.base_parameters.shape == (len(model.base_parameter_names), 1)
