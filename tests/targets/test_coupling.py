@@ -36,7 +36,7 @@ REFUSED = (
     *(f"export {{}} --format {to}" for to in ("urdf", "mjcf", "csv")),
     *(f"show {{}} {name}" for name in ("inverse", "singularities", "workspace", "aspects", "manipulability", "detJv")),
     *("plot {} -o arm.svg", "plot {} --workspace -o arm.svg", "build {} --target latex", "convert {} -o other.yaml"),
-    *("check {} --quantity T[1,4] --expression q1", "style {} --example T[1,4]=a1", "new motion --plan {}"),
+    *("check {} --quantity T[1,4] --expression q1", "style {} --example T[1,4]=a1"),
 )
 
 

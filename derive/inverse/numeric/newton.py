@@ -212,9 +212,7 @@ def _brought_near(problem: Problem, q: Array, near: Array) -> tuple[Array, Statu
     while problem.free.any():
         _, slope = problem.errors(q)
         # Joints with a share in the null space of J may move while the pose stays; tried with a real step.
-        _, values, rows = np.linalg.svd(slope)
-        values = np.pad(values, (0, rows.shape[0] - len(values)))
-        null = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
+        null = _null_space(slope)
         share = np.linalg.norm(null, axis=1) if null.size else np.zeros(slope.shape[-1])
         tried = np.flatnonzero(problem.free)[share > 0.1 * share.max(initial=1e-3)]
         rests = [(i, replace(problem, free=problem.free & (np.arange(len(moving)) != i))) for i in map(int, tried)]
@@ -225,6 +223,14 @@ def _brought_near(problem: Problem, q: Array, near: Array) -> tuple[Array, Statu
         joint, rest, end = next((each for each in ends if each[2] is not None), (*able[0], None))
         q, problem, moving[joint] = _as_near(rest, q, joint, near[joint]) if end is None else end, rest, True
     return q, Status.SINGULAR if moving.any() else Status.BOUNDARY, moving
+
+
+def _null_space(slope: Array) -> Array:
+    """(free joints, k) directions in which the wanted entries do not change."""
+    _, values, rows = np.linalg.svd(slope)
+    values = np.pad(values, (0, rows.shape[0] - len(values)))
+    null: Array = rows[values <= 10 * POLICY.rank * max(values.max(initial=0.0), 1.0)].T
+    return null
 
 
 def _answered(rest: Problem, q: Array, joint: int, change: float, most: float) -> Array | None:

@@ -173,7 +173,7 @@ def test_what_stays_in_a_plane_is_seen_there_and_what_leaves_it_in_space(text: s
 
 def test_the_film_of_a_planar_arm_keeps_lengths_and_the_page_faces_its_plane() -> None:
     film = Film(Motion.from_text(ROOT))
-    poses = frames_of(film.motion, film.motion.plan.robot, film.times, film._q)
+    poses = frames_of(film.motion, film.times, film._q)
     ends = film._view.project(poses[:, [2, 3, -1]][..., :3, 3])[..., :2]
     lengths = np.linalg.norm(np.diff(ends, axis=1), axis=-1)
     assert lengths == pytest.approx(np.tile([0.4, 0.3], (len(lengths), 1)), rel=1e-6)
@@ -183,7 +183,7 @@ def test_the_film_of_a_planar_arm_keeps_lengths_and_the_page_faces_its_plane() -
 def test_frames_go_with_the_base() -> None:
     motion = Motion.from_text(REACH)
     t = np.array([0.0, 2.0])
-    frames = frames_of(motion, motion.plan.robot, t, motion(t)[0])
+    frames = frames_of(motion, t, motion(t)[0])
     base = motion.base
     assert frames[:, 0, :3, 3] == pytest.approx(np.array([at[:3, :3] @ [0.1, 0.2, 0] + at[:3, 3] for at in base(t, 0)]))
 

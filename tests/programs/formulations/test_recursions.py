@@ -20,6 +20,7 @@ from derive.programs.formulations.trace import Trace
 from derive.programs.program import Program
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.tape import PARAMETER, Op, Operations, evaluate
+from derive.robot.coupling import derivatives
 from derive.robot.evaluate import parameter_values
 from derive.robot.evaluate import to_float as number_at
 from derive.robot.expression import ZERO
@@ -193,6 +194,7 @@ RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for see
 def test_closed_forms_give_the_torques(robot: Robot) -> None:
     model, rng = Model(robot), random.Random(1)
     symbols = [*robot_symbols(robot), *map(str, (*model.q, *model.qd, *model.qdd))]
+    symbols += [*(joint.variable for joint in robot.passive), *(name.name for name in derivatives(robot).values())]
     values = {name: rng.uniform(0.3, 1.5) for name in symbols}
     values |= {name: float(number) for name, number in parameter_values(robot).items()}
 
