@@ -245,9 +245,10 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
         values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
-        q = []
+        q, cells = [], [cell for joint in robot.joints for cell in (joint.a, joint.d)] + tree.lengths(robot)
+        reach = sum(abs(to_float(cell, values)) for cell in cells) or 1.0
         for variable in robot.variables:
-            most = math.pi if variable.is_revolute else 2.0
+            most = math.pi if variable.is_revolute else reach
             low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
             q.append(source.uniform(low, high, _SAMPLES))
         full, exists = positions(robot, loops, q, values)
