@@ -69,6 +69,7 @@ def test_python_refuses_a_tree(call: Callable[[Any], object], folder: Path) -> N
         call(api.load(folder / "torso.yaml"))
 
 
+@pytest.mark.sweep
 @needs_compiler
 def test_a_tree_is_listed_copied_built_and_verified(folder: Path) -> None:
     listed = accepted("show", "torso.yaml", folder=folder).stdout

@@ -149,6 +149,7 @@ def test_every_branch_is_drawn_where_the_oracle_has_it(seed: int) -> None:
     assert joined(scene) <= 1
 
 
+@pytest.mark.sweep
 def test_the_page_moves_all_branches(browser: Any, tmp_path: Path) -> None:
     figure, q = Figure(browser, tmp_path, Robot.load(TREES[1])), np.linspace(0.1, 0.4, 13)
     before, reached = figure.picture(), np.array(figure.set(q))

@@ -144,7 +144,7 @@ def test_no_solution_is_lost_beside_singular_poses(name, built):
         assert (found.empty, found.spurious, found.found) == (0, 0, 300), found.missing
 
 
-@pytest.mark.parametrize("target", ["numpy", "native"])
+@pytest.mark.parametrize("target", [*swept("numpy"), "native"])
 def test_a_rounded_pose_is_refused_with_the_tolerance_that_takes_its_nearest_rotation(target, built):
     arm, q = LOST["parallel-123"].arm, np.array([0.3, 0.5, -0.4, 0.2, 0.7, 0.1])
     module, poses = built("parallel-123")[target], np.round(forward_kinematics(arm, q[None]), 4)

@@ -265,6 +265,7 @@ CONIC = arm_of(
 """Two joints at a quartic: at the pose of the test three of its roots are near each other, and one is not."""
 
 
+@pytest.mark.sweep
 def test_a_solution_that_has_lost_more_digits_than_another_is_checked_not_dropped() -> None:
     model = model_of(CONIC)
     q = np.array(

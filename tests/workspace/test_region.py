@@ -148,6 +148,7 @@ def test_corners_of_a_gantry_are_sharp() -> None:
     assert area.region.area == pytest.approx((right - left) * (high - low), rel=1e-3)
 
 
+@pytest.mark.sweep
 def test_where_one_kind_of_postures_ends_at_a_limit_another_goes_on() -> None:
     """Seen along its axis the arm reaches all of a circle: now with one shoulder, now with the other."""
     seen = plane("puma560-usp", Picture.TOP)

@@ -12,13 +12,16 @@ from derive.motion.torques.functions import Functions
 from derive.plans.catalogue import new_plan_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
+from tests.random_robots import swept
 
 FOUR_BAR = "robot: four-bar\npoints: {a: [1], b: [0.7]}\npath: [a, {to: b, time: 2}]\n"
 COMPUTED = "control: {law: computed-torque, kp: 900, kd: 60}"
 
 
 @pytest.mark.parametrize("name", ["palletiser", "four-bar", "slider-crank"])
-@pytest.mark.parametrize("law", ["control: {law: none}", "control: {law: pd-gravity, kp: 9, kd: 0.2}", COMPUTED])
+@pytest.mark.parametrize(
+    "law", ["control: {law: none}", *swept("control: {law: pd-gravity, kp: 9, kd: 0.2}", COMPUTED)]
+)
 def test_energy_balances(name: str, law: str) -> None:
     text = new_plan_text(name, Robot.load(name), name).split("control:", maxsplit=1)[0]
     run = (motion := Motion.from_text(f"{text.replace('time: 2', 'time: 1')}{law}\n")).simulate()
