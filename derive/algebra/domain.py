@@ -95,12 +95,12 @@ class PolynomialDomain:
         return found
 
     def _pair_siblings(self, robot: Robot) -> None:
-        """Two coupled joints on one row, each alone in its group, form one: cranks whose links turn by q1 - q2."""
-        parents = tree.parents(robot)
+        """Two joints on one row, each alone in its group, form one where another joint follows both, as by q1 - q2."""
+        parents, followed = tree.parents(robot), [dict(joint.drive).keys() for joint in robot.joints]
         alone = sorted((parents[group[0]], group[0]) for group in self.groups if len(group) == 1)
         for parent in {parent for parent, _ in alone} if robot.coupled else ():
             pair = tuple(i for before, i in alone if before == parent)
-            if len(pair) == 2:
+            if len(pair) == 2 and any({robot.joints[i].variable for i in pair} <= both for both in followed):
                 self.groups = (*(group for group in self.groups if group[0] not in pair), pair)
                 self.directions = tuple(-1 if i == pair[1] else way for i, way in enumerate(self.directions))
 
