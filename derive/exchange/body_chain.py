@@ -14,6 +14,7 @@ import numpy as np
 from flint import arb
 
 from derive.exchange.certificate import ball, frame_of, motions
+from derive.exchange.ties import NONE, Ties
 from derive.mechanics import vectors
 from derive.mechanics.chain import build_chain, way_frame
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, Real, decimal, length, plus, times, unit
@@ -171,6 +172,7 @@ class BodyChain:
     tool: Frame  # the end effector in frame n
     parts: tuple[Part, ...] = ()  # rows without motion and ends of a tree
     root: Part | None = None  # a root that floats, on which parents of -1 stand
+    ties: Ties = NONE  # equations between the positions of joints
 
     @property
     def rows(self) -> dict[str, Part]:

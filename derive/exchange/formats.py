@@ -7,20 +7,22 @@ from functools import partial
 
 import numpy as np
 
-from derive.errors import DeriveError, near_miss, quoted
+from derive.errors import DeriveError, listed, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, body_chain, given
 from derive.exchange.certificate import ball, frame_of
 from derive.exchange.numeric import with_numbers, with_positive_axes
 from derive.exchange.scripts import csv_text, script_text
+from derive.exchange.ties import in_words, untied
 from derive.exchange.to_xml import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, urdf_text, written_bodies
 from derive.exchange.urdf import SLIDE
 from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly
+from derive.model.ends import without_parallelograms
 from derive.model.identification.possible import possible, wants_possible, with_chosen_bodies
 from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import IDENTITY, Link, RootType
 from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 from derive.verification.oracle.functions import Oracle
 from derive.version import __version__
 
@@ -196,7 +198,6 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     if to not in FORMS:
         allowed = f"allowed: {', '.join(FORMS)}"
         raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
-    require_own_variables(robot, "an export")
     if to not in TREES:
         require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
@@ -204,12 +205,14 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
     numeric, changes = with_chosen_bodies(with_numbers(robot, values), inertia if form.has_rotors else "given")
     reversed_joints = [joint.variable for joint in numeric.joints if joint.sign < 0 and not form.reverses]
     with exactly():
+        numeric, ties = untied(without_parallelograms(numeric))
         if numeric.root and numeric.root.type is RootType.FLOATING:
             # Seen from frame 0: other programs count the place of a root in their own world.
             x, y, z = map(ball, numeric.gravity or (ZERO, ZERO, ZERO))
             x, y, z = (number(decimal(component)) for component in frame_of(numeric.base).turned((x, y, z)))
             numeric = replace(numeric, base=IDENTITY, gravity=numeric.gravity and (x, y, z))
-        written = arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
+        arm = body_chain(with_positive_axes(numeric) if reversed_joints else numeric)
+        written = arm = replace(arm, ties=ties)
         if not form.has_rotors:
             written, changes = with_rotors(arm, form.says, inertia)
         remarks = (*changes, *_remarks(arm, written, form, reversed_joints))
@@ -219,6 +222,8 @@ def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str,
 
 
 def _remarks(arm: BodyChain, written: BodyChain, form: ExportFormat, reversed_joints: Sequence[str]) -> Iterator[str]:
+    for name, total in arm.ties.variables.items():
+        yield f"{form.program} counts positions of joints, of which the variable {name} is {in_words(total)}"
     for key in form.lacks:
         words, has = GIVEN[key]
         if joints := [segment.joint.variable for segment in written.segments if has(segment)]:
@@ -272,6 +277,8 @@ def _remarks_of_toolboxes(plain: str, compiled: str, arm: BodyChain) -> Iterator
 
 
 def _remarks_of_urdf(arm: BodyChain) -> Iterator[str]:
+    for loop in arm.ties.loops:
+        yield f"URDF cannot say that a loop is closed: a joint ({loop.by}) joins the frames {listed(loop.ends)}"
     down = [float(ball(cell)) for cell in arm.robot.gravity or ()]
     if down and (down[0] or down[1] or abs(down[2] - EARTH) > ROUNDING_OF_EARTH):
         yield f"URDF cannot say the gravity {down[0]:g}, {down[1]:g}, {down[2]:g} m/s^2"

@@ -14,7 +14,8 @@ from derive.robot.writer import cell_text
 
 Some = TypeVar("Some", bound=Description)
 
-PARTS = ("joints", "base", "tool", "gravity", "links", "fixed", "ends", "root")  # of a robot, that have cells
+# Of a robot what has cells.
+PARTS = ("joints", "base", "tool", "gravity", "links", "fixed", "ends", "root", "coupled")
 MOST_SYMBOLS = 8  # of those that a message names
 
 
@@ -47,7 +48,8 @@ def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
             pass
         raise DeriveError(f"{cell_text(part)} has no finite value", remedy="choose other numbers")
     if hasattr(part, "__dataclass_fields__"):
-        return replace(part, **{entry.name: _filled(getattr(part, entry.name), values) for entry in fields(part)})
+        names = (entry.name for entry in fields(part) if entry.name != "follows")  # names of derivatives, no cells
+        return replace(part, **{name: _filled(getattr(part, name), values) for name in names})
     return part
 
 

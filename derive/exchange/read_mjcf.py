@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from derive.mechanics.space import decimal, exactly, vector
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
 EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
 DIGITS = 70  # of places that are computed
-LOOPS = "give a tree of hinges and slides, each with a variable of its own"
+LOOPS = "give a tree of hinges and slides, which follow each other by equality joint alone"
 
 
 def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
@@ -55,7 +56,9 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
     name, kind = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
     gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
     springs = [reader.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]
-    notes = (f"springs are not read: joint {', '.join(springs)}",) if springs else ()
+    loose = [reader.name("equality", k) for k in range(model.neq) if k not in reader.active]
+    passed = {"springs are not read: joint": springs, "equalities that are not active are not read:": loose}
+    notes = tuple(f"{words} {', '.join(names)}" for words, names in passed.items() if names)
     return Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=kind)
 
 
@@ -64,6 +67,11 @@ class _Reader:
         self._mujoco, self._model, self._place = mujoco, model, place
         kinds = mujoco.mjtJoint
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
+
+    @property
+    def active(self) -> list[int]:
+        """The equalities that hold."""
+        return [k for k in range(self._model.neq) if self._model.eq_active0[k]]
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._place)
@@ -75,9 +83,17 @@ class _Reader:
 
     def refuse_loops(self) -> None:
         """Refuse what ties joints together, and joints with several variables that are not the root's."""
-        model = self._model
-        for k in range(model.neq):
-            raise self.refused(f"equality {quoted(self.name('equality', k))}: joints that depend on each other", LOOPS)
+        model, seen = self._model, set()
+        for k in self.active:
+            found = f"equality {quoted(self.name('equality', k))}"
+            if model.eq_type[k] != self._mujoco.mjtEq.mjEQ_JOINT:
+                raise self.refused(f"{found}: bodies or tendons that depend on each other", LOOPS)
+            if model.eq_obj2id[k] < 0 or not model.eq_data[k][1] or any(model.eq_data[k][2:5]):
+                allowed = "write polycoef with two coefficients, the second not 0, and joint2"
+                raise self.refused(f"{found}: a joint that is no linear function of another one", allowed)
+            if int(model.eq_obj1id[k]) in seen:
+                raise self.refused(f"{found}: {self.name('joint', model.eq_obj1id[k])} has one already", "remove one")
+            seen.add(int(model.eq_obj1id[k]))
         for k in range(model.njnt):
             kind = model.jnt_type[k]
             is_root = kind == self._free and model.body_parentid[model.jnt_bodyid[k]] == 0
@@ -126,7 +142,13 @@ class _Reader:
         kind = "prismatic" if not turns else "revolute" if model.jnt_limited[j] else "continuous"
         limits, effort = (lower, upper) if model.jnt_limited[j] else None, self._effort(j)
         place = (self.name("joint", j), kind, parent, child, origin, _triple(axis), self._place)
-        return UrdfJoint(*place, limits, effort, damping=damping, friction=friction, armature=armature)
+        own = UrdfJoint(*place, limits, effort, damping=damping, friction=friction, armature=armature)
+        for k in self.active:  # q_1 = a_0 + a_1 q_2
+            if model.eq_obj1id[k] == j:
+                offset, factor = _exact(model.eq_data[k][:2])
+                other = self.name("joint", int(model.eq_obj2id[k]))
+                return replace(own, mimics=other, multiplier=factor, offset=offset)
+        return own
 
     def _effort(self, j: int) -> Fraction | None:
         """The largest torque of a joint, or of the only motor on it."""

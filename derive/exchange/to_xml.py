@@ -1,6 +1,6 @@
 """A robot as URDF, and as MJCF, the format of MuJoCo."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import atan2, hypot
@@ -9,6 +9,7 @@ from xml.sax.saxutils import escape
 
 from flint import arb
 
+from derive.errors import DeriveError, listed
 from derive.exchange import body_chain
 from derive.exchange.body_chain import TIP, BodyChain, ChainSegment, Part, RigidBody, Rotor, is_world, roll_pitch_yaw
 from derive.exchange.certificate import ball
@@ -16,7 +17,7 @@ from derive.exchange.numeric import text, texts
 from derive.exchange.robot_of_arm import table_text
 from derive.exchange.urdf import SLIDE, UNLIMITED, free_name
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
-from derive.robot.description import BASE
+from derive.robot.description import BASE, Joining
 from derive.targets.escape import xml_text
 from derive.targets.templating import render
 
@@ -32,7 +33,7 @@ def urdf_text(arm: BodyChain, head: list[str]) -> str:
         "exchange/robot.urdf.jinja",
         name=arm.robot.name,
         head=head,
-        table="" if arm.parts else escape(table_text(arm.robot)),
+        table="" if arm.parts or arm.ties.driven else escape(table_text(arm.robot)),
         links=links,
         joints=joints,
         radius=f"{radius:.3g}",
@@ -45,7 +46,8 @@ def link_names(arm: BodyChain) -> dict[str, str]:
     """Of the rows of a tree by their labels: the end which is that row's frame, or a name of its own."""
     rows, found = {segment.joint.label: WORLD for segment in arm.segments}, dict[str, str]()
     rows |= {label: part.frame for label, part in arm.rows.items()}
-    ends = [part for part in arm.parts if part.is_end]
+    joined = {name for loop in arm.ties.loops for name in loop.ends}
+    ends = [part for part in arm.parts if part.is_end and part.name not in joined]
     at = {end.after: end.name for end in ends if end.after in rows and is_world(end.frame.seen_from(rows[end.after]))}
     taken = {ROOT, "link0", "world", *(end.name for end in ends)}
     for label in rows:
@@ -71,7 +73,7 @@ def _elements(arm: BodyChain) -> tuple[list[dict[str, Any]], list[dict[str, Any]
     for segment in arm.segments:
         name = names[segment.joint.label]
         placed = replace(segment, origin=_inside(segment.after, segment.origin))
-        joints.append(_joint(placed, parents[segment.after], name))
+        joints.append(_joint(placed, parents[segment.after], name) | {"mimic": _mimic(arm, segment.joint.label)})
         links.append(_link(name, segment, radius))
     last = joints[-1]["child"]
     for parent, name, frame in () if arm.parts else ((last, "flange", arm.segments[-1].dh), ("flange", TIP, arm.tool)):
@@ -131,6 +133,18 @@ def _joint(segment: ChainSegment, parent: str, child: str) -> dict[str, Any]:
     }
 
 
+def _mimic(arm: BodyChain, label: str) -> dict[str, str]:
+    """The joint that another one follows, and by how much; URDF knows one alone."""
+    followed = arm.ties.driven.get(label, ())
+    if len(followed) > 1:
+        raise DeriveError(
+            f"{arm.robot.name}: {label} follows {listed(other for other, _ in followed)}",
+            allowed="allowed in URDF: joints that follow one other joint",
+            remedy="derive export --format mjcf has the equation",
+        )
+    return {"joint": xml_text(followed[0][0]), "multiplier": text(followed[0][1])} if followed else {}
+
+
 def rod(end: Point, radius: float) -> dict[str, str] | None:
     """The cylinder from a frame's origin to a point; None where it would be as short as thick."""
     x, y, z = (float(c) for c in end)
@@ -155,6 +169,7 @@ DENSITY = 1000  # of the cylinders that stand in for masses where a robot has no
 LEAST = 1e-15
 BESIDE = 2.9  # sum of the cosines of the angles between the axes of two frames that are almost one
 MOST_JOINTS = 6  # of a body in MuJoCo
+AXIS = "_axis"  # of the names of sites on the axis of a pin that closes a loop
 EARTH = "0 0 -9.81"  # gravity where the robot file gives none [m/s^2]
 
 
@@ -168,6 +183,8 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     for body, depth, following in zip(bodies, depths, depths[1:], strict=False):
         ended = ["  " * (k + 2) for k in range(depth, following - 1, -1)]  # bodies that end behind this one
         lines.append(("  " * (depth + 2), body, ended))
+    joints = [joint for body in bodies for joint in body["joints"]]
+    undriven = {xml_text(label) for label in (*arm.ties.driven, *arm.ties.passive)}
     rotors = []
     names = [xml_text(segment.joint.label) for segment in arm.segments]
     for i, rotor in enumerate(segment.rotor for segment in arm.segments):
@@ -183,13 +200,44 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
         gravity=EARTH if gravity is None else texts(map(ball, gravity)),
         density=DENSITY,
         bodies=lines,
-        joints=[joint for body in bodies for joint in body["joints"]],
+        motors=[joint for joint in joints if joint["name"] not in undriven],
         threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
         rotors=rotors,
+        **_equations(arm, [joint["name"] for joint in joints]),
         radius=f"{radius:.3g}",
         thick=f"{1.4 * radius:.3g}",
         half=f"{1.5 * radius:.3g}",
     )
+
+
+def _equations(arm: BodyChain, order: Sequence[str]) -> dict[str, Any]:
+    """What ties joints together: of two joints, of several by a tendon, and of the frames that loops join."""
+    driven = {xml_text(label): total for label, total in arm.ties.driven.items()}
+    sums = {label: [(xml_text(other), text(f)) for other, f in total] for label, total in driven.items()}
+    positions = {xml_text(joint.label): q for joint, q in zip(arm.robot.joints, arm.ties.closed, strict=False)}
+    free = ["1.0" if k == 3 else "0.0" for k in range(7 * bool(arm.root))]  # place and quaternion of a root that floats
+    return {
+        "pairs": {label: total[0] for label, total in sums.items() if len(total) == 1},
+        "sums": {label: total for label, total in sums.items() if len(total) > 1},
+        "welds": [loop.ends for loop in arm.ties.loops if loop.by is Joining.FIXED],
+        "connects": [
+            [end + part for end in loop.ends]
+            for loop in arm.ties.loops
+            if loop.by is not Joining.FIXED
+            for part in ("", AXIS)[: 1 + (loop.by is Joining.REVOLUTE)]  # a pin holds a second point of its axis too
+        ],
+        "closed": " ".join([*free, *(repr(positions[name]) for name in order)]) if positions else "",
+    }
+
+
+def _sites(arm: BodyChain, name: str) -> list[dict[str, str]]:
+    """Those of a frame that a loop joins: where it is, and of a pin a point on its axis."""
+    loop = next((loop for loop in arm.ties.loops if name in loop.ends), None)
+    if loop is None:
+        return []
+    length = arm.size if name == loop.ends[0] else loop.way * arm.size
+    heights = {name: "0", name + AXIS: f"{length:.6g}"} if loop.by is Joining.REVOLUTE else {name: "0"}
+    return [{"name": site, "pos": f"0 0 {z}", "quat": "1 0 0 0"} for site, z in heights.items()]
 
 
 def coupled_by_tendon(rotor: Rotor) -> bool:
@@ -249,7 +297,7 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
             inside = arm.base.then(inside) if parent < 0 and not above else inside
             name = part.name if part.is_end else names[part.name]
             if not (part.is_end and names.get(part.after) == part.name):
-                found.append((depth, _frame(name, inside, part.body)))
+                found.append((depth, _frame(name, inside, part.body) | {"sites": _sites(arm, name)}))
             if not part.is_end:
                 _hang(part, parent, depth + 1)
 
@@ -267,12 +315,12 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         found.append((0, _frame(ROOT, WORLD, arm.root.body) | {"is_free": True}))
     _add(-1, 1 if arm.root else 0)
     if not arm.parts:
-        found[-1][1]["tool"] = _place(arm.segments[-1].dh.then(arm.tool))
+        found[-1][1]["sites"] = [{"name": TIP, **_place(arm.segments[-1].dh.then(arm.tool))}]
     return found
 
 
 # Of a body in the file, what most have not.
-UNSAID: Mapping[str, Any] = {"joints": [], **dict.fromkeys(("rod", "first", "is_frame", "is_free", "tool"))}
+UNSAID: Mapping[str, Any] = {"joints": [], "sites": [], **dict.fromkeys(("rod", "first", "is_frame", "is_free"))}
 
 
 def _frame(name: str, frame: Frame, body: RigidBody | None) -> dict[str, Any]:

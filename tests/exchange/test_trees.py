@@ -326,7 +326,10 @@ def test_an_mjcf_with_a_free_joint_and_bodies_by_shape_moves_as_in_mujoco() -> N
     ("change", "found"),
     [
         ({"kind": "ball"}, "joint 'flap' is a ball"),
-        ({"more": '<equality><joint name="tie" joint1="flap" joint2="slip"/></equality>'}, "equality 'tie'"),
+        (
+            {"more": '<equality><joint name="tie" joint1="flap" joint2="slip" polycoef="0 1 2 0 0"/></equality>'},
+            "equality 'tie'",
+        ),
         ({"walls": "<body><joint/><geom size='1'/></body>"}, "is free, and other bodies move beside it"),
         ({"more": "<what/>"}, "MuJoCo: XML Error"),
     ],

@@ -123,7 +123,7 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
     if not {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}:
         found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
         raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
-    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and _are_opposed(robot, loop))
+    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
     try:
         graph = solve(own.arm)
@@ -159,7 +159,7 @@ def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list
     return chain, frames, joined
 
 
-def _are_opposed(robot: Robot, loop: Loop) -> bool:
+def are_opposed(robot: Robot, loop: Loop) -> bool:
     """Whether the z axes of the joined frames are opposed wherever the joints are: so is then that of the pin."""
     source = np.random.default_rng(3)
     values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
