@@ -4,20 +4,21 @@ No common normals are needed: the frame of a row is that of the link which it mo
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from derive.errors import DeriveError, RobotFileError, near_miss, quoted
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
+from derive.exchange.closures import closed, joins, turn_to, variable_of
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
 from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
 from derive.exchange.urdf import MOVING, Urdf, UrdfJoint, free_name
-from derive.mechanics.space import WORLD, Frame, Line, Point, exactly, unit
+from derive.mechanics.space import WORLD, Line, exactly
 from derive.robot import description
-from derive.robot.description import BASE, Description, End, FixedRow, Joint, Link, Root, RootType, Stand, Variable
+from derive.robot.description import BASE, Description, End, FixedRow, Joint, Link, Root, RootType, Stand
 from derive.robot.expression import ZERO, Name, add, multiply, number
 from derive.robot.parser import NOT_SYMBOLS, RESERVED_NAMES
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -81,6 +82,10 @@ def import_tree(
         moved = f"--snap {float(tree.snap):g} would move an end by {found.position:.2g} m"
         raise RobotFileError(f"{urdf.source}: {moved}", remedy="write a smaller --snap")
     notes = tuple(plain_text(note) for note in tree.notes)
+    if tree.joins:
+        labels = {joint.name: row.label for row, joint in tree.moved}
+        robot, note = closed(made, urdf, tree.joins, labels)
+        notes = (*notes, *filter(None, [note]))
     text = robot_text(robot, [*([head] if head else []), str(found), *notes])
     names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)
     return ImportedTree(text, read_back(text, robot.name, urdf.source), found, chosen, names, notes)
@@ -110,18 +115,11 @@ def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:
     return roots[0], found_joints
 
 
-def turn_to(axis: Point) -> Frame:
-    """A rotation that takes z to a unit vector: axes change places where it is one of them."""
-    largest = max(range(3), key=lambda k: abs(float(axis[k])))
-    beside = (WORLD.y, WORLD.z, WORLD.x)[largest]
-    across = tuple(own - axis[(largest + 1) % 3] * along for own, along in zip(beside, axis, strict=True))
-    return Frame.of(WORLD.origin, unit((across[0], across[1], across[2])), axis)
-
-
 class _Tree:
     def __init__(self, urdf: Urdf, root: RootType | None, options: ImportOptions) -> None:
         self.urdf, self.root, self.snap, self._options = urdf, root, snap_of(options.snap), options
         self._base, self.joints = in_order(urdf)
+        self.joins = tuple(joins(urdf, self.joints, self.snap))
         self.notes: list[str] = []
         self._has_bodies = any(urdf.bodies.values())
         # The frame of each row in that of the link which it moves, and the link with which each one moves as a body.
@@ -136,16 +134,19 @@ class _Tree:
     def described(self, wanted: Sequence[str]) -> tuple[Description, dict[str, str]]:
         """The robot, and the links of its ends by their names."""
         chosen, variables = _named(self._ends(wanted)), ROOT_VARIABLES[self.root] if self.root else ()
-        kept = self._kept(set(chosen.values()))
+        kept = self._kept({*chosen.values(), *(link for join in self.joins for link in join.links)})
         labels = {self._base: BASE}
         for joint in kept:
             labels[joint.child] = free_name(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
-        moved = [(row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)]
+        self.moved = moved = [
+            (row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)
+        ]
         names = {joint.name: f"q{k}" for k, (_, joint) in enumerate(moved, 1)}
         joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in moved]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
+        fixed += self._closing(labels, len(rows))
         root = None
         if self.root:
             root = Root(self.root, variables, self._body(self._base))
@@ -156,7 +157,7 @@ class _Tree:
         ends = [End(name, labels[link], at) for (name, link), at in zip(chosen.items(), tools, strict=True)]
         above = (BASE, *(labels[joint.child] for joint in kept))
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
-        if is_chain and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
+        if is_chain and not self.joins and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
         axes = tuple(self._axis(joint, joint.child) for _, joint in moved)
         self.notes += notes_on(self.urdf, Arm(self._base, "", axes, WORLD, WORLD.z, (), ()), proven=False)
@@ -164,8 +165,7 @@ class _Tree:
             n = len(changes)
             self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
         tool = description.IDENTITY if ends[0].name else ends[0].tool
-        own = [row for row in joints if not row.drive]
-        coupled = [Variable(row.variable, row.type, row.limits, row.speed, row.torque) for row in own]
+        coupled = [variable_of(row) for row in joints if not row.drive]
         given = self.urdf.gravity and [number(rounded(component)) for component in self.urdf.gravity]
         x, y, z = given or (ZERO, ZERO, multiply(number(-1), Name("g")))
         robot = Description(
@@ -183,6 +183,15 @@ class _Tree:
             root=root,
         )
         return plain(robot), chosen
+
+    def _closing(self, labels: Mapping[str, str], first: int) -> Iterator[FixedRow]:
+        """The frames that close loops, as rows behind all others."""
+        body = Link() if self._has_bodies else None
+        sides = (side for join in self.joins for side in zip(join.links, join.frames, strict=True))
+        for k, (link, frame) in enumerate(sides):
+            name = free_name(f"loop{k // 2 + 1}_{('first', 'second')[k % 2]}", labels.values())
+            mount = matrix_of(frame.seen_from(self._turns[link]), self.snap)
+            yield FixedRow(name, Stand(labels[link], mount), link=body, row=first + k)
 
     def _row(self, joint: UrdfJoint, labels: Mapping[str, str]) -> tuple[Joint | FixedRow, Link]:
         """The row of a joint without its variable or place yet, and its link."""
@@ -224,6 +233,8 @@ class _Tree:
         carrying = {joint.parent for joint in self.joints}
         tips = [link for link in self._carriers if link not in carrying and self._moved(link)]
         tips = [link for link in tips if self._carriers[link] not in inner]
+        joined = {link for join in self.joins for link in join.links}
+        tips = [link for link in tips if link not in joined] or tips
         if not tips:
             raise RobotFileError(f"{self.urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(tips) > MOST_ENDS:  # of several on one joint the one at the end of the longest way

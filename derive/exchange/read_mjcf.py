@@ -1,7 +1,7 @@
 """MJCF files, as MuJoCo compiles them: defaults, included files, and the masses of what has only a shape."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,12 +10,13 @@ from typing import Any
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.arm import frame_at
 from derive.exchange.read_urdf import angles_of
-from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.urdf import ZEROS, Closure, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.mechanics.space import decimal, exactly, vector
 
 # What may stand before the outermost element is passed once, without a second try: files have many comments.
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
 EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # the quaternion of no rotation
 DIGITS = 70  # of places that are computed
 LOOPS = "give a tree of hinges and slides, which follow each other by equality joint alone"
 
@@ -28,8 +29,8 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
         remedy = "pip install mujoco"
         raise TargetError("reading MJCF needs mujoco, which is not installed", remedy=remedy) from None
     try:
-        read = mujoco.MjModel
-        model = read.from_xml_path(str(path)) if path else read.from_xml_string(data.decode("utf-8", "replace"))
+        kind = mujoco.MjModel
+        model = kind.from_xml_path(str(path)) if path else kind.from_xml_string(data.decode("utf-8", "replace"))
     except ValueError as error:
         said = quoted(" ".join(str(error).split()), 200)[1:-1]
         raise RobotFileError(f"MuJoCo: {said}", remedy="correct the file", location=Location(source)) from None
@@ -53,19 +54,22 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
                     joints.append(joint)
                     bodies[joint.child], offsets[k] = None, offset
                 bodies[reader.name("body", k)] = reader.body(k, offsets[k])
-    name, kind = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
+    name, moves = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
     gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
     springs = [reader.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]
     loose = [reader.name("equality", k) for k in range(model.neq) if k not in reader.active]
     passed = {"springs are not read: joint": springs, "equalities that are not active are not read:": loose}
     notes = tuple(f"{words} {', '.join(names)}" for words, names in passed.items() if names)
-    return Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=kind)
+    read = Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=moves)
+    postures = tuple(reader.postures())
+    return replace(read, closures=tuple(reader.closures(offsets)), driven=reader.driven(), postures=postures)
 
 
 class _Reader:
     def __init__(self, mujoco: Any, model: Any, place: Location) -> None:
         self._mujoco, self._model, self._place = mujoco, model, place
         kinds = mujoco.mjtJoint
+        self._closing = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
 
     @property
@@ -86,8 +90,10 @@ class _Reader:
         model, seen = self._model, set()
         for k in self.active:
             found = f"equality {quoted(self.name('equality', k))}"
+            if model.eq_type[k] in self._closing:
+                continue
             if model.eq_type[k] != self._mujoco.mjtEq.mjEQ_JOINT:
-                raise self.refused(f"{found}: bodies or tendons that depend on each other", LOOPS)
+                raise self.refused(f"{found} is neither of joints nor connect or weld", LOOPS)
             if model.eq_obj2id[k] < 0 or not model.eq_data[k][1] or any(model.eq_data[k][2:5]):
                 allowed = "write polycoef with two coefficients, the second not 0, and joint2"
                 raise self.refused(f"{found}: a joint that is no linear function of another one", allowed)
@@ -103,6 +109,35 @@ class _Reader:
         for k in range(model.ntendon):
             if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
                 raise self.refused(f"tendon {quoted(self.name('tendon', k))} acts on several joints", LOOPS)
+
+    def closures(self, offsets: Mapping[int, Triple]) -> Iterator[Closure]:
+        """What closes loops: points on two bodies, or frames."""
+        model, (_, weld) = self._model, self._closing
+        for k in (k for k in self.active if model.eq_type[k] in self._closing):
+            data, is_weld, ids = model.eq_data[k], model.eq_type[k] == weld, (model.eq_obj1id[k], model.eq_obj2id[k])
+            if model.eq_objtype[k] == int(self._mujoco.mjtObj.mjOBJ_SITE):
+                places = [(int(model.site_bodyid[s]), model.site_pos[s], model.site_quat[s]) for s in ids]
+            else:  # of welds the frame on the second body comes first
+                spots = (data[3:6], data[:3]) if is_weld else (data[:3], data[3:6])
+                turns = (data[6:10] if is_weld else UPRIGHT, UPRIGHT)
+                places = [(int(body), *place) for body, *place in zip(ids, spots, turns, strict=True)]
+            one, other = (
+                (self.name("body", b), Origin(_less(_exact(at), offsets[b]), _angles(turn))) for b, at, turn in places
+            )
+            yield Closure((one[0], other[0]), (one[1], other[1]), is_weld)
+
+    def postures(self) -> Iterator[Mapping[str, float]]:
+        """Positions of joints where the file begins, and in its keyframes."""
+        model = self._model
+        moving = [j for j in range(model.njnt) if model.jnt_type[j] != self._free]
+        for values in (model.qpos0, *model.key_qpos):
+            yield {self.name("joint", j): float(values[model.jnt_qposadr[j]]) for j in moving}
+
+    def driven(self) -> frozenset[str]:
+        """Names of the joints on which something acts."""
+        model, on_joint = self._model, int(self._mujoco.mjtTrn.mjTRN_JOINT)
+        places = (model.actuator_trnid[k][0] for k in range(model.nu) if model.actuator_trntype[k] == on_joint)
+        return frozenset(self.name("joint", int(j)) for j in places)
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:
         """What a body weighs, in the frame of its link."""
@@ -144,7 +179,7 @@ class _Reader:
         place = (self.name("joint", j), kind, parent, child, origin, _triple(axis), self._place)
         own = UrdfJoint(*place, limits, effort, damping=damping, friction=friction, armature=armature)
         for k in self.active:  # q_1 = a_0 + a_1 q_2
-            if model.eq_obj1id[k] == j:
+            if model.eq_obj1id[k] == j and model.eq_type[k] not in self._closing:
                 offset, factor = _exact(model.eq_data[k][:2])
                 other = self.name("joint", int(model.eq_obj2id[k]))
                 return replace(own, mimics=other, multiplier=factor, offset=offset)

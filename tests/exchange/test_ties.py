@@ -2,11 +2,13 @@
 
 import random
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from derive.errors import DeriveError
+from derive.exchange.closures import joins
 from derive.exchange.formats import exported
 from derive.exchange.from_tree import import_tree
 from derive.exchange.numeric import with_numbers
@@ -28,13 +30,13 @@ from tests.random_trees import coupled
 from tests.verification.oracle.test_loops import MECHANISMS, mechanism
 
 mujoco = pytest.importorskip("mujoco")
-HEAVY = number(3)
+HEAVY, OF_FILE = number(3), -1  # the latter instead of a seed
 BUILT_IN = ("palletiser", "two-finger-gripper", "five-bar", "four-bar", "slider-crank")
 
 
 def tied(name: str, seed: int) -> Robot:
     """A robot of numbers with bodies that exist."""
-    if name in MECHANISMS:
+    if name in MECHANISMS and seed >= 0:
         return bare(mechanism(name, seed))
     if name == "coupled":
         rng = random.Random(seed)
@@ -49,7 +51,8 @@ def tied(name: str, seed: int) -> Robot:
     return bare(replace(made, links=heavy))
 
 
-CASES = [pytest.param(name, 0, id=name) for name in BUILT_IN] + [
+LOOPS = ("four-bar", "slider-crank", *MECHANISMS)
+CASES = [pytest.param(name, OF_FILE, id=name) for name in BUILT_IN] + [
     pytest.param(name, seed, id=f"{name}-{seed}", marks=[] if seed < 1 else pytest.mark.sweep)
     for name in ("coupled", *MECHANISMS)
     for seed in range(12)
@@ -61,7 +64,7 @@ CASES = [pytest.param(name, 0, id=name) for name in BUILT_IN] + [
 def test_mujocos_inertia_and_gravity_along_its_equalities_are_ours(name: str, seed: int) -> None:
     robot = without_parallelograms(tied(name, seed))
     model = mujoco.MjModel.from_xml_string(exported(robot, "mjcf").text)
-    data, samples = mujoco.MjData(model), sample_sets(robot, 3, np.random.default_rng(seed))[0]
+    data, samples = mujoco.MjData(model), sample_sets(robot, 3, np.random.default_rng(abs(seed)))[0]
     with exactly():
         bare_robot, ties = untied(robot)
     labels = [joint.label for joint in bare_robot.joints]
@@ -86,6 +89,24 @@ def test_mujocos_inertia_and_gravity_along_its_equalities_are_ours(name: str, se
         for function, theirs in wanted.items():
             ours = samples.oracle.evaluate(function, q)
             assert np.abs(ours - theirs).max() < 1e-9 * max(1, np.abs(ours).max()), function
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"), [case for case in CASES if case.values[0] in LOOPS and case.id != "five-bar"]
+)
+def test_a_loop_comes_back_from_mjcf_in_its_branch_with_the_joints_that_have_motors_as_variables(
+    name: str, seed: int
+) -> None:
+    robot = tied(name, seed)
+    back = import_tree(read_mjcf(exported(robot, "mjcf").text.encode(), "loop")).robot
+    assert [loop.by for loop in back.loops] == [loop.by for loop in robot.loops]
+    ours, theirs = (sample_sets(each, 3, np.random.default_rng(abs(seed)))[0] for each in (robot, back))
+    names = [next(j.label for j in robot.joints if j.variable == each.variable) for each in robot.coupled]
+    order = [names.index(next(j.label for j in back.joints if j.variable == each.variable)) for each in back.coupled]
+    given = [ours.arguments[name] for name in ("q", "qd", "qdd")]
+    torques = ours.oracle.evaluate("inverse_dynamics", *given)[:, order]
+    found = theirs.oracle.evaluate("inverse_dynamics", *(part[:, order] for part in given))
+    assert np.abs(torques - found).max() < 1e-9 * np.abs(torques).max()
 
 
 GEARED = """
@@ -122,18 +143,18 @@ def test_a_joint_that_follows_another_one_goes_out_and_comes_back(to: str) -> No
 
 def test_what_formats_cannot_say_of_ties_is_refused_or_told() -> None:
     with pytest.raises(DeriveError, match="wrist follows shoulder, elbow"):
-        exported(tied("palletiser", 0), "urdf")
+        exported(tied("palletiser", OF_FILE), "urdf")
     with pytest.raises(DeriveError, match="by a slide"):
         exported(bare(mechanism("shaper", 0)), "mjcf")
-    told = exported(tied("four-bar", 0), "urdf").remarks
+    told = exported(tied("four-bar", OF_FILE), "urdf").remarks
     assert "a loop is closed: a joint (revolute) joins the frames loop1_first, loop1_second" in " ".join(told)
-    told = exported(tied("palletiser", 0), "mjcf").remarks
+    told = exported(tied("palletiser", OF_FILE), "mjcf").remarks
     assert "the variable q3 is shoulder + elbow" in " ".join(told)
 
 
 def test_the_keyframe_of_a_loop_on_a_floating_root_is_closed() -> None:
     stone = "{mass: 9, inertia: {xx: 1, yy: 1, zz: 1}}"
-    text = robot_text(tied("four-bar", 0)).replace("ends:", f"root: {{type: floating, link: {stone}}}\nends:")
+    text = robot_text(tied("four-bar", OF_FILE)).replace("ends:", f"root: {{type: floating, link: {stone}}}\nends:")
     model = mujoco.MjModel.from_xml_string(exported(Robot.from_text(text), "mjcf").text)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -155,9 +176,15 @@ def test_only_equalities_of_two_joints_are_read_from_an_mjcf() -> None:
         pair.format("0 1 1 0 0"): "no linear function of another one",
         '<joint joint1="a"/>': "no linear function of another one",
         2 * pair.format("0 1 0 0 0"): "a has one already",
-        '<connect body1="world" body2="tip" anchor="0 0 0"/>': "bodies or tendons that depend on each other",
     }.items():
         with pytest.raises(DeriveError, match=found):
             read_mjcf(text.format(rows).encode(), "pair.xml")
+    held = text.format('<connect body1="body1" body2="tip" anchor="0 0 1"/>').replace("<body>", '<body name="body1">')
+    with pytest.raises(DeriveError, match="no motor drives a joint of the loops, a, b"):
+        import_tree(read_mjcf(held.encode(), "pair.xml"))
+    points = "".join(f'<connect body1="body1" body2="tip" anchor="{at}"/>' for at in ("0 0 1", "0 1 0", "1 0 0"))
+    read = read_mjcf(text.format(points).replace("<body>", '<body name="body1">').encode(), "pair.xml")
+    with pytest.raises(DeriveError, match="3 points connect body1, tip, which are not on one line"):
+        list(joins(read, read.joints, Fraction(0)))
     loose = text.format(pair.format("0 1 0 0 0").replace("/>", ' active="false"/>'))
     assert "equality" in read_mjcf(loose.encode(), "pair.xml").notes[0]

@@ -7,6 +7,7 @@ variables determine.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -28,7 +29,7 @@ from derive.robot.description import (
     Matrix,
     Stand,
 )
-from derive.robot.expression import ONE, ZERO, Call, Expression, Number, Pi, add, multiply, negate
+from derive.robot.expression import ONE, ZERO, Call, Expression, Number, Pi, add, multiply, negate, number
 from derive.robot.names import own_names
 from derive.robot.options.inverse import TASKS, InverseOptions, Task
 from derive.robot.robot import Robot
@@ -130,7 +131,7 @@ def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
         row: Joint | FixedRow = fixed[name] if name in fixed else robot.joints[index[name]]
         stand = row.stand or Stand(BASE)  # right behind the row above, with nothing between
         link, about_z = Screw("x", row.alpha, row.a), Screw("z", row.theta, row.d)
-        yield stand.mount
+        yield from _steps(stand.mount)
         yield Screw("z", stand.gamma, stand.b)
         if robot.convention is Convention.MODIFIED:
             yield link
@@ -139,6 +140,23 @@ def _outwards(robot: Robot, label: str, loop: Loop) -> Iterator[Step]:
             yield Passage(row, index[name], 1)
         if robot.convention is Convention.STANDARD:
             yield link
+
+
+def _steps(mount: Matrix) -> Iterator[Step]:
+    """A constant transform; one of decimals that keeps the direction of z by angles.
+
+    Of decimals c^2 + s^2 is not 1: equations that hold for a rotation would be missed by what is rounded.
+    """
+    cells = [cell.value if isinstance(cell, Number) else None for row in mount[:3] for cell in row]
+    c, x, s, y, along, z = (cells[k] for k in (0, 3, 4, 7, 10, 11))
+    if c is None or s is None or x is None or y is None or z is None or c * c + s * s == 1 or along not in (1, -1):
+        yield mount
+        return
+    way, turn = (math.atan2(y, x) if y else 0.0), math.atan2(s, c)
+    yield Screw("z", number(Fraction(way)), number(z))
+    yield Screw("x", ZERO, number(Fraction(math.hypot(x, y))) if y else number(x))
+    yield Screw("z", number(Fraction(turn - way)), ZERO)
+    yield Screw("x", Pi(), ZERO) if along < 0 else Screw("x", ZERO, ZERO)
 
 
 def _back(step: Step) -> Step:

@@ -49,6 +49,7 @@ Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of o
 
 _SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
 _OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
+_TINY = 1e-300  # [m] where nothing is missing
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -220,6 +221,9 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
         raise _refused(robot, one.loop, found, remedy=remedy)
     if missing > 0.0:
         found = f"it cannot be assembled: at best {missing:.3g} m are missing"
+        found = (
+            found if missing > _OPEN else "no closed form: it closes where its elementary equations have no solution"
+        )
         raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
     choices: list[tuple[float, SolvedLoop]] = []
     for in_frame in (False, True):
@@ -260,7 +264,12 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
     arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
     arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
     closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
-    return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), float((arm.residual(closest) * arm.unit).min())
+    return (
+        numbers,
+        q,
+        list(source.uniform(-2, 2, (robot.n, _SAMPLES))),
+        float((arm.residual(closest) * arm.unit).min()) + _TINY,
+    )
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:

@@ -1,0 +1,141 @@
+"""What closes loops in an MJCF, ``equality connect`` and ``weld``, as loops of a robot file."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import groupby, product
+
+import numpy as np
+
+from derive.errors import QuantityError, RobotFileError, listed
+from derive.exchange.arm import carrying_joints, direction_of, frame_at
+from derive.exchange.urdf import MOVING, Urdf, UrdfJoint
+from derive.inverse.loops.linkage import linkage, positions
+from derive.mechanics.space import WORLD, Frame, Point, length, plus, unit
+from derive.mechanics.vectors import cross, dot
+from derive.robot.description import Joining, Joint, Loop, Variable
+from derive.robot.expression import Name
+from derive.robot.robot import Robot
+
+_APART = 1e-9  # two points of an axis are farther from each other [m], and directions differ by more
+_SEEN = 1e-3  # how near to the file's the positions of passive joints are in its branch [rad or m]
+
+
+@dataclass(frozen=True, slots=True)
+class Join:
+    """Two frames that are joined, each on a link, and the joints of the loop that they close."""
+
+    links: tuple[str, str]
+    frames: tuple[Frame, Frame]
+    by: Joining
+    around: tuple[UrdfJoint, ...]
+
+
+def turn_to(axis: Point) -> Frame:
+    """A rotation that takes z to a unit vector: axes change places where it is one of them."""
+    largest = max(range(3), key=lambda k: abs(float(axis[k])))
+    beside = (WORLD.y, WORLD.z, WORLD.x)[largest]
+    across = tuple(own - axis[(largest + 1) % 3] * along for own, along in zip(beside, axis, strict=True))
+    return Frame.of(WORLD.origin, unit((across[0], across[1], across[2])), axis)
+
+
+def joins(urdf: Urdf, joints: Sequence[UrdfJoint], snap: Fraction) -> Iterator[Join]:
+    """The loops of a file; points that connect the same links are one pin, and so is one of a plane linkage."""
+    carrying, at_zero = carrying_joints(urdf), {joint.parent: WORLD for joint in joints[:1]}
+    for joint in joints:
+        at_zero[joint.child] = at_zero[joint.parent].then(frame_at(joint.origin, snap))
+
+    def _above(link: str) -> list[UrdfJoint]:
+        joint = carrying.get(link)
+        return [] if joint is None else [*_above(joint.parent), joint]
+
+    for (links, is_weld), group in groupby(urdf.closures, key=lambda each: (each.links, each.is_weld)):
+        ways = [_above(link) for link in links]
+        around = tuple(j for j in (*ways[0], *ways[1]) if j.type in MOVING and (j in ways[0]) != (j in ways[1]))
+        first, *others = [[frame_at(origin, snap) for origin in each.origins] for each in group]
+        by, frames = (Joining.FIXED if is_weld else Joining.SPHERICAL), first
+        turns = [(joint, at_zero[joint.child].direction(direction_of(joint, snap))) for joint in around]
+        if not is_weld and others:
+            spots = [[plus(pair[side].origin, first[side].origin, -1) for pair in others] for side in (0, 1)]
+            axes = [unit(spot[0]) for spot in spots]
+            if any(length(cross(axis, end)) > _APART for axis, spot in zip(axes, spots, strict=True) for end in spot):
+                found = f"{len(others) + 1} points connect {listed(links)}, which are not on one line"
+                raise RobotFileError(f"{urdf.source}: {found}", remedy="write equality weld")
+        elif not is_weld and (normal := _normal(turns)):
+            axes = [WORLD.seen_from(at_zero[link]).direction(normal) for link in links]
+        else:
+            axes = []
+        if axes:
+            turned = (turn_to(axis) for axis in axes)
+            by, frames = Joining.REVOLUTE, [Frame(f.origin, t.x, t.y, t.z) for f, t in zip(first, turned, strict=True)]
+        yield Join(links, (frames[0], frames[1]), by, around)
+
+
+def _normal(axes: Sequence[tuple[UrdfJoint, Point]]) -> Point | None:
+    """Of the plane in which all joints of a loop move; None where there is none."""
+    found = next((axis for joint, axis in axes if MOVING[joint.type]), None)
+    plane = found is not None and all(
+        length(cross(found, axis)) < _APART if MOVING[joint.type] else abs(dot(found, axis)) < _APART
+        for joint, axis in axes
+    )
+    return found if plane else None
+
+
+def variable_of(joint: Joint) -> Variable:
+    """That of a joint which follows no other."""
+    return Variable(joint.variable, joint.type, joint.limits, joint.speed, joint.torque)
+
+
+def closed(robot: Robot, urdf: Urdf, found: Sequence[Join], labels: Mapping[str, str]) -> tuple[Robot, str]:
+    """The tree with its loops, in the branch in which the file has them; joints around them without motors follow.
+
+    ``labels`` are those of the rows of joints by their names. And a remark where the file has no closed configuration.
+    """
+    around = {joint.name: joint for join in found for joint in join.around if joint.mimics is None}
+    passive = {labels[name] for name in around if name not in urdf.driven}
+    if len(passive) == len(around):
+        what = f"{urdf.source}: no motor drives a joint of the loops, {listed(labels[name] for name in around)}"
+        raise RobotFileError(what, remedy="add an actuator to each joint that is driven")
+    own = [joint for joint in robot.joints if not joint.drive and joint.label not in passive]
+    active = tuple(map(variable_of, own))
+    follows = {
+        joint.label: tuple((v.variable, Name(f"G_{joint.variable}_{v.variable}")) for v in active)
+        for joint in robot.joints
+    }
+    joints = tuple(replace(j, follows=follows[j.label]) if j.label in passive else j for j in robot.joints)
+    names = [row.name for row in robot.fixed[-2 * len(found) :]]
+    loops = tuple(Loop((names[2 * k], names[2 * k + 1]), join.by) for k, join in enumerate(found))
+    made = replace(robot, joints=joints, coupled=active, loops=loops)
+    for posture in urdf.postures:
+        at = {labels[name]: value for name, value in posture.items() if name in labels}
+        if branch := _on_branch(made, [np.array([at.get(joint.label, 0.0)]) for joint in robot.joints]):
+            return branch, ""
+    linkage(made)
+    return made, "no configuration of the file closes its loops: the first branch is taken"
+
+
+def _on_branch(robot: Robot, at: Sequence[np.ndarray]) -> Robot | None:
+    """The robot with the branches of its loops in which its joints are at some positions; None where none is."""
+    places = {joint.variable: x for joint, x in zip(robot.joints, at, strict=True)}
+    q, loops = [places[variable.variable] for variable in robot.variables], list(robot.loops)
+    for k in range(len(loops)):
+        solved = linkage(replace(robot, loops=tuple(loops[: k + 1])))[-1]
+        count = sum(node.formulas[0].branches > 1 for node in solved.graph.nodes)
+        for signs in product("+-", repeat=count):
+            loops[k] = replace(loops[k], branch="".join(signs))
+            part = replace(robot, loops=tuple(loops[: k + 1]))
+            try:
+                full, exists = positions(part, linkage(part), q)
+            except QuantityError:  # a branch in which it cannot be assembled
+                continue
+            apart = [_apart(full[p] - at[p], part.joints[p].is_revolute) for p in solved.passive]
+            if exists.all() and max(apart) < _SEEN:
+                break
+        else:
+            return None
+    return replace(robot, loops=tuple(loops))
+
+
+def _apart(difference: np.ndarray, is_angle: bool) -> float:
+    whole = round(float(difference[0]) / (2 * np.pi)) * 2 * np.pi if is_angle else 0.0
+    return abs(float(difference[0]) - whole)
