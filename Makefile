@@ -18,7 +18,7 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "derive needs Python 3.11 or newer: make PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[handout,motion,exchange,test,dev]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[handout,motion,exchange,data,test,dev]'
 	@touch $(READY)
 
 models: $(READY)

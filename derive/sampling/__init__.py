@@ -1,0 +1,1 @@
+"""Many configurations: where they are computed, and what is said of all of them together."""

@@ -1,0 +1,111 @@
+"""Where blocks of work are computed: threads of this process, processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from importlib.util import find_spec
+from itertools import islice
+from typing import Any, TypeVar
+
+from derive.errors import DeriveError, optional
+
+PATIENCE = 10
+"""Seconds in which a scheduler must answer."""
+
+_AHEAD = 4  # blocks under way for each thread: enough that none waits for the next, few enough to bound memory
+
+Block = TypeVar("Block")
+Result = TypeVar("Result")
+Tell = Callable[[str, str], None]  # called with what is computed and how far it is
+
+
+def data_module(name: str, what: str = "many configurations on Dask") -> Any:
+    """A module that the extra ``data`` brings; ``what`` says who needs it."""
+    return optional(name, f"{what} need {name.partition('.')[0]}", "data")
+
+
+@dataclass(frozen=True, slots=True)
+class Cluster:
+    """An executor, the number of its threads, and Dask's client where there is one."""
+
+    executor: Executor
+    threads: int
+    client: Any = None
+
+    def shared(self, value: Any) -> Any:
+        """A large argument of all blocks, sent to every worker once."""
+        return value if self.client is None else self.client.scatter(value, broadcast=True)
+
+    def in_order(
+        self,
+        work: Callable[..., Result],
+        blocks: Sequence[Block],
+        *shared: Any,
+        what: str = "",
+        tell: Tell | None = None,
+    ) -> Iterator[Result]:
+        """``work(block, *shared)`` for each block, in the order of the blocks; few are under way at a time."""
+        since, waiting = time.monotonic(), deque[Future[Result]]()
+        coming = iter(blocks)
+        try:
+            for done in range(len(blocks)):
+                wanted = _AHEAD * self.threads - len(waiting)
+                waiting.extend(self.executor.submit(work, block, *shared) for block in islice(coming, wanted))
+                yield waiting.popleft().result()
+                if tell is not None:
+                    tell(what, _progress(done + 1, len(blocks), time.monotonic() - since))
+        finally:  # after an error or an interrupt
+            for future in waiting:
+                future.cancel()
+
+
+def _progress(done: int, total: int, seconds: float) -> str:
+    """``34 %, 12 s left``."""
+    return f"{done / total:.0%}, {seconds / done * (total - done):.0f} s left,".replace("%", " %")
+
+
+@contextmanager
+def cluster(workers: int | None = None, scheduler: str | None = None, *, processes: bool = False) -> Iterator[Cluster]:
+    """Threads of this process, ``processes`` of this machine, or the workers of a scheduler.
+
+    Threads suffice for compiled functions. Dask's collections that are computed in the context use these workers.
+    """
+    count = workers or os.cpu_count() or 1
+    if scheduler is not None and workers is not None:
+        raise DeriveError("--workers with --scheduler", remedy="leave one out: the cluster has its own workers")
+    if scheduler is None and not processes:
+        dask = data_module("dask") if find_spec("dask") else None
+        with ThreadPoolExecutor(count) as pool, dask.config.set(pool=pool) if dask else nullcontext():
+            yield Cluster(pool, count)
+        return
+    distributed = data_module("distributed")
+    if scheduler is None:
+        with (
+            distributed.LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
+            distributed.Client(local) as client,
+        ):
+            yield Cluster(client.get_executor(), count, client)
+        return
+    with _client(distributed, scheduler) as client:
+        threads = sum(client.nthreads().values())
+        if not threads:
+            raise DeriveError(f"the scheduler at {scheduler!r} has no workers", remedy="start one: dask worker ADDRESS")
+        yield Cluster(client.get_executor(), threads, client)
+
+
+def _client(distributed: Any, address: str) -> Any:
+    """A client of a scheduler that runs, or a refusal."""
+    try:
+        return distributed.Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise DeriveError(
+            f"no Dask scheduler answers at {address!r} within {PATIENCE} s",
+            allowed="allowed: an address such as tcp://127.0.0.1:8786",
+            remedy="start one with 'dask scheduler', or leave out --scheduler",
+        ) from error

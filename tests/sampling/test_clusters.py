@@ -1,0 +1,52 @@
+"""Blocks on threads, processes and a scheduler: in order, few at a time, and refusals within seconds."""
+
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from derive.errors import DeriveError
+from derive.sampling.clusters import cluster
+from tests.interpreters import printed_by
+
+
+def times(block: int, factor: int) -> int:
+    return block * factor
+
+
+@pytest.mark.parametrize("where", [{}, {"workers": 3}, {"workers": 2, "processes": True}])
+def test_results_come_in_the_order_of_the_blocks(where: dict[str, int]) -> None:
+    told: list[str] = []
+    with cluster(**where) as found:
+        factor = found.shared(7)
+        results = list(
+            found.in_order(partial(times), range(50), factor, what="x", tell=lambda _, text: told.append(text))
+        )
+    assert results == [7 * k for k in range(50)]
+    assert told[24].startswith("50 %")
+    assert told[-1] == "100 %, 0 s left,"
+
+
+def test_a_scheduler_that_does_not_answer_is_told_within_seconds() -> None:
+    since = time.monotonic()
+    said = "no Dask scheduler answers at 'tcp://127.0.0.1:9' within 10 s; allowed: an address such as"
+    with pytest.raises(DeriveError, match=said), cluster(scheduler="tcp://127.0.0.1:9"):
+        pass
+    assert time.monotonic() - since < 12
+
+
+@pytest.mark.parametrize("address", ["nowhere", "tcp://nowhere.invalid:1", "tcp://127.0.0.1:x"])
+def test_what_is_no_address_is_refused(address: str) -> None:
+    with pytest.raises(DeriveError, match="no Dask scheduler answers at"), cluster(scheduler=address):
+        pass
+
+
+def test_the_core_imports_nothing_of_what_data_need(tmp_path: Path) -> None:
+    """Neither ``import derive`` nor a build, which verifies."""
+    script = (
+        "import sys, derive\n"
+        f"derive.build('scara-perugia', {str(tmp_path)!r}, targets=['numpy'], only=True)\n"
+        "print({'dask', 'distributed', 'zarr', 'xarray', 'pyarrow', 'pandas'} & set(sys.modules))"
+    )
+    assert printed_by(script) == "set()"
