@@ -48,11 +48,8 @@ class DynamicModel(KinematicModel):
 
     def _require_links(self, what: str) -> None:
         if not self.robot.has_dynamics:
-            raise QuantityError(
-                f"{what} of {self.robot.name}",
-                allowed="kinematics only, for the file has no `links`",
-                remedy="add `links:` with mass, com and inertia of each link",
-            )
+            found, allowed = f"{what} of {self.robot.name}", "kinematics only, for the file has no `links`"
+            raise QuantityError(found, allowed=allowed, remedy="add `links:` with mass, com and inertia of each link")
 
     # -- exact layer
 

@@ -159,8 +159,5 @@ def scalar_quantity(model: DynamicModel, text: str) -> Expr:
             return value[0, 0]
         if shape is not None and len(rest) == (1 if shape[1] == 1 else 2):
             return pick(value, rest, text)
-    raise QuantityError(
-        f"{text} is a matrix",
-        allowed="allowed: a scalar here",
-        remedy=f"name an entry, for instance {quantity.name}[...][1,1]",
-    )
+    remedy = f"name an entry, for instance {quantity.name}[...][1,1]"
+    raise QuantityError(f"{text} is a matrix", allowed="allowed: a scalar here", remedy=remedy)

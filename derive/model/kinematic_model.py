@@ -339,11 +339,9 @@ class KinematicModel(TreeModel):
             raise QuantityError(f"J_analytic of kind {kind!r}", allowed="allowed: rpy or zyz")
         x, y, z = self.R[:, 0 if kind == "rpy" else 2]  # the direction that the second turn tilts
         if x == 0 and y == 0:
-            raise QuantityError(
-                f"the analytic Jacobian for {kind}",
-                allowed="allowed: angles that are not singular in every configuration of this arm",
-                remedy=f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J",
-            )
+            allowed = "allowed: angles that are not singular in every configuration of this arm"
+            remedy = f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J"
+            raise QuantityError(f"the analytic Jacobian for {kind}", allowed=allowed, remedy=remedy)
         square = x**2 + y**2
         rates = []
         for k in range(self.n):
@@ -379,18 +377,15 @@ class KinematicModel(TreeModel):
             moving = [row for row in range(1, 7) if any(column[row - 1] for column in entries)]
             rows = moving if len(moving) == len(columns) else range(1, min(len(columns), 6) + 1)
             if len(rows) in (4, 5) and len(moving) > len(rows):
-                raise QuantityError(
-                    f"det J of {self.robot.name}, which moves in {len(moving)} coordinates by {len(rows)} joints",
-                    allowed="allowed: a determinant of named rows",
-                    remedy="ask for singularities, or for a task such as detJ_rows[1,2,3,6]",
-                )
+                said = f"det J of {self.robot.name}, which moves in {len(moving)} coordinates by {len(rows)} joints"
+                how = "ask for singularities, or for a task such as detJ_rows[1,2,3,6]"
+                raise QuantityError(said, allowed="allowed: a determinant of named rows", remedy=how)
         inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
         if len(rows) != len(columns) or not inside:
             found = f"rows {list(rows)} and columns {list(columns)} of J"
             remedy = "name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3"
-            raise QuantityError(
-                found, allowed=f"allowed: as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy
-            )
+            allowed = f"allowed: as many rows (1 to 6) as columns (1 to {self.n})"
+            raise QuantityError(found, allowed=allowed, remedy=remedy)
         return self.form.determinant(determinant([[entries[c - 1][r - 1] for c in columns] for r in rows]))
 
     @cached_property

@@ -214,12 +214,9 @@ class Cells:
         try:
             expression = parse_expression(scalar.text, scalar.inner)
         except ExpressionError as error:
-            raise ExpressionError(
-                f"{path_text(path)}: {error.found}",
-                allowed=error.allowed,
-                remedy=cell_hint(scalar.text) or error.remedy,
-                location=error.location if scalar.verbatim else scalar.location,
-            ) from None
+            found, remedy = f"{path_text(path)}: {error.found}", cell_hint(scalar.text) or error.remedy
+            location = error.location if scalar.verbatim else scalar.location
+            raise ExpressionError(found, allowed=error.allowed, remedy=remedy, location=location) from None
         for name in names(expression):
             self.first_use.setdefault(name, scalar.location)
         return expression
