@@ -23,7 +23,7 @@ class Strict:
         """Keys that may be left out: the fields of a dataclass of options, each annotated with what it is."""
         for name, kind in get_type_hints(options, include_extras=True).items() if options else ():
             cls.__annotations__[name] = kind.__origin__ | None
-            setattr(cls, name, Field(default=None, description=kind.__metadata__[0]))
+            setattr(cls, name, usually(None, kind.__metadata__[0]))
 
 
 class _Said:
@@ -37,6 +37,11 @@ Field: Any = partial(_Said, "Field")
 Tag: Any = partial(_Said, "Tag")
 Discriminator: Any = partial(_Said, "Discriminator")
 WithJsonSchema: Any = partial(_Said, "WithJsonSchema")
+
+
+def usually(value: Any, description: str, **options: Any) -> Any:
+    """A key that may be left out, which then has a value, or is nothing for None."""
+    return Field(default=value, description=description, **options)
 
 
 _read: dict[type[Strict], dict[str, tuple[Any, bool]]] = {}
