@@ -47,12 +47,7 @@ def render_numpy(source: Source) -> dict[str, str]:
     return {FILE: render("numpy/model_numpy.py.jinja", **context | {"arms": arms})}
 
 
-TARGET = Target(
-    name="numpy",
-    summary="functions of one configuration or a batch, importing NumPy alone",
-    files=(FILE,),
-    render=render_numpy,
-)
+TARGET = Target("numpy", "functions of one configuration or a batch, importing NumPy alone", (FILE,), render_numpy)
 
 
 def python_context(source: Source) -> dict[str, object]:
