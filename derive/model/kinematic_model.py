@@ -124,7 +124,7 @@ class KinematicModel(TreeModel):
     # -- frames
 
     def A(self, i: int) -> Matrix:
-        """A_i: DH frame i in DH frame i-1, in a tree in that of the row that it follows.
+        """A_i, 4x4: DH frame i in DH frame i-1, in a tree in that of the row that it follows.
 
         Standard: A_i = Rot(z, theta_i) Trans(z, d_i) Trans(x, a_i) Rot(x, alpha_i) (Siciliano et al., Robotics,
         section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
@@ -133,9 +133,6 @@ class KinematicModel(TreeModel):
         Args:
             i: Row of the table, from 1.
 
-        Returns:
-            4x4.
-
         Raises:
             QuantityError: No such row.
         """
@@ -143,14 +140,11 @@ class KinematicModel(TreeModel):
         return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
     def transform(self, i: int | str, j: int | str) -> Matrix:
-        """T_j^i = A_{i+1} ... A_j: DH frame j in DH frame i, without base and tool.
+        """T_j^i = A_{i+1} ... A_j, 4x4: DH frame j in DH frame i, without base and tool.
 
         Args:
             i: The reference frame, from 0 to n; in a tree also a row by its name.
             j: The frame, from 0 to n, or a row; before i it is the inverse transform.
-
-        Returns:
-            4x4.
 
         Raises:
             QuantityError: No such frame.
@@ -163,13 +157,10 @@ class KinematicModel(TreeModel):
         return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
     def frame(self, i: int | str) -> Matrix:
-        """T_i = base A_1 ... A_i: DH frame i in the world.
+        """T_i = base A_1 ... A_i, 4x4: DH frame i in the world.
 
         Args:
             i: The frame, from 0 to n; in a tree also a row by its name.
-
-        Returns:
-            4x4.
 
         Raises:
             QuantityError: No such frame.
@@ -303,9 +294,6 @@ class KinematicModel(TreeModel):
         Args:
             k: The joint, from 1.
 
-        Returns:
-            6xn.
-
         Raises:
             QuantityError: No such joint.
         """
@@ -321,16 +309,13 @@ class KinematicModel(TreeModel):
 
     @of_each_end_by_joints
     def J_analytic(self, kind: str) -> Matrix:
-        """Analytic Jacobian: derivative of position and of orientation angles.
+        """Analytic Jacobian, 6xn: rows of velocity in the world frame, then of the rates of orientation angles.
 
         The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
         function occurs (Siciliano et al., Robotics, section 3.6).
 
         Args:
             kind: ``rpy`` (roll, pitch, yaw) or ``zyz`` (phi, theta, psi).
-
-        Returns:
-            6xn: rows of velocity in the world frame, then of the rates of the angles.
 
         Raises:
             QuantityError: Another kind, or angles that are singular in every configuration.
@@ -355,15 +340,12 @@ class KinematicModel(TreeModel):
 
     @of_each_end
     def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
-        """Determinant of a square block of J.
+        """Determinant of a square block of J, in the lecture form.
 
         Args:
             rows: Rows of J from 1; by default those that are not zero everywhere if they are as many as the columns,
                 such as 1, 2, 6 of an arm of three joints in the plane, else the first of two or three joints.
             columns: Columns of J from 1; default all.
-
-        Returns:
-            The determinant in the lecture form.
 
         Raises:
             QuantityError: The block is not square, no rows are named and none are natural, or the arm is too long for
