@@ -2,9 +2,8 @@
 
 from typing import Annotated, Any, Literal
 
-from derive.robot.reading.json_schema import without_null
 from derive.robot.reading.schema import FORMS, Cell, RobotFile, Vector3
-from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, model_of, usually
+from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, schema_of, usually
 
 ProfileName = Literal["cubic", "quintic", "septic", "trapezoidal", "harmonic", "spline", "fastest"]
 Via = Literal["stop", "pass"]
@@ -132,5 +131,5 @@ class PlanFile(Strict):
 
 def plan_json_schema() -> dict[str, Any]:
     """JSON Schema of a motion plan, for editors."""
-    plan = without_null(model_of(PlanFile).model_json_schema(ref_template="#/$defs/{model}"))
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **plan, "title": "derive motion plan"}
+    schema = "https://json-schema.org/draft/2020-12/schema"
+    return {"$schema": schema, **schema_of(PlanFile), "title": "derive motion plan"}

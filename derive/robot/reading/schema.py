@@ -13,6 +13,7 @@ from derive.errors import Location, RobotFileError, listed, near_miss, path_text
 from derive.robot.options import handout as sheet
 from derive.robot.options.inverse import ROWS
 from derive.robot.options.style import DEFAULT_STYLE, Style
+from derive.robot.reading import structure
 from derive.robot.reading.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.reading.hints import choice_hint, key_hint, shape_hint
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -252,6 +253,27 @@ class RobotFile(Strict):
     handout: HandoutRow = usually(HandoutRow(), "Parts, language and notation of the handout.")
     figure: FigureRow = usually(FigureRow(), "The configuration that is drawn and computed.")
     inverse: InverseRow = usually(InverseRow(), "Task and given joints of the inverse kinematics.")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
+    robot = structure.schema_of(RobotFile)
+    definitions = robot.pop("$defs", {})
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "derive robot file",
+        "$defs": {**definitions, "RobotFile": robot},
+        "anyOf": [
+            {"$ref": "#/$defs/RobotFile"},
+            {
+                "type": "object",
+                "description": "A lecture corpus file: the robot in its own block, anything else beside it.",
+                "required": ["robot"],
+                "not": {"anyOf": [{"required": [key]} for key in ("joints", "convention", "links")]},
+                "properties": {"robot": {"$ref": "#/$defs/RobotFile"}},
+            },
+        ],
+    }
 
 
 # What to write for a key that is missing.
