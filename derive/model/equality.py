@@ -1,8 +1,4 @@
-"""Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible.
-
-Formulas are also evaluated at random points, with fifty digits: for counter-examples, and as the last resort where
-algebra cannot decide.
-"""
+"""Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible."""
 
 import random
 from collections.abc import Callable, Iterator, Mapping

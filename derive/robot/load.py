@@ -1,7 +1,4 @@
-"""From a path, a name of the catalogue or a text to a validated `Description`: files, names, parameters, and the whole.
-
-The catalogue of built-in robots is one YAML file each, under ``derive/robot/catalogue``.
-"""
+"""From a path, a name of the catalogue or a text to a validated `Description`: names, parameters, and the whole."""
 
 import keyword
 import re

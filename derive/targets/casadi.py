@@ -1,7 +1,4 @@
-"""``model_casadi.py``, the functions of a robot as ``casadi.Function`` objects from the same tapes, and their C export.
-
-The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
-"""
+"""``model_casadi.py``: the functions of a robot as ``casadi.Function`` objects, and CasADi's own export to C."""
 
 from typing import Any
 

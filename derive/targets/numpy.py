@@ -1,7 +1,4 @@
-"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone.
-
-The texts of functions and constants made here are those of the other modules in Python, too.
-"""
+"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone."""
 
 from __future__ import annotations
 
