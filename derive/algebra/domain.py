@@ -257,10 +257,8 @@ class PolynomialDomain:
             case Call("sin", (argument,)):
                 return self.cosine_sine(argument)[1]
             case Call(function):
-                raise ExpressionError(
-                    f"{function} in an algebraic expression",
-                    allowed="allowed: sums and products of sines, cosines and names",
-                )
+                found = f"{function} in an algebraic expression"
+                raise ExpressionError(found, allowed="allowed: sums and products of sines, cosines and names")
 
     # -- angles
 
@@ -310,10 +308,8 @@ class PolynomialDomain:
         count = size / part
         if count.denominator != 1 or count > MAX_MULTIPLE:
             shown = size if positive else -size
-            raise ExpressionError(
-                f"the multiple {shown} of one angle",
-                allowed=f"allowed: whole multiples up to {MAX_MULTIPLE} of a common part",
-            )
+            found = f"the multiple {shown} of one angle"
+            raise ExpressionError(found, allowed=f"allowed: whole multiples up to {MAX_MULTIPLE} of a common part")
         cosine, sine = self.ring.one, self.ring.zero
         for _ in range(int(count)):
             cosine, sine = _add_angles((cosine, sine), one)

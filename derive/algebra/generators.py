@@ -4,7 +4,7 @@ The ring must know its generators before any expression can become a polynomial,
 here for what they contain, in `derive.algebra.domain` for what they are.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
@@ -13,7 +13,7 @@ from math import isqrt, lcm
 from derive.algebra.angles import ExactAngle, decompose
 from derive.robot import tree
 from derive.robot.coupling import derivatives
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power, rebuilt
 from derive.robot.robot import Robot
 
 
@@ -85,24 +85,9 @@ SPECIAL: dict[Fraction, tuple[int, ...]] = {
 }
 
 
-def mapped(e: Expression, change: Callable[[Expression], Expression]) -> Expression:
-    """A node with changed children and nothing flattened or folded."""
-    match e:
-        case Sum(terms):
-            return Sum(tuple(change(t) for t in terms))
-        case Product(factors):
-            return Product(tuple(change(f) for f in factors))
-        case Power(base, exponent):
-            return Power(change(base), exponent)
-        case Call(function, arguments):
-            return Call(function, tuple(change(a) for a in arguments))
-        case _:
-            return e
-
-
 def canonical(e: Expression) -> Expression:
     """The tree with the terms of sums and the factors of products in a fixed order."""
-    ordered = mapped(e, canonical)
+    ordered = rebuilt(e, canonical, folds=False)
     match ordered:
         case Sum(terms):
             return Sum(tuple(sorted(terms, key=repr)))

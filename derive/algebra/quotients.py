@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from math import prod
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.generators import Kind, canonical, collect, mapped
+from derive.algebra.generators import Kind, canonical, collect
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
+from derive.robot import expression as tree
 from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
 from derive.robot.robot import Robot
 
@@ -119,11 +120,11 @@ def _division_by_zero(e: Expression) -> CheckError:
 def opaque(e: Expression, meanings: dict[str, Expression] | None = None) -> Expression:
     """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
     if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
-        name = to_text(mapped(e, canonical))
+        name = to_text(tree.rebuilt(e, canonical, folds=False))
         if meanings is not None:
             meanings[name] = e
         return Name(name)
-    return mapped(e, lambda part: opaque(part, meanings))
+    return tree.rebuilt(e, lambda part: opaque(part, meanings), folds=False)
 
 
 def _without_division(e: Expression) -> Expression:
@@ -136,7 +137,7 @@ def _without_division(e: Expression) -> Expression:
         case Call():
             return e
         case _:
-            return mapped(e, _without_division)
+            return tree.rebuilt(e, _without_division, folds=False)
 
 
 def _denominators(e: Expression) -> int:

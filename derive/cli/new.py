@@ -213,8 +213,6 @@ def _check_name(name: str) -> None:
     from derive.robot.load import is_robot_name
 
     if not is_robot_name(name):
-        raise RobotFileError(
-            f"{quoted(name)} is not a robot name",
-            allowed=f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters",
-            remedy="no Python keyword and no name of an imported package",
-        )
+        found = f"{quoted(name)} is not a robot name"
+        allowed = f"allowed: a-z, 0-9 and -, not first, at most {FILE_LIMITS.name_length} characters"
+        raise RobotFileError(found, allowed=allowed, remedy="no Python keyword and no name of an imported package")

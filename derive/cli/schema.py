@@ -24,5 +24,5 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.plan:
         from derive.plans.schema import plan_json_schema as schema
     else:
-        from derive.robot.reading.json_schema import json_schema as schema
+        from derive.robot.reading.schema import json_schema as schema
     print_json(schema())

@@ -127,10 +127,8 @@ Tell = Callable[[str, str], None]  # called with the name of a robot and the sta
 def progress(total: int, *, quiet: bool) -> Iterator[Tell | None]:
     """A line on standard error with the robot, its stage and the time it has taken; it is gone at the end.
 
-    An alarm of the system moves the clock on: a thread would keep builds from using a second process.
-
-    Yields:
-        The function to tell a robot's stage, or None where nobody watches.
+    An alarm of the system moves the clock on: a thread would keep builds from using a second process. It gives the
+    function to tell a robot's stage, or None where nobody watches.
     """
     if quiet or not sys.stderr.isatty():
         yield None

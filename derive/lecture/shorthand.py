@@ -60,9 +60,8 @@ def read_formula(
                 raise error.at(place(text, token.offset, start)) from None
     found, limit = tree.substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
     if tree.expanded_terms(found, limit) > limit:  # abbreviations may have made it long
-        raise CheckError(
-            "formula has too many terms when multiplied out", allowed=f"allowed: at most {limit}", location=start
-        )
+        said = "formula has too many terms when multiplied out"
+        raise CheckError(said, allowed=f"allowed: at most {limit}", location=start)
     return found
 
 
@@ -95,11 +94,8 @@ class _Vocabulary:
         match = _LABELLED.fullmatch(name)
         variables = (*self.revolute.get(match[2], ()), *self.prismatic.get(match[2], ())) if match else ()
         if match is None or not variables:
-            raise UnknownNameError(
-                f"unknown name {quoted(name)}",
-                allowed="allowed: symbols and joint variables of the robot, velocities, tokens such as c1, s12, qd1",
-                remedy=self._hint(name),
-            )
+            allowed = "allowed: symbols and joint variables of the robot, velocities, tokens such as c1, s12, qd1"
+            raise UnknownNameError(f"unknown name {quoted(name)}", allowed=allowed, remedy=self._hint(name))
         renamed = [_RENAME[match[1]](variable) for variable in variables]
         if len(renamed) > 1:
             raise CheckError(f"{name} can be read in two ways, {' or '.join(renamed[:2])}", remedy="write one of them")
@@ -122,11 +118,9 @@ class _Vocabulary:
             return Call(function, (tree.add(*(Name(variable) for variable in reading)),))
         if sliding := self.prismatic.get(digits):
             raise UnknownNameError(f"{token}: joint {digits} is prismatic", remedy=f"its variable is {sliding[0]}")
-        raise UnknownNameError(
-            f"{token}: its digits are no labels of revolute joints",
-            allowed=f"labels {', '.join(self.revolute) or 'none'}",
-            remedy=self._hint(token) or "a symbol of that name must occur in the robot file",
-        )
+        found = f"{token}: its digits are no labels of revolute joints"
+        remedy = self._hint(token) or "a symbol of that name must occur in the robot file"
+        raise UnknownNameError(found, allowed=f"labels {', '.join(self.revolute) or 'none'}", remedy=remedy)
 
     def _hint(self, name: str) -> str:
         """Up to three names that look alike; of equally near ones those with the same first letter."""

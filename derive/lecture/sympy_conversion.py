@@ -76,9 +76,8 @@ def expression_from_sympy(expression: Any) -> Expression:
     try:
         tree = sympy.sympify(expression, strict=True)
     except sympy.SympifyError:
-        raise ExpressionError(
-            f"an expression of type {type(expression).__name__}", allowed="allowed: numbers and SymPy expressions"
-        ) from None
+        found = f"an expression of type {type(expression).__name__}"
+        raise ExpressionError(found, allowed="allowed: numbers and SymPy expressions") from None
     return _tree(tree, {})
 
 

@@ -148,11 +148,8 @@ def printed_newton_euler(
     for i, link in enumerate(robot.links, 1):
         rotor = link.motor or Motor()
         if any(cell != ZERO for cell in (rotor.mass, rotor.inertia, link.armature, *link.dry)):
-            raise QuantityError(
-                f"rotor, armature or Coulomb friction of link {i}",
-                allowed="none: these equations know rigid links and viscous friction",
-                remedy="use without_rotors(robot)",
-            )
+            allowed, remedy = "none: these equations know rigid links and viscous friction", "use without_rotors(robot)"
+            raise QuantityError(f"rotor, armature or Coulomb friction of link {i}", allowed=allowed, remedy=remedy)
     chain: Chain[S] = build_chain(robot, domain)
     unit = chain.unit.rotation
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)

@@ -1,7 +1,4 @@
-"""Three-vectors and frames over any scalar type: exact polynomials, tape nodes or floats.
-
-Products with a structural zero or one are left to the scalar type, which folds them.
-"""
+"""Three-vectors and frames over any scalar type: exact polynomials, tape nodes or floats."""
 
 from __future__ import annotations
 

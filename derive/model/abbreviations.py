@@ -35,9 +35,8 @@ def abbreviate(model: DynamicModel, quantity: str, by: str | None) -> tuple[Matr
     if way not in allowed:
         raise QuantityError(f"unknown kind of abbreviations {way!r}", allowed="allowed: christoffel or coefficients")
     if quantity not in allowed[way]:
-        raise QuantityError(
-            f"abbreviations by {way} do not apply to {quantity!r}", allowed=f"they apply to {listed(allowed[way])}"
-        )
+        found = f"abbreviations by {way} do not apply to {quantity!r}"
+        raise QuantityError(found, allowed=f"they apply to {listed(allowed[way])}")
     writer = _ByChristoffel(model) if way == "christoffel" else _ByCoefficients(model)
     n, rows = range(model.n), []
     coefficient = None if quantity in ("B", "g", "tau") else model.rate_coefficient(quantity)

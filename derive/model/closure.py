@@ -51,20 +51,12 @@ class Closure:
 
     @property
     def G(self) -> Matrix:
-        """First derivatives of the passive joints: qd_p = G qd with G = -J_p^-1 J_a (`derive.inverse.loops.linkage`).
-
-        Returns:
-            A row for each passive joint, a column for each variable.
-        """
+        """First derivatives of the passive joints, a row each: qd_p = G qd, G = -J_p^-1 J_a, a column a variable."""
         return self._matrix([(q.variable,) for q in self.robot.variables])
 
     @property
     def H(self) -> Matrix:
-        """Second derivatives of the passive joints, in the first ones by name: ``G_q3_q1``.
-
-        Returns:
-            A row for each passive joint, a column for each pair of variables: q1 q1, q1 q2, q2 q2.
-        """
+        """Second ones, in the first by name, ``G_q3_q1``; a column for each pair of variables: q1 q1, q1 q2, q2 q2."""
         return self._matrix(list(combinations_with_replacement([q.variable for q in self.robot.variables], 2)))
 
     def _matrix(self, columns: Sequence[tuple[str, ...]]) -> Matrix:

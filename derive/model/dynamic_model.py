@@ -48,11 +48,8 @@ class DynamicModel(KinematicModel):
 
     def _require_links(self, what: str) -> None:
         if not self.robot.has_dynamics:
-            raise QuantityError(
-                f"{what} of {self.robot.name}",
-                allowed="kinematics only, for the file has no `links`",
-                remedy="add `links:` with mass, com and inertia of each link",
-            )
+            found, allowed = f"{what} of {self.robot.name}", "kinematics only, for the file has no `links`"
+            raise QuantityError(found, allowed=allowed, remedy="add `links:` with mass, com and inertia of each link")
 
     # -- exact layer
 
@@ -82,13 +79,10 @@ class DynamicModel(KinematicModel):
         return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
 
     def rate_coefficient(self, quantity: str) -> Callable[[int, int, int], Polynomial] | None:
-        """The coefficients of a matrix that is linear in the joint velocities.
+        """By i, j, k, from 0, the exact coefficient of qd_k in entry (i, j) of a matrix; None for other quantities.
 
         Args:
             quantity: ``C``, ``N`` or ``Bdot``.
-
-        Returns:
-            (i, j, k), from 0 -> the exact coefficient of qd_k in entry (i, j); None for other quantities.
         """
         d = self.dynamics
         return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}.get(quantity)
@@ -121,13 +115,10 @@ class DynamicModel(KinematicModel):
     # -- Jacobians of bodies
 
     def Jv_com(self, i: int) -> Matrix:
-        """J_v of the centre of mass of a link: its velocity is J_v qd (Siciliano et al., Robotics, section 7.1.1).
+        """J_v, 3xn, world frame, of the centre of mass of a link: its velocity is J_v qd (Siciliano et al., 7.1.1).
 
         Args:
             i: The link, from 1.
-
-        Returns:
-            3xn, world frame.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -136,13 +127,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.com(i)), write=self.form.kinematic)
 
     def Jw_com(self, i: int) -> Matrix:
-        """J_w of a link: its angular velocity is J_w qd (Siciliano et al., Robotics, section 7.1.1).
+        """J_w, 3xn, world frame, of a link: its angular velocity is J_w qd (Siciliano et al., Robotics, section 7.1.1).
 
         Args:
             i: The link, from 1.
-
-        Returns:
-            3xn, world frame.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -151,13 +139,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.angular_columns(i), write=self.form.kinematic)
 
     def Jv_motor(self, i: int) -> Matrix:
-        """J_v of the rotor of a joint: the velocity of its place is J_v qd.
+        """J_v, 3xn, world frame, of the rotor of a joint: the velocity of its place is J_v qd.
 
         Args:
             i: The joint, from 1.
-
-        Returns:
-            3xn, world frame.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -166,13 +151,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.motor_place(i)), write=self.form.kinematic)
 
     def Jw_motor(self, i: int) -> Matrix:
-        """J_w of the rotor of a joint, its spin included: that of link i-1, and ratio * z in column i.
+        """J_w, 3xn, world frame, of the rotor of a joint, its spin included: that of link i-1, ratio * z in column i.
 
         Args:
             i: The joint, from 1.
-
-        Returns:
-            3xn, world frame.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -202,13 +184,10 @@ class DynamicModel(KinematicModel):
         return self._inertia(self.dynamic_form)
 
     def B_link(self, i: int) -> Matrix:
-        """The part of B that one link contributes, without any rotor.
+        """The part of B, nxn, that one link contributes, without any rotor.
 
         Args:
             i: The link, from 1.
-
-        Returns:
-            nxn.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -220,15 +199,12 @@ class DynamicModel(KinematicModel):
         return sympy.ImmutableMatrix(self.n, self.n, lambda i, j: form.inertia(min(i, j), max(i, j)))
 
     def christoffel(self, i: int, j: int, k: int) -> Expr:
-        """c_ijk = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
+        """c_ijk = c_ikj = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
 
         Args:
             i: Joint of the torque, from 1.
             j: Joint of one velocity, from 1.
             k: Joint of the other, from 1.
-
-        Returns:
-            The expression; c_ijk = c_ikj.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -323,13 +299,10 @@ class DynamicModel(KinematicModel):
         return grouping if self.style.torques is Grouping.USUAL else self.style.torques
 
     def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
-        """What C qd consists of: sum_jk c_ijk qd_j qd_k, each pair of joints once.
+        """What C qd consists of: exact c_ijk, and qd_j qd_k of each pair of joints once, with the factor 2.
 
         Args:
             i: The joint, from 0.
-
-        Returns:
-            Exact Christoffel symbols and the products of velocities, with the factor 2, that they are multiplied by.
         """
         n, qd, c = range(self.n), self.qd, self.dynamics.christoffel
         return [(c(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k]

@@ -34,17 +34,7 @@ class TreeModel:
     style: Style
 
     def arm(self, end: str) -> tuple[Self, tuple[int, ...]]:
-        """The model of the serial arm that leads to an end of a tree, without bodies.
-
-        Args:
-            end: Name of the end.
-
-        Returns:
-            The model, and the indices of its joints in the tree, from 0.
-
-        Raises:
-            QuantityError: There is no such end.
-        """
+        """The model of the serial arm to an end of a tree, without bodies, and its joints' indices there, from 0."""
         kind: Any = type(self)
         return cast("tuple[Self, tuple[int, ...]]", _arm(kind, self.robot, self.style, end))
 
@@ -62,12 +52,7 @@ class TreeModel:
     def frame_number(self, row: str, *, or_end: bool = False) -> int:
         """The number of a frame of a tree: that of its joint, and behind these those of the rows without motion.
 
-        Args:
-            row: Name of the row; ``base`` for frame 0, or for what stands on a root that moves.
-            or_end: Whether the name of an end would do, too, where one is to be told what is known.
-
-        Raises:
-            QuantityError: There is no such row.
+        ``or_end`` says whether the name of an end would do, too, where one is to be told what is known.
         """
         labels = tree.labels(self.robot)
         if row not in labels and row != BASE:
@@ -92,12 +77,7 @@ def _arm(kind: Callable[[Robot, Style], Any], robot: Robot, style: Style, end: s
 
 
 class OfEnds(Mapping[str, Any]):
-    """A quantity of each end, by the end's name: ``T["left"]``, or ``T("left")``.
-
-    Args:
-        names: The ends.
-        value: The quantity of an end.
-    """
+    """A quantity of each end, by the end's name: ``T["left"]``, or ``T("left")``."""
 
     def __init__(self, names: Sequence[str], value: Callable[[str], Any]) -> None:
         self._names, self._value = tuple(names), cache(value)
@@ -107,22 +87,11 @@ class OfEnds(Mapping[str, Any]):
         return self._value(name) if isinstance(name, str) else self.each(lambda value: value[name])
 
     def __call__(self, name: str) -> Any:
-        """The quantity of an end.
-
-        Args:
-            name: The end.
-
-        Raises:
-            QuantityError: There is no such end.
-        """
+        """The quantity of an end."""
         return self._value(name)
 
     def each(self, change: Callable[[Any], Any]) -> OfEnds:
-        """What follows from it, of each end.
-
-        Args:
-            change: Gives that from the quantity of an end.
-        """
+        """What follows from it, of each end."""
         return OfEnds(self._names, lambda name: change(self[name]))
 
     def __iter__(self) -> Iterator[str]:

@@ -1,8 +1,4 @@
-"""Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible.
-
-Formulas are also evaluated at random points, with fifty digits: for counter-examples, and as the last resort where
-algebra cannot decide.
-"""
+"""Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible."""
 
 import random
 from collections.abc import Callable, Iterator, Mapping
@@ -159,8 +155,5 @@ def scalar_quantity(model: DynamicModel, text: str) -> Expr:
             return value[0, 0]
         if shape is not None and len(rest) == (1 if shape[1] == 1 else 2):
             return pick(value, rest, text)
-    raise QuantityError(
-        f"{text} is a matrix",
-        allowed="allowed: a scalar here",
-        remedy=f"name an entry, for instance {quantity.name}[...][1,1]",
-    )
+    remedy = f"name an entry, for instance {quantity.name}[...][1,1]"
+    raise QuantityError(f"{text} is a matrix", allowed="allowed: a scalar here", remedy=remedy)

@@ -124,7 +124,7 @@ class KinematicModel(TreeModel):
     # -- frames
 
     def A(self, i: int) -> Matrix:
-        """A_i: DH frame i in DH frame i-1, in a tree in that of the row that it follows.
+        """A_i, 4x4: DH frame i in DH frame i-1, in a tree in that of the row that it follows.
 
         Standard: A_i = Rot(z, theta_i) Trans(z, d_i) Trans(x, a_i) Rot(x, alpha_i) (Siciliano et al., Robotics,
         section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
@@ -133,9 +133,6 @@ class KinematicModel(TreeModel):
         Args:
             i: Row of the table, from 1.
 
-        Returns:
-            4x4.
-
         Raises:
             QuantityError: No such row.
         """
@@ -143,14 +140,11 @@ class KinematicModel(TreeModel):
         return frame_matrix(self.kinematics.row(i), self.form.kinematic)
 
     def transform(self, i: int | str, j: int | str) -> Matrix:
-        """T_j^i = A_{i+1} ... A_j: DH frame j in DH frame i, without base and tool.
+        """T_j^i = A_{i+1} ... A_j, 4x4: DH frame j in DH frame i, without base and tool.
 
         Args:
             i: The reference frame, from 0 to n; in a tree also a row by its name.
             j: The frame, from 0 to n, or a row; before i it is the inverse transform.
-
-        Returns:
-            4x4.
 
         Raises:
             QuantityError: No such frame.
@@ -163,13 +157,10 @@ class KinematicModel(TreeModel):
         return frame_matrix(self.kinematics.transform(i, j), self.form.kinematic)
 
     def frame(self, i: int | str) -> Matrix:
-        """T_i = base A_1 ... A_i: DH frame i in the world.
+        """T_i = base A_1 ... A_i, 4x4: DH frame i in the world.
 
         Args:
             i: The frame, from 0 to n; in a tree also a row by its name.
-
-        Returns:
-            4x4.
 
         Raises:
             QuantityError: No such frame.
@@ -303,9 +294,6 @@ class KinematicModel(TreeModel):
         Args:
             k: The joint, from 1.
 
-        Returns:
-            6xn.
-
         Raises:
             QuantityError: No such joint.
         """
@@ -321,16 +309,13 @@ class KinematicModel(TreeModel):
 
     @of_each_end_by_joints
     def J_analytic(self, kind: str) -> Matrix:
-        """Analytic Jacobian: derivative of position and of orientation angles.
+        """Analytic Jacobian, 6xn: rows of velocity in the world frame, then of the rates of orientation angles.
 
         The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
         function occurs (Siciliano et al., Robotics, section 3.6).
 
         Args:
             kind: ``rpy`` (roll, pitch, yaw) or ``zyz`` (phi, theta, psi).
-
-        Returns:
-            6xn: rows of velocity in the world frame, then of the rates of the angles.
 
         Raises:
             QuantityError: Another kind, or angles that are singular in every configuration.
@@ -339,11 +324,9 @@ class KinematicModel(TreeModel):
             raise QuantityError(f"J_analytic of kind {kind!r}", allowed="allowed: rpy or zyz")
         x, y, z = self.R[:, 0 if kind == "rpy" else 2]  # the direction that the second turn tilts
         if x == 0 and y == 0:
-            raise QuantityError(
-                f"the analytic Jacobian for {kind}",
-                allowed="allowed: angles that are not singular in every configuration of this arm",
-                remedy=f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J",
-            )
+            allowed = "allowed: angles that are not singular in every configuration of this arm"
+            remedy = f"use {'rpy' if kind == 'zyz' else 'zyz'}, or the geometric Jacobian J"
+            raise QuantityError(f"the analytic Jacobian for {kind}", allowed=allowed, remedy=remedy)
         square = x**2 + y**2
         rates = []
         for k in range(self.n):
@@ -357,15 +340,12 @@ class KinematicModel(TreeModel):
 
     @of_each_end
     def det_J(self, rows: Sequence[int] | None = None, columns: Sequence[int] | None = None) -> Expr:
-        """Determinant of a square block of J.
+        """Determinant of a square block of J, in the lecture form.
 
         Args:
             rows: Rows of J from 1; by default those that are not zero everywhere if they are as many as the columns,
                 such as 1, 2, 6 of an arm of three joints in the plane, else the first of two or three joints.
             columns: Columns of J from 1; default all.
-
-        Returns:
-            The determinant in the lecture form.
 
         Raises:
             QuantityError: The block is not square, no rows are named and none are natural, or the arm is too long for
@@ -379,18 +359,15 @@ class KinematicModel(TreeModel):
             moving = [row for row in range(1, 7) if any(column[row - 1] for column in entries)]
             rows = moving if len(moving) == len(columns) else range(1, min(len(columns), 6) + 1)
             if len(rows) in (4, 5) and len(moving) > len(rows):
-                raise QuantityError(
-                    f"det J of {self.robot.name}, which moves in {len(moving)} coordinates by {len(rows)} joints",
-                    allowed="allowed: a determinant of named rows",
-                    remedy="ask for singularities, or for a task such as detJ_rows[1,2,3,6]",
-                )
+                said = f"det J of {self.robot.name}, which moves in {len(moving)} coordinates by {len(rows)} joints"
+                how = "ask for singularities, or for a task such as detJ_rows[1,2,3,6]"
+                raise QuantityError(said, allowed="allowed: a determinant of named rows", remedy=how)
         inside = all(1 <= r <= 6 for r in rows) and all(1 <= c <= self.n for c in columns)
         if len(rows) != len(columns) or not inside:
             found = f"rows {list(rows)} and columns {list(columns)} of J"
             remedy = "name a square block, for instance rows 1, 2, 3 and columns 1, 2, 3"
-            raise QuantityError(
-                found, allowed=f"allowed: as many rows (1 to 6) as columns (1 to {self.n})", remedy=remedy
-            )
+            allowed = f"allowed: as many rows (1 to 6) as columns (1 to {self.n})"
+            raise QuantityError(found, allowed=allowed, remedy=remedy)
         return self.form.determinant(determinant([[entries[c - 1][r - 1] for c in columns] for r in rows]))
 
     @cached_property

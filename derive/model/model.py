@@ -142,14 +142,11 @@ class Model(DynamicModel):
         return found.each(_there) if isinstance(found, OfEnds) else _there(found)
 
     def equal(self, quantity: str, expression: object) -> bool:
-        """Whether an expression equals a scalar quantity identically.
+        """Whether an expression equals a scalar quantity identically, wherever both are defined.
 
         Args:
             quantity: A scalar quantity such as ``T[1,4]``.
             expression: Text in the notation of lecture notes (c12, qd1, ...) or a SymPy expression.
-
-        Returns:
-            True if they are equal wherever both are defined.
 
         Raises:
             QuantityError: No such quantity.

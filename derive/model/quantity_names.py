@@ -66,10 +66,8 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
     written = re.sub(r"\(([\d,\s]+)\)", r"[\1]", re.sub(r"^\s*T\((\d+\s*,\s*\d+)\)", r"T[][\1]", text))
     match = _ASKED.fullmatch(written)
     if match is None or not match[1]:
-        raise QuantityError(
-            f"unknown quantity {quoted(text)}",
-            allowed="allowed: a name with indices, such as T, A[2], christoffel[1,1,2]",
-        )
+        found = f"unknown quantity {quoted(text)}"
+        raise QuantityError(found, allowed="allowed: a name with indices, such as T, A[2], christoffel[1,1,2]")
     row = _row(model, match[1])
     quantity, named = (row, ()) if row else _spoken(model, match[1])
     brackets = [_integers(indices, text) for indices in match.groups()[1:] if indices is not None]
@@ -87,9 +85,8 @@ def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tu
         if len(first) - count in (1, 2):
             return quantity, first[:count], first[count:]
     counts = " or ".join(map(str, quantity.indices))
-    raise QuantityError(
-        f"{len(first)} indices in {text!r}", allowed=f"{counts} for {quantity.name}, and an entry behind them"
-    )
+    found = f"{len(first)} indices in {text!r}"
+    raise QuantityError(found, allowed=f"{counts} for {quantity.name}, and an entry behind them")
 
 
 def _frames(model: DynamicModel, text: str) -> tuple[tuple[int, ...], tuple[int, ...] | None] | None:
@@ -168,9 +165,8 @@ def _integers(text: str | None, whole: str) -> tuple[int, ...]:
         return ()
     parts = [part.strip() for part in text.split(",")]
     if not all(part.isascii() and part.isdigit() and len(part) < 4 for part in parts):
-        raise QuantityError(
-            f"the indices in {whole!r} are not valid", allowed="allowed: whole numbers from 1, separated by commas"
-        )
+        found = f"the indices in {whole!r} are not valid"
+        raise QuantityError(found, allowed="allowed: whole numbers from 1, separated by commas")
     return tuple(int(part) for part in parts)
 
 
@@ -184,8 +180,6 @@ def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
     row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
     vector = len(entry) == 1 and shape[1] != 1
     if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
-        raise QuantityError(
-            f"entry {list(entry)} of {text!r} is out of range",
-            allowed=f"allowed: rows 1 to {shape[0]}, columns 1 to {shape[1]}",
-        )
+        found = f"entry {list(entry)} of {text!r} is out of range"
+        raise QuantityError(found, allowed=f"allowed: rows 1 to {shape[0]}, columns 1 to {shape[1]}")
     return value[row - 1, column - 1]

@@ -71,10 +71,10 @@ class Motion:
 
     @classmethod
     def of(cls, plan: Plan) -> Motion:
-        """The motion of a plan that its arm can follow.
+        """The motion of a plan that its arm can follow, its trajectory computed.
 
-        Returns:
-            The motion, its trajectory computed.
+        Args:
+            plan: What its file says.
 
         Raises:
             RobotFileError: The arm cannot move so, or the motion has too many samples.
@@ -193,14 +193,11 @@ class Motion:
         return self.trajectory(t)
 
     def poses(self, t: float | Array, end: str = "") -> Array:
-        """Poses of the end effector in the world frame.
+        """Poses of the end effector in the world frame, (..., 4, 4).
 
         Args:
             t: Times [s], (...).
             end: Which end of a tree, where that has several.
-
-        Returns:
-            (..., 4, 4).
 
         Raises:
             QuantityError: A symbol has no number, or there is no such end.
@@ -245,13 +242,10 @@ class Motion:
         return sample, int(np.ceil(count - 1e-9))
 
     def torques(self, t: float | Array) -> Array:
-        """Torques of the joints by inverse dynamics; payload, friction and the motion of the base included.
+        """Torques, (..., n) [N m or N], by inverse dynamics; payload, friction and the motion of the base included.
 
         Args:
             t: Times [s], (...).
-
-        Returns:
-            tau, (..., n) [N m or N].
 
         Raises:
             QuantityError: The robot has no dynamics, or a symbol without a number.

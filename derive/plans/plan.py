@@ -1,7 +1,4 @@
-"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians.
-
-Keys without effect are refused, loads and links that no body has are remarked on.
-"""
+"""Reads a motion plan: the robot, its points, the way between them and what moves it; exact, in SI units, radians."""
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence

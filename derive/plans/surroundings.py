@@ -1,7 +1,4 @@
-"""What else a plan says of the arm: other numbers of a simulated one, what pushes its joints, a base that moves.
-
-Such a base moves by formulas of time, as the root of a skeleton does (document 001, slides 25 to 29).
-"""
+"""What else a plan says of the arm: other numbers of a simulated one, what pushes its joints, a base that moves."""
 
 from __future__ import annotations
 

@@ -92,12 +92,7 @@ def joint_values(robot: Description, q: Sequence[float | str]) -> tuple[Expressi
 
 
 def joint_value(robot: Description, joint: Joint | Variable | None, typed: str, name: str) -> Expression:
-    """A value that a user types beside the file.
-
-    Args:
-        joint: The joint that moves by it, in the units of the file (per second for a rate); None for a symbol, whose
-            number is as under ``parameters:``.
-    """
+    """A value that a user types: of what a joint moves, in the units of the file; of a symbol as in the file."""
     value, allowed = f"value {quoted(typed.strip())} of {name}", "allowed: a number, or an expression in numbers and pi"
     try:
         expression = parse_expression(typed.strip(), Location("--at"))
@@ -214,12 +209,9 @@ class Cells:
         try:
             expression = parse_expression(scalar.text, scalar.inner)
         except ExpressionError as error:
-            raise ExpressionError(
-                f"{path_text(path)}: {error.found}",
-                allowed=error.allowed,
-                remedy=cell_hint(scalar.text) or error.remedy,
-                location=error.location if scalar.verbatim else scalar.location,
-            ) from None
+            found, remedy = f"{path_text(path)}: {error.found}", cell_hint(scalar.text) or error.remedy
+            location = error.location if scalar.verbatim else scalar.location
+            raise ExpressionError(found, allowed=error.allowed, remedy=remedy, location=location) from None
         for name in names(expression):
             self.first_use.setdefault(name, scalar.location)
         return expression

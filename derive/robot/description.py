@@ -1,7 +1,4 @@
-"""What a robot file says: the rows of the table, the links, and what is around them; exact, in SI units and radians.
-
-The parts show themselves in the words of the file (``Joint(revolute, theta=q1 + pi/2, a=a1)``), not as trees.
-"""
+"""What a robot file says: the rows of the table, the links, and what is around them; exact, in SI units and radians."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

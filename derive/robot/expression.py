@@ -139,19 +139,19 @@ def children(expression: Expression) -> tuple[Expression, ...]:
             return ()
 
 
-def rebuilt(expression: Expression, change: Callable[[Expression], Expression]) -> Expression:
-    """The expression with each direct subexpression replaced."""
-    match expression:
-        case Sum(terms):
-            return add(*map(change, terms))
-        case Product(factors):
-            return multiply(*map(change, factors))
-        case Power(base, exponent):
-            return power(change(base), exponent)
-        case Call(function, arguments):
-            return Call(function, tuple(map(change, arguments)))
-        case _:
-            return expression
+def rebuilt(e: Expression, change: Callable[[Expression], Expression], *, folds: bool = True) -> Expression:
+    """The expression with each direct subexpression replaced; else than by default nothing is flattened or folded."""
+    parts = tuple(map(change, children(e)))
+    match e:
+        case Sum():
+            return add(*parts) if folds else Sum(parts)
+        case Product():
+            return multiply(*parts) if folds else Product(parts)
+        case Power(_, exponent):
+            return power(parts[0], exponent) if folds else Power(parts[0], exponent)
+        case Call(function, _):
+            return Call(function, parts)
+    return e
 
 
 def substitute(expression: Expression, values: Mapping[str, Expression]) -> Expression:

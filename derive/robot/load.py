@@ -1,7 +1,4 @@
-"""From a path, a name of the catalogue or a text to a validated `Description`: files, names, parameters, and the whole.
-
-The catalogue of built-in robots is one YAML file each, under ``derive/robot/catalogue``.
-"""
+"""From a path, a name of the catalogue or a text to a validated `Description`: names, parameters, and the whole."""
 
 import keyword
 import re
@@ -61,11 +58,9 @@ def named_bytes(path_or_name: str | Path, folder: str, kind: str, command: str) 
         return files("derive").joinpath(folder, f"{text}{_SUFFIX}").read_bytes()
     path = Path(text)
     if not is_there(path):
-        raise UnknownRobotError(
-            f"{quoted(text, 200)} is neither a file nor a built-in {kind}",
-            allowed=f"allowed: a path, or a name from {command}",
-            remedy=near_miss(path.stem, names_in(folder)),
-        )
+        found = f"{quoted(text, 200)} is neither a file nor a built-in {kind}"
+        allowed = f"allowed: a path, or a name from {command}"
+        raise UnknownRobotError(found, allowed=allowed, remedy=near_miss(path.stem, names_in(folder)))
     return file_bytes(path)
 
 

@@ -9,7 +9,7 @@ the same, since they know base parameters alone, but simulators refuse such a bo
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
-from math import acos, cos, pi, sqrt, tau
+from math import pi, tau
 
 from derive.errors import ExpressionError, listed, path_text
 from derive.robot import expression as tree
@@ -183,17 +183,7 @@ def missing_moment(tensor: Tensor) -> float:
     if all(minor >= 0 for minor in minors):
         return 0.0
     # An eigenvalue s of S belongs to the principal moment tr(I)/2 - s, which exceeds the sum of the others by -2 s.
-    return -2 * _least_eigenvalue(*map(float, (half - xx, half - yy, half - zz, -xy, -xz, -yz)))
+    import numpy as np  # files that are right are read without it
 
-
-def _least_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
-    """Of a symmetric matrix, by Cardano's formula with cosines."""
-    # A = mean 1 + spread B with tr B = 0: the eigenvalues of B are 2 cos of angle + 2 k pi/3, cos(3 angle) = det(B)/2.
-    mean = (xx + yy + zz) / 3
-    a, b, c = xx - mean, yy - mean, zz - mean
-    spread = sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6)
-    if spread == 0:
-        return mean
-    determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
-    angle = acos(max(-1.0, min(1.0, determinant / (2 * spread**3)))) / 3
-    return mean + 2 * spread * cos(angle + 2 * pi / 3)
+    rows = ((half - xx, -xy, -xz), (-xy, half - yy, -yz), (-xz, -yz, half - zz))
+    return -2 * float(np.linalg.eigvalsh(np.array(rows, dtype=float))[0])

@@ -116,9 +116,6 @@ class Robot(Description):
         Args:
             path_or_name: Path of a YAML file, or a name that ``derive list`` shows.
 
-        Returns:
-            The validated robot.
-
         Raises:
             RobotFileError: The file cannot be read or does not describe a robot.
             UnknownRobotError: Neither a file nor a catalogue name.
@@ -133,9 +130,6 @@ class Robot(Description):
             text: Contents of a robot file.
             source: Name to use in messages.
 
-        Returns:
-            The validated robot.
-
         Raises:
             RobotFileError: The text does not describe a robot.
         """
@@ -149,9 +143,6 @@ class Robot(Description):
             data: Contents of a robot file, UTF-8.
             source: Name to use in messages.
 
-        Returns:
-            The validated robot.
-
         Raises:
             RobotFileError: The bytes do not describe a robot.
         """
@@ -163,8 +154,5 @@ class Robot(Description):
 
         Args:
             description: Validated data, for instance another robot's.
-
-        Returns:
-            A robot of this class.
         """
         return cls(**{field.name: getattr(description, field.name) for field in fields(description)})

@@ -65,12 +65,8 @@ class _Row:
         if name == self._variable and key == self._fixed:
             other = "prismatic" if self._type is JointType.REVOLUTE else "revolute"
             remedy = f"write type: {other}, or move {name} to {self._moving}"
-        raise self._document.error(
-            (*self._path, key),
-            f"joint variable '{name}' in the cell {key} of a {self._type.value} joint",
-            f"allowed: only in the cell {self._moving}",
-            remedy,
-        )
+        found = f"joint variable '{name}' in the cell {key} of a {self._type.value} joint"
+        raise self._document.error((*self._path, key), found, f"allowed: only in the cell {self._moving}", remedy)
 
     def _moving_cell(self) -> tuple[int, Expression, tuple[tuple[str, Expression], ...]]:
         """Sign of the variable and constant rest of the cell that moves, before units; of a coupled joint its drive."""
@@ -96,12 +92,9 @@ class _Row:
             hint = f"; if '{other}' is the variable, write q: {other}" if other else ""
             what = f"{self._moving} is the cell that moves in a {self._type.value} joint"
             how = f"leave the cell out or write {self._moving}: {name} + ..." if is_own else "write what moves the row"
-            raise self._document.error(
-                path,
-                f"{quoted(to_text(expression))} is constant, but {what}",
-                f"allowed: {f'{name} or -{name}, with a constant added, or ' * is_own}{_SUM}",
-                f"{how}; a figure's position is no part of the table{hint}",
-            )
+            said = f"{quoted(to_text(expression))} is constant, but {what}"
+            allowed = f"allowed: {f'{name} or -{name}, with a constant added, or ' * is_own}{_SUM}"
+            raise self._document.error(path, said, allowed, f"{how}; a figure's position is no part of the table{hint}")
         if [name for name, _ in drive] == [self._variable] and drive[0][1] in (ONE, tree.negate(ONE)):
             return 1 if drive[0][1] == ONE else -1, tree.add(*rest), ()
         return 1, tree.add(*rest), drive

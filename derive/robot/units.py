@@ -133,11 +133,10 @@ def symbol_unit(robot: Description, name: str) -> Unit:
     if len(found) < 2:
         return next(iter(found), Unit.SI)
     meanings = " and ".join(unit.value for unit in Unit if unit in alone)
-    raise RobotFileError(
-        f"'{name}' stands for {meanings}" if alone else f"'{name}' stands in products alone, which tell no unit",
-        allowed="with parameters: file, allowed: symbols that stand by themselves, and for one kind of quantity",
-        remedy="write its number into these cells, use two symbols, or leave out parameters: file and write SI units",
-    )
+    said = f"'{name}' stands for {meanings}" if alone else f"'{name}' stands in products alone, which tell no unit"
+    allowed = "with parameters: file, allowed: symbols that stand by themselves, and for one kind of quantity"
+    remedy = "write its number into these cells, use two symbols, or leave out parameters: file and write SI units"
+    raise RobotFileError(said, allowed=allowed, remedy=remedy)
 
 
 def are_units_clear(robot: Description) -> bool:

@@ -86,11 +86,10 @@ def _check_derived_names(document: Document, cells: Cells, robot: Description) -
         derived = {"velocity": velocity_name(joint.variable), "acceleration": acceleration_name(joint.variable)}
         for kind, name in derived.items():
             if name in taken:
-                raise RobotFileError(
-                    f"the {kind} of '{joint.variable}' is called '{name}', and that is a {taken[name]} already",
-                    remedy=f"rename '{name}' or the joint variable '{joint.variable}'",
-                    location=cells.first_use.get(name, document.location((*place, "q"))),
-                )
+                found = f"the {kind} of '{joint.variable}' is called '{name}', and that is a {taken[name]} already"
+                remedy = f"rename '{name}' or the joint variable '{joint.variable}'"
+                location = cells.first_use.get(name, document.location((*place, "q")))
+                raise RobotFileError(found, remedy=remedy, location=location)
             taken[name] = kind
 
 

@@ -5,24 +5,7 @@ from dataclasses import fields
 from fractions import Fraction
 from functools import partial
 
-from derive.robot.description import (
-    BASE,
-    FIXED,
-    IDENTITY,
-    INERTIA,
-    Convention,
-    Description,
-    FileUnits,
-    FixedRow,
-    Inertia,
-    Joint,
-    Link,
-    Matrix,
-    Motor,
-    Stand,
-    Variable,
-    pair_text,
-)
+from derive.robot import description
 from derive.robot.expression import ZERO, Expression, to_text
 from derive.robot.options.handout import HandoutOptions, NotationOptions
 from derive.robot.options.inverse import InverseOptions
@@ -43,22 +26,22 @@ def cell_text(cell: Expression) -> str:
     return to_text(cell, _decimal)
 
 
-def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
+def robot_text(robot: description.Description, comments: Sequence[str] = ()) -> str:
     """The robot file of a robot, in the units of the file that it comes from."""
     lines = [*(f"# {line}".rstrip() for line in comments), f"name: {robot.name}"]
     lines += [f"title: {_quoted(robot.title)}"] if robot.title and robot.title != robot.name else []
     lines += [f"convention: {robot.convention.value}"]
     units = robot.units
-    if units != FileUnits():
+    if units != description.FileUnits():
         written = f"angle: {'deg' if units.degrees else 'rad'}, length: {'mm' if units.millimetres else 'm'}"
         lines += [f"units: {{{written}{', parameters: file' if units.parameters else ''}}}"]
     lines += ["joints:" if table(robot) else "joints: []"]
-    above = BASE
+    above = description.BASE
     for row in table(explicit(robot)):
         lines += [f"  - {{{', '.join(_row(row_in_file_units(row, units), above, robot))}}}"]
         above = row.label
     for key, matrix in (("base", robot.base), ("tool", robot.tool)):
-        if matrix != IDENTITY:
+        if matrix != description.IDENTITY:
             lines += [f"{key}:", *(f"  - {row}" for row in _frame(matrix, units))]
     if robot.gravity is not None:
         lines += [f"gravity: {_list(robot.gravity)}"]
@@ -68,11 +51,11 @@ def robot_text(robot: Description, comments: Sequence[str] = ()) -> str:
     ends = {}
     for end in (end for end in robot.ends if end.name):
         after, tool = _quoted(end.after), f"[{', '.join(_frame(end.tool, units))}]"
-        ends[end.name] = after if end.tool == IDENTITY else f"{{after: {after}, tool: {tool}}}"
+        ends[end.name] = after if end.tool == description.IDENTITY else f"{{after: {after}, tool: {tool}}}"
     lines += _block("ends", ends)
     if robot.root is not None:
         lines += _block("root", {"type": robot.root.type.value, "q": f"[{', '.join(robot.root.variables)}]"})
-        if robot.root.link and robot.root.link != Link():
+        if robot.root.link and robot.root.link != description.Link():
             lines += ["  link:", *(f"    {line[4:]}" for line in _link(robot.root.link, units))]
     lines += ["loops:"] if robot.loops else []
     for loop in robot.loops:
@@ -92,7 +75,7 @@ def _quoted(text: str) -> str:
     return f'"{plain}"'
 
 
-def _options(robot: Description) -> Iterator[str]:
+def _options(robot: description.Description) -> Iterator[str]:
     """What is wanted of the robot: style, handout, figure and inverse kinematics, as far as it is not the usual."""
     style = robot.style.options()
     yield from [f"style: {style['name']}"] if list(style) == ["name"] else _block("style", style)
@@ -122,7 +105,7 @@ def _block(key: str, entries: dict[str, str]) -> Iterator[str]:
         yield from (f"  {name}: {value}" for name, value in entries.items())
 
 
-def _length(cell: Expression, units: FileUnits) -> str:
+def _length(cell: Expression, units: description.FileUnits) -> str:
     return cell_text(in_file_units(cell, Unit.LENGTH, units))
 
 
@@ -130,13 +113,13 @@ def _list(cells: Sequence[Expression]) -> str:
     return f"[{', '.join(map(cell_text, cells))}]"
 
 
-def _frame(matrix: Matrix, units: FileUnits) -> list[str]:
+def _frame(matrix: description.Matrix, units: description.FileUnits) -> list[str]:
     """The rows of a transform in brackets."""
     lengths = [f"[{', '.join([*map(cell_text, row[:3]), _length(row[3], units)])}]" for row in matrix[:3]]
     return [*lengths, _list(matrix[3])]
 
 
-def _variable(variable: Variable, robot: Description) -> str:
+def _variable(variable: description.Variable, robot: description.Description) -> str:
     """The bounds of a variable in braces, without those that are its row's anyway."""
     alone = next((joint for joint in robot.joints if joint.variable == variable.variable), None)
     unit = partial(in_file_units, unit=position_unit(variable), units=robot.units)
@@ -148,23 +131,25 @@ def _variable(variable: Variable, robot: Description) -> str:
     return f"{{{', '.join(cells)}}}"
 
 
-def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]:
+def _row(row: description.Joint | description.FixedRow, above: str, robot: description.Description) -> Iterator[str]:
     """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
-    yield f"type: {row.type.value if isinstance(row, Joint) else FIXED}"
-    if isinstance(row, Joint) and any(row.variable == each.variable for each in (*robot.variables, *robot.passive)):
+    yield f"type: {row.type.value if isinstance(row, description.Joint) else description.FIXED}"
+    if isinstance(row, description.Joint) and any(
+        row.variable == each.variable for each in (*robot.variables, *robot.passive)
+    ):
         yield f"q: {row.variable}"
-    if isinstance(row, Joint) and row.follows:
+    if isinstance(row, description.Joint) and row.follows:
         yield "passive: true"
-    stand, cells = row.stand or Stand(above), row.written(cell_text)
+    stand, cells = row.stand or description.Stand(above), row.written(cell_text)
     if stand.after != above:
         yield f"after: {_quoted(stand.after)}"
-    if stand.mount != IDENTITY:
+    if stand.mount != description.IDENTITY:
         yield f"mount: [{', '.join(_frame(stand.mount, robot.units))}]"
     cells |= {"gamma": cell_text(stand.gamma), "b": cell_text(stand.b)}
-    standard = robot.convention is Convention.STANDARD
+    standard = robot.convention is description.Convention.STANDARD
     order = ("theta", "d", "a", "alpha") if standard else ("gamma", "b", "alpha", "a", "theta", "d")
     yield from (f"{key}: {cells[key]}" for key in order if cells[key] != "0")
-    if isinstance(row, Joint):
+    if isinstance(row, description.Joint):
         yield from [f"limits: {_list(row.limits)}"] if row.limits is not None else []
         bounds = (("speed", row.speed), ("torque", row.torque))
         yield from (f"{key}: {cell_text(cell)}" for key, cell in bounds if cell is not None)
@@ -172,16 +157,16 @@ def _row(row: Joint | FixedRow, above: str, robot: Description) -> Iterator[str]
         yield f"name: {_quoted(row.name)}"
 
 
-def _cells(part: Link | Inertia | Motor, keys: Sequence[str]) -> str:
+def _cells(part: description.Link | description.Inertia | description.Motor, keys: Sequence[str]) -> str:
     """Some cells of a part in braces, without those that are zero; nothing where all are."""
     cells = {key: getattr(part, key) for key in keys}
-    rows = [f"{key}: {pair_text(cell, cell_text)}" for key, cell in cells.items() if cell != ZERO]
+    rows = [f"{key}: {description.pair_text(cell, cell_text)}" for key, cell in cells.items() if cell != ZERO]
     return f"{{{', '.join(rows)}}}" if rows else ""
 
 
-def _link(link: Link, units: FileUnits) -> Iterator[str]:
+def _link(link: description.Link, units: description.FileUnits) -> Iterator[str]:
     """The lines of a link; what is zero is left out."""
-    tensor = _cells(link.inertia, INERTIA)
+    tensor = _cells(link.inertia, description.INERTIA)
     friction = _cells(link, ("viscous", "coulomb"))
     yield f"  - mass: {cell_text(link.mass)}"
     if any(cell != ZERO for cell in link.com):

@@ -204,12 +204,7 @@ def render_c(source: Source) -> dict[str, str]:
     return {HEADER: render("c/model.h.jinja", **context), CODE: render("c/model.c.jinja", **context)}
 
 
-TARGET = Target(
-    name="c",
-    summary="C99 without allocation or globals, one configuration or a batch",
-    files=(HEADER, CODE),
-    render=render_c,
-)
+TARGET = Target("c", "C99 without allocation or globals, one configuration or a batch", (HEADER, CODE), render_c)
 
 
 def c_context(source: Source) -> dict[str, Any]:

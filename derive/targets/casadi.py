@@ -1,7 +1,4 @@
-"""``model_casadi.py``, the functions of a robot as ``casadi.Function`` objects from the same tapes, and their C export.
-
-The export, ``model_casadi.c`` and ``.h``, is CasADi's own.
-"""
+"""``model_casadi.py``: the functions of a robot as ``casadi.Function`` objects, and CasADi's own export to C."""
 
 from typing import Any
 
@@ -30,12 +27,8 @@ def render_casadi(source: Source) -> dict[str, str]:
     return {FILE: render("casadi/model_casadi.py.jinja", **context)}
 
 
-TARGET = Target(
-    name="casadi",
-    summary="casadi.Function objects with named inputs and outputs, for MPC and CasADi's own C export",
-    files=(FILE,),
-    render=render_casadi,
-)
+_WHAT = "casadi.Function objects with named inputs and outputs, for MPC and CasADi's own C export"
+TARGET = Target("casadi", _WHAT, (FILE,), render_casadi)
 
 
 def render_casadi_c(source: Source) -> dict[str, str]:
@@ -63,13 +56,8 @@ def render_casadi_c(source: Source) -> dict[str, str]:
         return {name: top + (folder.path / name).read_text(encoding="utf-8") for name in (CODE, HEADER)}
 
 
-C_TARGET = Target(
-    name="casadi-c",
-    summary="CasADi's own C export of its functions",
-    files=(CODE, HEADER),
-    render=render_casadi_c,
-    default=False,
-)
+_EXPORT = "CasADi's own C export of its functions"
+C_TARGET = Target("casadi-c", _EXPORT, (CODE, HEADER), render_casadi_c, default=False)
 
 
 def casadi_function(function: Function, joints: int, parameters: int) -> Any:

@@ -18,13 +18,8 @@ def render_javascript(source: Source) -> dict[str, str]:
     return {FILE: render("javascript/model.mjs.jinja", **context)}
 
 
-TARGET = Target(
-    name="javascript",
-    summary="a JavaScript module for browsers and Node, one configuration a call",
-    files=(FILE,),
-    render=render_javascript,
-    default=False,
-)
+_WHAT = "a JavaScript module for browsers and Node, one configuration a call"
+TARGET = Target("javascript", _WHAT, (FILE,), render_javascript, default=False)
 
 
 def javascript_body(robot: Robot, program: Program) -> str:

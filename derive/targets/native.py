@@ -46,15 +46,9 @@ def render_native(source: Source) -> dict[str, str]:
     }
 
 
-TARGET = Target(
-    name="native",
-    summary="the C functions as NumPy generalised ufuncs; needs a C compiler",
-    files=(MODULE, CODE),
-    render=render_native,
-    default=False,
-    requires=("c",),
-    compiled={LIBRARY: (CODE, "model.c", "model.h")},
-)
+_WHAT = "the C functions as NumPy generalised ufuncs; needs a C compiler"
+_COMPILED = {LIBRARY: (CODE, "model.c", "model.h")}
+TARGET = Target("native", _WHAT, (MODULE, CODE), render_native, default=False, requires=("c",), compiled=_COMPILED)
 
 
 def _gather(width: int, place: int, entry: int, block: str, lane: int) -> str:

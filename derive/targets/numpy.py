@@ -1,7 +1,4 @@
-"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone.
-
-The texts of functions and constants made here are those of the other modules in Python, too.
-"""
+"""``model_numpy.py``: the functions of a robot for one configuration or any batch, importing NumPy alone."""
 
 from __future__ import annotations
 
@@ -47,12 +44,7 @@ def render_numpy(source: Source) -> dict[str, str]:
     return {FILE: render("numpy/model_numpy.py.jinja", **context | {"arms": arms})}
 
 
-TARGET = Target(
-    name="numpy",
-    summary="functions of one configuration or a batch, importing NumPy alone",
-    files=(FILE,),
-    render=render_numpy,
-)
+TARGET = Target("numpy", "functions of one configuration or a batch, importing NumPy alone", (FILE,), render_numpy)
 
 
 def python_context(source: Source) -> dict[str, object]:

@@ -60,14 +60,8 @@ def package_folder(robot: Robot) -> str:
     return f"+{matlab_package(robot.name)}"
 
 
-TARGET = Target(
-    name="octave",
-    summary="a package of MATLAB and Octave, one file for each function",
-    files=(),
-    render=render_octave,
-    default=False,
-    package=package_folder,
-)
+_WHAT = "a package of MATLAB and Octave, one file for each function"
+TARGET = Target("octave", _WHAT, (), render_octave, default=False, package=package_folder)
 
 
 def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ...]], ...]:

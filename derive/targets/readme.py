@@ -113,6 +113,4 @@ def _formulas(formula: str, robot: Robot) -> tuple[str, str]:
     return to_text(tree, write), to_text(tree, partial(write, digits=None))
 
 
-TARGET = Target(
-    name="readme", summary="a page about the folder, its functions and their cost", files=("README.md",), render=render
-)
+TARGET = Target("readme", "a page about the folder, its functions and their cost", ("README.md",), render)

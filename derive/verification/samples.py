@@ -85,10 +85,8 @@ def _draw_positions(
             q = q[clearance > CLEAR * clearance.max()][:count]
         if len(q):
             return parameters, oracle, np.resize(q, (count, robot.dof))
-    raise VerificationError(
-        f"robot {robot.name!r}: its loops close in none of {ATTEMPTS * POOL} configurations that were tried",
-        remedy="give its variables limits within which they close",
-    )
+    found = f"robot {robot.name!r}: its loops close in none of {ATTEMPTS * POOL} configurations that were tried"
+    raise VerificationError(found, remedy="give its variables limits within which they close")
 
 
 def _range(joint: Joint | Variable, robot: Robot, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -125,8 +123,6 @@ def _draw_parameters(robot: Robot, index: int, rng: np.random.Generator) -> dict
             return numbers
         fallback = fallback or numbers
     if fallback is None:
-        raise VerificationError(
-            f"robot {robot.name!r}: no numbers were found for its free symbols at which every cell has a value",
-            remedy="give them numbers under 'parameters'",
-        )
+        found = f"robot {robot.name!r}: no numbers were found for its free symbols at which every cell has a value"
+        raise VerificationError(found, remedy="give them numbers under 'parameters'")
     return fallback

@@ -156,11 +156,8 @@ def _worst_error(where: str, function: str, trial: Trial, expected: Expectation)
     errors = expected.errors(got)
     worst = float(errors.max(initial=0.0))
     if worst > TOLERANCE:
-        raise VerificationError(
-            f"{where} {_difference(function, trial, expected, got, errors)}",
-            allowed=f"relative errors up to {TOLERANCE:g} are allowed",
-            remedy=REMEDY,
-        )
+        said = f"{where} {_difference(function, trial, expected, got, errors)}"
+        raise VerificationError(said, allowed=f"relative errors up to {TOLERANCE:g} are allowed", remedy=REMEDY)
     return worst
 
 
@@ -185,10 +182,8 @@ def _check_interface(robot: Robot, folder: Path, model: GeneratedModel) -> None:
     rows = (("DOF", constants.get("DOF"), robot.dof), ("PARAMETERS", parameters, free_symbols(robot)))
     for name, found, wanted in rows:
         if found != wanted:
-            raise VerificationError(
-                f"{name} of {model.file} is {found!r} instead of {wanted!r}",
-                remedy=f"rebuild {folder.name}, it belongs to another robot file",
-            )
+            said = f"{name} of {model.file} is {found!r} instead of {wanted!r}"
+            raise VerificationError(said, remedy=f"rebuild {folder.name}, it belongs to another robot file")
 
 
 def _check_coverage(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from derive.robot.load import catalogue_names
-from derive.robot.reading.json_schema import json_schema
+from derive.robot.reading.schema import json_schema
 from tests.cli.command import PENDULUM, derive
 
 

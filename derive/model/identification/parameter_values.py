@@ -1,7 +1,4 @@
-"""The values of the parameters, as scalars of any kind and as text in the robot's own symbols for generated files.
-
-The standard parameters are those of the file in the frames of the links; the base parameters combine them.
-"""
+"""The values of the parameters, as scalars of any kind and as text in the robot's own symbols for generated files."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

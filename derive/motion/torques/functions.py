@@ -1,7 +1,4 @@
-"""The generated functions of a robot as a motion needs them, compiled where that is worth it, and what joints do.
-
-Of a segment that is torque, power and work, from torques at many times and between them.
-"""
+"""The generated functions of a robot as a motion needs them, compiled where that is worth it, and what joints do."""
 
 from __future__ import annotations
 

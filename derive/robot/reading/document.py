@@ -117,12 +117,9 @@ def read_document(data: bytes, source: str) -> Document:
     if "robot" in root.entries:
         block = root.entries["robot"][1]
         if clash := [key for key in ("joints", "convention", "links") if key in root.entries]:
-            raise RobotFileError(
-                f"'{clash[0]}' beside the block 'robot'",
-                allowed="allowed: one robot, either in the block 'robot' or at the top level",
-                remedy=f"move '{clash[0]}' into the block",
-                location=root.entries[clash[0]][0].location,
-            )
+            rule = "allowed: one robot, either in the block 'robot' or at the top level"
+            how, location = f"move '{clash[0]}' into the block", root.entries[clash[0]][0].location
+            raise RobotFileError(f"'{clash[0]}' beside the block 'robot'", allowed=rule, remedy=how, location=location)
         if not isinstance(block, YamlMapping):
             raise RobotFileError("'robot' is not a mapping", remedy=remedy, location=block.location)
         root = block

@@ -1,7 +1,4 @@
-"""What people write from habit, from other tools or from paper, and what a robot file wants instead.
-
-A hint is text for a message only: nothing is read differently because of it.
-"""
+"""What people write from habit, from other tools or from paper, and what a robot file wants instead."""
 
 import re
 import unicodedata

@@ -10,24 +10,14 @@ from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
 from derive.errors import Location, RobotFileError, listed, near_miss, path_text, quoted
-from derive.robot.options.handout import (
-    MOST_PAGES,
-    PARTS,
-    USUAL_PARTS,
-    AngleLetter,
-    Derivation,
-    FrameIndices,
-    Functions,
-    InertiaLetter,
-    PoseEntries,
-    SliderLetter,
-)
+from derive.robot.options import handout as sheet
 from derive.robot.options.inverse import ROWS
 from derive.robot.options.style import DEFAULT_STYLE, Style
+from derive.robot.reading import structure
 from derive.robot.reading.document import Document, KeyPath, Node, YamlMapping, YamlScalar, YamlSequence
 from derive.robot.reading.hints import choice_hint, key_hint, shape_hint
 from derive.robot.reading.size_limits import FILE_LIMITS
-from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, fits, model_of
+from derive.robot.reading.structure import Discriminator, Field, Strict, Tag, WithJsonSchema, fits, model_of, usually
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -39,9 +29,9 @@ Cell = Annotated[str, WithJsonSchema({"type": ["string", "number"]})]
 Symbol = Annotated[str, WithJsonSchema({"type": "string", "pattern": NAME_PATTERN})]
 RowName = Annotated[str, WithJsonSchema({"type": "string", "minLength": 1, "maxLength": FILE_LIMITS.title_length})]
 Flag = Annotated[Literal["true", "false"], WithJsonSchema({"type": "boolean"})]
-Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(PARTS)})]
+Part = Annotated[str, WithJsonSchema({"type": "string", "enum": list(sheet.PARTS)})]
 Language = Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[a-z]{2}(_[A-Z]{2})?$"})]
-Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": MOST_PAGES})]
+Pages = Annotated[str, WithJsonSchema({"type": "integer", "minimum": 0, "maximum": sheet.MOST_PAGES})]
 TaskName = Literal["pose", "position"]
 TaskRow = Annotated[str, WithJsonSchema({"type": "string", "enum": list(ROWS)})]
 StyleName = Literal["compact", "by-geometry", "expanded"]
@@ -62,10 +52,10 @@ def _block_if(kind: type) -> Any:
 class Units(Strict):
     """Units of plain numbers in joint cells, limits, centres of mass, base and tool; all else is SI."""
 
-    angle: Literal["rad", "deg"] = Field(default="rad", description="Unit of plain numbers in angle cells.")
-    length: Literal["m", "mm"] = Field(default="m", description="Unit of plain numbers in length cells.")
-    parameters: Literal["si", "file"] = Field(
-        default="si", description="Numbers of symbols: in SI units and radians, or in those of the cells they stand in."
+    angle: Literal["rad", "deg"] = usually("rad", "Unit of plain numbers in angle cells.")
+    length: Literal["m", "mm"] = usually("m", "Unit of plain numbers in length cells.")
+    parameters: Literal["si", "file"] = usually(
+        "si", "Numbers of symbols: in SI units and radians, or in those of the cells they stand in."
     )
 
 
@@ -73,39 +63,36 @@ class JointRow(Strict):
     """One row of the Denavit-Hartenberg table."""
 
     type: Literal["revolute", "prismatic", "fixed"] = Field(description="What the joint's variable is, if it has one.")
-    q: Symbol | None = Field(default=None, description="Name of the joint variable; default q1, q2, ... by joint.")
-    theta: Cell = Field(default="0", description="Angle about z; a revolute joint's default is its variable.")
-    d: Cell = Field(default="0", description="Offset along z; a prismatic joint's default is its variable.")
-    a: Cell = Field(default="0", description="Link length; in the modified convention a_{i-1}.")
-    alpha: Cell = Field(default="0", description="Link twist; in the modified convention alpha_{i-1}.")
-    limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
-    speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
-    torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N] of the joint, either way.")
-    name: RowName | None = Field(default=None, description="What others call the row; default: as the variable.")
-    after: RowName | None = Field(default=None, description="Row that it follows, or base; default: the row above.")
-    mount: Matrix4 | None = Field(default=None, description="Constant transform before all else of the row.")
-    gamma: Cell = Field(default="0", description="Angle about z of the row before; in the modified convention.")
-    b: Cell = Field(default="0", description="Offset along z of the row before; in the modified convention.")
-    passive: Flag = Field(default="false", description="Whether closed loops move the joint.")
+    q: Symbol | None = usually(None, "Name of the joint variable; default q1, q2, ... by joint.")
+    theta: Cell = usually("0", "Angle about z; a revolute joint's default is its variable.")
+    d: Cell = usually("0", "Offset along z; a prismatic joint's default is its variable.")
+    a: Cell = usually("0", "Link length; in the modified convention a_{i-1}.")
+    alpha: Cell = usually("0", "Link twist; in the modified convention alpha_{i-1}.")
+    limits: tuple[Cell, Cell] | None = usually(None, "Lower and upper limit of the variable.")
+    speed: Cell | None = usually(None, "Largest speed of the variable, either way.")
+    torque: Cell | None = usually(None, "Largest torque [N m] or force [N] of the joint, either way.")
+    name: RowName | None = usually(None, "What others call the row; default: as the variable.")
+    after: RowName | None = usually(None, "Row that it follows, or base; default: the row above.")
+    mount: Matrix4 | None = usually(None, "Constant transform before all else of the row.")
+    gamma: Cell = usually("0", "Angle about z of the row before; in the modified convention.")
+    b: Cell = usually("0", "Offset along z of the row before; in the modified convention.")
+    passive: Flag = usually("false", "Whether closed loops move the joint.")
 
 
 class MotorRow(Strict):
     """Rotor that drives this joint, carried by the link before."""
 
-    mass: Cell = Field(default="0", description="Mass of the rotor [kg].")
-    inertia: Cell = Field(default="0", description="Moment of inertia about the spin axis [kg m^2].")
-    ratio: Cell = Field(default="0", description="Gear ratio; the rotor spins at ratio times the joint's velocity.")
+    mass: Cell = usually("0", "Mass of the rotor [kg].")
+    inertia: Cell = usually("0", "Moment of inertia about the spin axis [kg m^2].")
+    ratio: Cell = usually("0", "Gear ratio; the rotor spins at ratio times the joint's velocity.")
 
 
 class FrictionRow(Strict):
     """Joint-side friction, part of tau only."""
 
-    viscous: Cell = Field(default="0", description="Coefficient b of b*qd.")
+    viscous: Cell = usually("0", "Coefficient b of b*qd.")
     coulomb: Annotated[Annotated[Cell, Tag(_NAME)] | Annotated[tuple[Cell, Cell], Tag(_BLOCK)], _block_if(list)] = (
-        Field(
-            default="0",
-            description="Coefficient f of f*sign(qd), or [f_plus, f_minus]: f_plus at qd > 0, -f_minus at qd < 0.",
-        )
+        usually("0", "Coefficient f of f*sign(qd), or [f_plus, f_minus]: f_plus at qd > 0, -f_minus at qd < 0.")
     )
 
 
@@ -123,70 +110,67 @@ class InertiaRow(Strict):
 class BodyRow(Strict):
     """A body, in the frame that carries it."""
 
-    mass: Cell = Field(default="0", description="Mass [kg].")
-    com: Vector3 = Field(default=("0", "0", "0"), description="Centre of mass in the link's own frame.")
-    inertia: InertiaRow = Field(default=InertiaRow(), description="Tensor about the centre of mass [kg m^2].")
+    mass: Cell = usually("0", "Mass [kg].")
+    com: Vector3 = usually(("0", "0", "0"), "Centre of mass in the link's own frame.")
+    inertia: InertiaRow = usually(InertiaRow(), "Tensor about the centre of mass [kg m^2].")
 
 
 class LinkRow(BodyRow):
     """Inertial parameters of one link, in its own DH frame."""
 
-    motor: MotorRow | None = Field(default=None, description="Full model of the joint's motor.")
-    armature: Cell = Field(default="0", description="Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
-    friction: FrictionRow = Field(default=FrictionRow(), description="Joint-side friction.")
+    motor: MotorRow | None = usually(None, "Full model of the joint's motor.")
+    armature: Cell = usually("0", "Reflected rotor inertia ratio^2*Jm, added to B[i,i] only.")
+    friction: FrictionRow = usually(FrictionRow(), "Joint-side friction.")
 
 
 class NotationRow(Strict):
     """How the handout writes symbols."""
 
-    angle: AngleLetter = Field(default=AngleLetter.NAME, description="Variables of revolute joints.")
-    prismatic: SliderLetter = Field(default=SliderLetter.NAME, description="Variables of prismatic joints.")
-    functions: Functions = Field(default=Functions.SHORT, description="c_12, or cos(q_1 + q_2) in full.")
-    frames: FrameIndices = Field(default=FrameIndices.RIGHT, description="A_1^0, or the frames on the left: ^0A_1.")
-    inertia: InertiaLetter = Field(default=InertiaLetter.B, description="Letter of the inertia matrix.")
-    pose: PoseEntries = Field(default=PoseEntries.ENTRIES, description="Rotation of a given pose: r_13, or a_x.")
+    angle: sheet.AngleLetter = usually(sheet.AngleLetter.NAME, "Variables of revolute joints.")
+    prismatic: sheet.SliderLetter = usually(sheet.SliderLetter.NAME, "Variables of prismatic joints.")
+    functions: sheet.Functions = usually(sheet.Functions.SHORT, "c_12, or cos(q_1 + q_2) in full.")
+    frames: sheet.FrameIndices = usually(sheet.FrameIndices.RIGHT, "A_1^0, or the frames on the left: ^0A_1.")
+    inertia: sheet.InertiaLetter = usually(sheet.InertiaLetter.B, "Letter of the inertia matrix.")
+    pose: sheet.PoseEntries = usually(sheet.PoseEntries.ENTRIES, "Rotation of a given pose: r_13, or a_x.")
 
 
 class HandoutRow(Strict):
     """What the handout shows and how."""
 
-    parts: list[Part] = Field(
-        default=list(USUAL_PARTS),
-        description="Which parts; printed in their usual order.",
+    parts: list[Part] = usually(
+        list(sheet.USUAL_PARTS),
+        "Which parts; printed in their usual order.",
         json_schema_extra={"minItems": 1, "uniqueItems": True},
     )
-    derivation: Derivation = Field(default=Derivation.RESULT, description="Results only, or the steps to them.")
-    language: Language = Field(default="en", description="Language of the texts: en, it, pt, ...")
-    notation: NotationRow = Field(default=NotationRow(), description="How symbols are written.")
-    pages: Pages = Field(default="20", description="Most pages of the printed sheet; 0 for any number.")
+    derivation: sheet.Derivation = usually(sheet.Derivation.RESULT, "Results only, or the steps to them.")
+    language: Language = usually("en", "Language of the texts: en, it, pt, ...")
+    notation: NotationRow = usually(NotationRow(), "How symbols are written.")
+    pages: Pages = usually("20", "Most pages of the printed sheet; 0 for any number.")
 
 
 class StyleRow(Strict, options=Style):
     """How books differ: what is grouped first in each kind of quantity. What is left out is as in the set `name`."""
 
-    name: StyleName = Field(default=DEFAULT_STYLE, description="The set of options from which the others are taken.")
+    name: StyleName = usually(DEFAULT_STYLE, "The set of options from which the others are taken.")
 
 
 class FigureRow(Strict):
     """Which configuration is drawn and computed in numbers."""
 
-    q: list[Cell] | None = Field(
-        default=None, description="A number for every joint variable, in the units of the file as limits are."
-    )
-    values: dict[str, Cell] = Field(
-        default={},
-        description="Numbers, in SI units and radians, for symbols without one; for drawing and example only.",
+    q: list[Cell] | None = usually(None, "A number for every joint variable, in the units of the file as limits are.")
+    values: dict[str, Cell] = usually(
+        {}, "Numbers, in SI units and radians, for symbols without one; for drawing and example only."
     )
 
 
 class InverseRow(Strict):
     """What inverse kinematics is asked for."""
 
-    task: Annotated[Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], _block_if(list)] = Field(
-        default="pose", description="The whole pose, the position, or some rows of the pose."
+    task: Annotated[Annotated[TaskName, Tag(_NAME)] | Annotated[list[TaskRow], Tag(_BLOCK)], _block_if(list)] = usually(
+        "pose", "The whole pose, the position, or some rows of the pose."
     )
-    given: list[Symbol] | None = Field(
-        default=None, description="Joint variables that are arguments; default: the joints that are too many."
+    given: list[Symbol] | None = usually(
+        None, "Joint variables that are arguments; default: the joints that are too many."
     )
 
 
@@ -194,15 +178,15 @@ class EndRow(Strict):
     """An end of a tree."""
 
     after: RowName = Field(description="The row on which it is.")
-    tool: Matrix4 | None = Field(default=None, description="Constant transform from the row's frame to the end.")
+    tool: Matrix4 | None = usually(None, "Constant transform from the row's frame to the end.")
 
 
 class RootRow(Strict):
     """A root that moves, whose variables come first in q."""
 
     type: Literal["planar", "floating"] = Field(description="planar: x, y and an angle; floating: six variables.")
-    q: list[Symbol] | None = Field(default=None, description="Default: x, y, phi, or x, y, z, yaw, pitch, roll.")
-    link: BodyRow | None = Field(default=None, description="Its body, in its own frame.")
+    q: list[Symbol] | None = usually(None, "Default: x, y, phi, or x, y, z, yaw, pitch, roll.")
+    link: BodyRow | None = usually(None, "Its body, in its own frame.")
 
 
 class LoopRow(Strict):
@@ -213,17 +197,17 @@ class LoopRow(Strict):
         description="revolute: origins and z axes coincide; prismatic: axes are parallel, one origin on the other's z "
         "axis; spherical: origins coincide; fixed: the frames coincide."
     )
-    branch: Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[+-]*$"})] = Field(
-        default="", description="Which assembly: a sign for each +- of the solution; default: all +."
+    branch: Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[+-]*$"})] = usually(
+        "", "Which assembly: a sign for each +- of the solution; default: all +."
     )
 
 
 class VariableRow(Strict):
     """A variable of coupled joints."""
 
-    limits: tuple[Cell, Cell] | None = Field(default=None, description="Lower and upper limit of the variable.")
-    speed: Cell | None = Field(default=None, description="Largest speed of the variable, either way.")
-    torque: Cell | None = Field(default=None, description="Largest torque [N m] or force [N], either way.")
+    limits: tuple[Cell, Cell] | None = usually(None, "Lower and upper limit of the variable.")
+    speed: Cell | None = usually(None, "Largest speed of the variable, either way.")
+    torque: Cell | None = usually(None, "Largest torque [N m] or force [N], either way.")
 
 
 class RobotFile(Strict):
@@ -232,47 +216,64 @@ class RobotFile(Strict):
     name: str = Field(
         description="Name of the robot, and of its output folder.", json_schema_extra={"pattern": ROBOT_NAME_PATTERN}
     )
-    title: str | None = Field(
-        default=None,
-        description="Free text for people; default: the name.",
-        json_schema_extra={"maxLength": FILE_LIMITS.title_length},
+    title: str | None = usually(
+        None, "Free text for people; default: the name.", json_schema_extra={"maxLength": FILE_LIMITS.title_length}
     )
     convention: Literal["standard", "modified"] = Field(
         description="standard: Rot z theta, Trans z d, Trans x a, Rot x alpha; modified (Craig): Rot x alpha, "
         "Trans x a, Rot z theta, Trans z d with alpha_{i-1}, a_{i-1}."
     )
-    units: Units = Field(default=Units(), description="Units of plain numbers; default rad and m.")
+    units: Units = usually(Units(), "Units of plain numbers; default rad and m.")
     joints: list[JointRow] = Field(
         description="One row per joint, and rows without motion.",
         json_schema_extra={"minItems": 1, "maxItems": 2 * FILE_LIMITS.joints},
     )
-    base: Matrix4 | None = Field(default=None, description="Constant transform before frame 0.")
-    tool: Matrix4 | None = Field(default=None, description="Constant transform after frame n, of an arm with one end.")
+    base: Matrix4 | None = usually(None, "Constant transform before frame 0.")
+    tool: Matrix4 | None = usually(None, "Constant transform after frame n, of an arm with one end.")
     ends: (
         dict[str, Annotated[Annotated[RowName, Tag(_NAME)] | Annotated[EndRow, Tag(_BLOCK)], _block_if(dict)]] | None
-    ) = Field(default=None, description="The ends of a tree: the row on which each is, or a block with its tool.")
-    root: RootRow | None = Field(default=None, description="How the root moves; default: it stands.")
-    variables: dict[str, VariableRow] | None = Field(
-        default=None, description="Variables of coupled joints; default: those that the rows have for themselves."
+    ) = usually(None, "The ends of a tree: the row on which each is, or a block with its tool.")
+    root: RootRow | None = usually(None, "How the root moves; default: it stands.")
+    variables: dict[str, VariableRow] | None = usually(
+        None, "Variables of coupled joints; default: those that the rows have for themselves."
     )
-    loops: list[LoopRow] | None = Field(default=None, description="Closed loops, which move the passive joints.")
-    gravity: Vector3 | None = Field(
-        default=None, description="Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
+    loops: list[LoopRow] | None = usually(None, "Closed loops, which move the passive joints.")
+    gravity: Vector3 | None = usually(
+        None, "Acceleration of gravity in the world frame [m/s^2]; with links, default [0, 0, -g]."
     )
-    links: list[LinkRow] | None = Field(default=None, description="One row for each of joints: dynamics.")
-    parameters: dict[str, Cell] = Field(
-        default={}, description="Numbers of symbols, in SI units and radians unless units say otherwise."
+    links: list[LinkRow] | None = usually(None, "One row for each of joints: dynamics.")
+    parameters: dict[str, Cell] = usually({}, "Numbers of symbols, in SI units and radians unless units say otherwise.")
+    runtime: list[Symbol] = usually([], "Symbols that stay arguments though they have a number.")
+    style: Annotated[Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], _block_if(dict)] = usually(
+        DEFAULT_STYLE, "How printed expressions are grouped: a name, or a block of options."
     )
-    runtime: list[Symbol] = Field(default=[], description="Symbols that stay arguments though they have a number.")
-    style: Annotated[Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], _block_if(dict)] = Field(
-        default=DEFAULT_STYLE, description="How printed expressions are grouped: a name, or a block of options."
+    contraction: Literal["aligned", "opposed"] = usually(
+        "aligned", "Which sums of joint angles are contracted: also those of opposed parallel axes?"
     )
-    contraction: Literal["aligned", "opposed"] = Field(
-        default="aligned", description="Which sums of joint angles are contracted: also those of opposed parallel axes?"
-    )
-    handout: HandoutRow = Field(default=HandoutRow(), description="Parts, language and notation of the handout.")
-    figure: FigureRow = Field(default=FigureRow(), description="The configuration that is drawn and computed.")
-    inverse: InverseRow = Field(default=InverseRow(), description="Task and given joints of the inverse kinematics.")
+    handout: HandoutRow = usually(HandoutRow(), "Parts, language and notation of the handout.")
+    figure: FigureRow = usually(FigureRow(), "The configuration that is drawn and computed.")
+    inverse: InverseRow = usually(InverseRow(), "Task and given joints of the inverse kinematics.")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
+    robot = structure.schema_of(RobotFile)
+    definitions = robot.pop("$defs", {})
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "derive robot file",
+        "$defs": {**definitions, "RobotFile": robot},
+        "anyOf": [
+            {"$ref": "#/$defs/RobotFile"},
+            {
+                "type": "object",
+                "description": "A lecture corpus file: the robot in its own block, anything else beside it.",
+                "required": ["robot"],
+                "not": {"anyOf": [{"required": [key]} for key in ("joints", "convention", "links")]},
+                "properties": {"robot": {"$ref": "#/$defs/RobotFile"}},
+            },
+        ],
+    }
 
 
 # What to write for a key that is missing.

@@ -23,7 +23,7 @@ class Strict:
         """Keys that may be left out: the fields of a dataclass of options, each annotated with what it is."""
         for name, kind in get_type_hints(options, include_extras=True).items() if options else ():
             cls.__annotations__[name] = kind.__origin__ | None
-            setattr(cls, name, Field(default=None, description=kind.__metadata__[0]))
+            setattr(cls, name, usually(None, kind.__metadata__[0]))
 
 
 class _Said:
@@ -37,6 +37,11 @@ Field: Any = partial(_Said, "Field")
 Tag: Any = partial(_Said, "Tag")
 Discriminator: Any = partial(_Said, "Discriminator")
 WithJsonSchema: Any = partial(_Said, "WithJsonSchema")
+
+
+def usually(value: Any, description: str, **options: Any) -> Any:
+    """A key that may be left out, which then has a value, or is nothing for None."""
+    return Field(default=value, description=description, **options)
 
 
 _read: dict[type[Strict], dict[str, tuple[Any, bool]]] = {}
@@ -113,3 +118,23 @@ def _in_pydantic(what: Any) -> Any:
     if origin in (Union, UnionType):
         return reduce(or_, map(_in_pydantic, of))
     return origin[tuple(map(_in_pydantic, of))] if origin in (list, tuple, dict) else what
+
+
+def schema_of(block: type[Strict]) -> dict[str, Any]:
+    """The JSON Schema of a block, for editors."""
+    found: dict[str, Any] = _without_null(model_of(block).model_json_schema(ref_template="#/$defs/{model}"))
+    return found
+
+
+def _without_null(schema: Any) -> Any:
+    """Keys that may be left out may not be null: in a robot file ``null`` is a text like any other."""
+    if isinstance(schema, list):
+        return [_without_null(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    plain = {key: _without_null(value) for key, value in schema.items() if not (key == "default" and value is None)}
+    options = [option for option in plain.get("anyOf", []) if option != {"type": "null"}]
+    if len(options) == 1:
+        del plain["anyOf"]
+        plain = {**options[0], **plain}
+    return plain

@@ -24,7 +24,7 @@ from derive.robot.options.handout import (
     PoseEntries,
     SliderLetter,
 )
-from derive.robot.reading.json_schema import json_schema
+from derive.robot.reading.schema import json_schema
 from derive.robot.robot import Robot
 from tests.robot.hostile import GOOD
 

@@ -5,7 +5,7 @@ import pytest
 from derive.robot.description import Joining
 from derive.robot.load import robot_file_bytes
 from derive.robot.reading.document import read_document
-from derive.robot.reading.loops import with_loops
+from derive.robot.reading.table import with_loops
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 

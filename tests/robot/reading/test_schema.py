@@ -9,7 +9,7 @@ import yaml
 from derive.cli.new import new_robot_text
 from derive.errors import DeriveError
 from derive.robot.load import catalogue_names, robot_file_bytes
-from derive.robot.reading.json_schema import json_schema
+from derive.robot.reading.schema import json_schema
 from derive.robot.robot import Robot
 from tests.interpreters import another_hash_seed, printed_by
 from tests.robot.hostile import GOOD, HOSTILE
@@ -52,5 +52,5 @@ def test_every_key_of_the_schema_is_described() -> None:
 
 
 def test_the_schema_is_the_same_under_any_hash_seed() -> None:
-    code = "import json; from derive.robot.reading.json_schema import json_schema; print(json.dumps(json_schema()))"
+    code = "import json; from derive.robot.reading.schema import json_schema; print(json.dumps(json_schema()))"
     assert printed_by(code, PYTHONHASHSEED=another_hash_seed()) == json.dumps(json_schema())
