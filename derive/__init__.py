@@ -10,6 +10,7 @@
     derive.plot(robot, "arm.svg")              # the arm with its frames
     derive.move("scara-pick-and-place", plot="tau.svg")   # a motion: speeds, torques, work
     derive.convert(robot, "modified", "mdh.yaml")         # the table of the other convention
+    derive.identify(robot, "log.parquet", "identified.yaml")   # masses, inertias and friction from a log
     derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from derive.api.convert import convert, possible
     from derive.api.export import export
     from derive.api.handout import fragment, handout
+    from derive.api.identify import identify
     from derive.api.importing import import_all, import_tree, import_urdf, verify_import
     from derive.api.move import move
     from derive.api.plot import plot
@@ -55,6 +57,7 @@ __all__ = [
     "find_style",
     "fragment",
     "handout",
+    "identify",
     "import_all",
     "import_tree",
     "import_urdf",
@@ -74,6 +77,7 @@ _NAMES = {
     "derive.api.convert": ("convert", "possible"),
     "derive.api.export": ("export",),
     "derive.api.handout": ("fragment", "handout"),
+    "derive.api.identify": ("identify",),
     "derive.api.importing": ("import_all", "import_tree", "import_urdf", "verify_import"),
     "derive.api.move": ("move",),
     "derive.api.plot": ("plot",),

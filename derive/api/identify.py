@@ -1,0 +1,102 @@
+"""The parameters of a robot from a log, from Python."""
+
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from derive.api.robots import RobotLike, load
+from derive.errors import DeriveError, RobotFileError, RobotFileWarning, listed, near_miss, quoted
+from derive.identification.filters import Preparation
+from derive.identification.identified import Identified, identified
+from derive.identification.log import Log
+from derive.identification.regression import Method
+from derive.identification.standard import Unknowns
+from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
+from derive.robot.robot import Robot
+
+ENDINGS = (".html", ".htm")
+"""What the name of a report may end with."""
+
+
+def identify(
+    robot: RobotLike,
+    log: str | Path | Mapping[str, Any] | Any,
+    path: str | Path | None = None,
+    *,
+    report: str | Path | None = None,
+    method: str = "wls",
+    columns: Mapping[str, str] | None = None,
+    add: Sequence[str] = ("viscous", "coulomb"),
+    held_out: float | str | Path | Any = None,
+    cutoff: float | None = None,
+    decimate: int = 1,
+    drop: bool = False,
+    trust_torques: bool = False,
+    force: bool = False,
+) -> Identified:
+    """Identify the base parameters of a robot from a log, as ``derive identify`` does.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue; its symbols all have numbers.
+        log: Path of a .csv or .parquet, a mapping of names to columns, or a table of pyarrow.
+        path: The robot file that is written; None for none.
+        report: The web page that is written; None for none.
+        method: ``ols``, ``wls`` (each joint by its noise), or ``possible``: within what bodies that exist can have.
+        columns: Patterns of the columns by quantity (``time``, ``q``, ``qd``, ``qdd``, ``tau``), such as
+            ``{"q": "position_*", "tau": "-effort_*"}``; ``*`` is a joint's number or name, a minus turns the sign.
+        add: What is identified though the robot file does not give it: ``viscous``, ``coulomb``, ``armature``.
+        held_out: A log for validation, or the part of the log, at its end, that is kept for it: 0.2, or ``20%``.
+        cutoff: Frequency of the filter [Hz]; None for 10 Hz where speeds or accelerations are missing.
+        decimate: Of so many rows one is kept, regressor and torques filtered alike.
+        drop: Whether rows without numbers and gaps in time are passed over.
+        trust_torques: Whether torques are taken though they look like the robot's in another unit or of another sign.
+        force: Whether files that exist are overwritten.
+
+    Returns:
+        The robot with the nearest links that have the identified base parameters, the parameters with their standard
+        deviations, residuals, and the ``text`` of the robot file.
+
+    Raises:
+        DeriveError: A column is missing, rows are, the log is too short, or its torques are not the robot's.
+        QuantityError: A robot without links, with coupled joints or with a symbol without a number.
+        OutputError: There is such a file already, or it cannot be written.
+        TargetError: pyarrow or SciPy is not installed.
+    """
+    refuse_taken([Path(each) for each in (path, report) if each is not None], force=force)
+    if report is not None:
+        ending_of(Path(report), ENDINGS)
+    given, part = Robot.of(load(robot, remarks_on_bodies=False)), _held_part(held_out)
+    if method not in list(Method):
+        allowed = f"allowed: {listed(Method)}"
+        raise DeriveError(f"no method {quoted(method)}", allowed=allowed, remedy=near_miss(method, Method))
+    unknowns = Unknowns(given, tuple(add))
+    logs = (log, *(() if part or held_out is None else (held_out,)))
+    prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]
+    found = identified(unknowns, Method(method), *prepared, part=1 - part, trusted=trust_torques)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotFileWarning)
+        try:
+            Robot.from_text(found.text, "identified")
+        except RobotFileError as error:
+            remedy = "take --method possible"
+            raise RobotFileError(f"no robot has these parameters: {error.found}", remedy=remedy) from error
+    files = {Path(path): found.text.encode()} if path is not None else {}
+    if report is not None:
+        from derive.identification.report import report_page  # the handout's modules, which nothing else needs
+
+        files[Path(report)] = report_page(found).encode()
+    write_files(files, force=force)
+    return found
+
+
+def _held_part(held_out: Any) -> float:
+    """The part of a log that is held out; zero for none, or for another log."""
+    text = str(held_out)
+    if not isinstance(held_out, float) and not re.fullmatch(r"[\d.]+%", text):
+        return 0.0
+    part = held_out if isinstance(held_out, float) else float(text[:-1]) / 100
+    if not 0 < part < 1:
+        raise DeriveError(f"{text} held out", allowed="allowed: a log, or a part of this one such as 20%")
+    return part

@@ -1,0 +1,254 @@
+"""The log of a robot that moves: its columns by name, in SI units, read in blocks so that no log is too long.
+
+A log is a CSV or a Parquet file, or a table in memory. Its columns are found by patterns, in which ``*`` stands for the
+number of a joint, from 1 or from 0, or for its name; a unit stands in brackets behind a column's name.
+"""
+
+import csv
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from derive.arrays import Array, Flags
+from derive.errors import DeriveError, Location, listed, near_miss, optional, quoted
+from derive.robot.robot import Robot
+
+# By quantity the patterns that are tried in this order.
+PATTERNS = {"time": "time t", "q": "q* *", "qd": "qd* dq*", "qdd": "qdd* ddq*", "tau": "tau*"}
+_UNITS_OF_TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_LENGTHS, _ANGLES = {"m": 1.0, "mm": 1e-3}, {"rad": 1.0, "deg": pi / 180}
+_FORCES, _TORQUES = {"N": 1.0, "mN": 1e-3, "kN": 1e3}, {"Nm": 1.0, "mNm": 1e-3, "kNm": 1e3}
+# By quantity the units of slides and of turns.
+UNITS: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = {
+    "time": (_UNITS_OF_TIME, _UNITS_OF_TIME),
+    "q": (_LENGTHS, _ANGLES),
+    "qd": ({f"{k}/s": v for k, v in _LENGTHS.items()}, {f"{k}/s": v for k, v in _ANGLES.items()} | {"rpm": pi / 30}),
+    "qdd": ({f"{k}/s^2": v for k, v in _LENGTHS.items()}, {f"{k}/s^2": v for k, v in _ANGLES.items()}),
+    "tau": (_FORCES, _TORQUES),
+}
+_HEADER = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")  # a name with a unit in brackets
+_NUMBER = re.compile(r"\s*([-+.\de]*|nan|null|na|n/a)\s*", re.IGNORECASE)  # or an empty cell
+BATCH = 65_536  # rows that are read at once
+CSV_BLOCK, PARQUET_BUFFER = 4 << 20, 1 << 18  # bytes of a CSV, and of a column of Parquet, that are read at once
+JUMP = 1.5  # steps of time above which a gap is between two rows
+SHOWN = 12  # columns that a message lists
+
+
+@dataclass(frozen=True, slots=True)
+class LogColumn:
+    """A column that is read."""
+
+    name: str  # in the log
+    factor: float  # what takes it to SI units; negative where its sign is turned
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """The rows of a log."""
+
+    source: Any  # path of a .csv or .parquet, or a table: a mapping of names to columns, or of pyarrow
+    robot: Robot
+    patterns: Mapping[str, str] = field(default_factory=dict)  # those that a user gives, with a minus for a turned sign
+    drop: bool = False  # whether rows without numbers and gaps are passed over
+
+    @cached_property
+    def path(self) -> Path | None:
+        """Its file; None for a table in memory."""
+        path = Path(self.source) if isinstance(self.source, str | Path) else None
+        if path is not None and not path.is_file():
+            raise DeriveError(f"no file {quoted(str(path), 200)}", allowed="allowed: a .csv or a .parquet")
+        return path
+
+    @cached_property
+    def _csv(self) -> Path | None:
+        return self.path if self.path and self.path.suffix.lower() != ".parquet" else None
+
+    @cached_property
+    def _store(self) -> Any:
+        """The table or the Parquet file."""
+        arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
+        if self.path is None:
+            return arrow.table(dict(self.source)) if isinstance(self.source, Mapping) else self.source
+        parquet = optional("pyarrow.parquet", "reading a log needs pyarrow", "data")
+        try:  # what is read ahead would be a whole group of rows
+            return parquet.ParquetFile(self.path, buffer_size=PARQUET_BUFFER, pre_buffer=False)
+        except arrow.ArrowInvalid as error:
+            raise self._error(f"no Parquet: {error}", remedy="check the file; a CSV ends with .csv") from None
+
+    @cached_property
+    def _head(self) -> tuple[str, list[str]]:
+        """What separates the cells of a CSV, and those of its first line."""
+        with open(str(self._csv), encoding="utf-8-sig", errors="replace") as file:
+            line = file.readline().rstrip("\r\n")
+        delimiter = max(",;\t", key=line.count)
+        return delimiter, next(csv.reader([line], delimiter=delimiter), [])
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The names of all columns."""
+        schema = self._head[1] if self._csv else self._store.schema_arrow if self.path else self._store.schema
+        return schema if isinstance(schema, list) else list(schema.names)
+
+    @cached_property
+    def rows(self) -> int:
+        """How many rows it has; of a CSV lines."""
+        if not self._csv:
+            return int(self._store.metadata.num_rows if self.path else self._store.num_rows)
+        with self._csv.open("rb") as file:
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b""))
+
+    def _error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
+        """A refusal; a row is counted from 0."""
+        place = Location(str(self.path), row + 2) if self._csv else None
+        return DeriveError(
+            found if place else f"{self.path or 'the table'}: {found}", location=place, allowed=allowed, remedy=remedy
+        )
+
+    # -- columns
+
+    @cached_property
+    def columns(self) -> dict[str, tuple[LogColumn, ...]]:
+        """By quantity its columns, one for each joint; those of q and tau are there, of the others all or none."""
+        for wrong in self.patterns.keys() - PATTERNS.keys():
+            hint = near_miss(wrong, PATTERNS)
+            raise DeriveError(
+                f"no quantity {quoted(wrong)} of a log", allowed=f"allowed: {listed(PATTERNS)}", remedy=hint
+            )
+        found = {quantity: self._of(quantity) for quantity in PATTERNS}
+        return {quantity: columns for quantity, columns in found.items() if columns}
+
+    @cached_property
+    def _by_name(self) -> dict[str, tuple[str, str]]:
+        """By name without its unit the name in the log, and the unit."""
+        matches = ((name, _HEADER.fullmatch(name)) for name in self.names)
+        return {match[1] if match else name: (name, match[2] if match else "") for name, match in matches}
+
+    def _of(self, quantity: str) -> tuple[LogColumn, ...]:
+        given, joints = self.patterns.get(quantity, ""), self.robot.joints
+        counts = range(len(joints))
+        marks = [[str(k + 1) for k in counts], [str(k) for k in counts], [joint.label for joint in joints]]
+        patterns = [given.removeprefix("-")] if given else PATTERNS[quantity].split()
+        tried = [
+            [pattern.replace("*", mark) for mark in row] if quantity != "time" else [pattern]
+            for pattern in patterns
+            for row in (*marks, [joint.variable for joint in joints])
+        ]
+        best = max(tried, key=lambda names: sum(name in self._by_name for name in names) / len(names))
+        missing = [name for name in best if name not in self._by_name]
+        if not missing:
+            sign = -1.0 if given.startswith("-") else 1.0
+            pairs = zip(best, joints, strict=False)
+            return tuple(self._column(quantity, name, sign, joint.is_revolute) for name, joint in pairs)
+        if len(missing) == len(best) and not given and quantity not in ("q", "tau"):
+            return ()
+        more = f" and {len(self.names) - SHOWN} more" if len(self.names) > SHOWN else ""
+        allowed = f"its columns: {listed(map(quoted, self.names[:SHOWN]))}{more}"
+        remedy = f"name them with --columns '{quantity}=...*', * for the number or the name of a joint"
+        raise self._error(f"no column {listed(missing)}", allowed=allowed, remedy=remedy)
+
+    def _column(self, quantity: str, name: str, sign: float, turns: bool) -> LogColumn:
+        units = UNITS[quantity][turns]
+        column, unit = self._by_name[name]
+        plain = re.sub(r"s2$", "s^2", re.sub(r"[ *·]", "", unit).replace("°", "deg").replace("²", "^2"))
+        if unit and plain not in units:
+            found = f"unit {quoted(unit)} of column {quoted(column)}"
+            raise self._error(found, allowed=f"allowed: {listed(units)}", remedy="convert it")
+        return LogColumn(column, sign * (units[plain] if unit else 1.0))
+
+    def places(self, quantity: str) -> slice:
+        """Where the columns of a quantity are in the blocks of `batches`."""
+        keys = list(self.columns)
+        start = sum(len(self.columns[key]) for key in keys[: keys.index(quantity)])
+        return slice(start, start + len(self.columns[quantity]))
+
+    # -- rows
+
+    def batches(self) -> Iterator[Array]:
+        """The rows in SI units, (rows, columns), not a number where the log has none."""
+        read = [column for columns in self.columns.values() for column in columns]
+        try:
+            for batch in self._record_batches([column.name for column in read]):
+                cells = (batch.column(c.name).to_numpy(zero_copy_only=False).astype(float) * c.factor for c in read)
+                block = np.column_stack([*cells])
+                yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
+        except (ValueError, TypeError) as error:  # those of Arrow among them
+            raise self._unreadable([column.name for column in read], str(error)) from None
+
+    def _record_batches(self, names: list[str]) -> Iterator[Any]:
+        if self.path and not self._csv:
+            return iter(self._store.iter_batches(BATCH, columns=names, use_threads=False))
+        if self.path is None:
+            return iter(self._store.select(names).to_batches(BATCH))
+        arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
+        reader = optional("pyarrow.csv", "reading a log needs pyarrow", "data")
+        types = dict.fromkeys(names, arrow.float64())
+        return iter(
+            reader.open_csv(
+                self.path,
+                read_options=reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False),
+                parse_options=reader.ParseOptions(delimiter=self._head[0]),
+                convert_options=reader.ConvertOptions(column_types=types, include_columns=names),
+            )
+        )
+
+    def _unreadable(self, names: list[str], reason: str) -> DeriveError:
+        """Where a CSV has something else than a number; what the reader says of other files."""
+        if self._csv:
+            with self._csv.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+                rows = csv.DictReader(file, delimiter=self._head[0])
+                for row in rows:
+                    cells = len(self.names) - list(row.values()).count(None) + len(row.get(None) or ())
+                    wrong = [name for name in names if not _NUMBER.fullmatch(row[name] or "")]
+                    if wrong or cells != len(self.names):
+                        what = f"{quoted(row[wrong[0]])} for {wrong[0]}" if wrong else f"{cells} cells"
+                        remedy = "correct the line" if wrong else f"write {len(self.names)}"
+                        return self._error(what, rows.line_num - 2, allowed="allowed: numbers", remedy=remedy)
+        return self._error(f"cannot be read: {' '.join(reason.split())}", remedy="check the file")
+
+    def segments(self) -> Iterator[tuple[Array, bool]]:
+        """The rows in blocks, and whether something is missing before a block."""
+        row, last, starts = 0, np.nan, True
+        for batch in self.batches():
+            good: Flags = np.asarray(np.isfinite(batch).all(axis=1))
+            jumps: Flags = np.zeros(len(batch), dtype=bool)
+            if self.step:
+                steps = np.diff(batch[:, 0], prepend=last)
+                jumps, last = (steps > JUMP * self.step) | (steps <= 0), batch[-1, 0] if good[-1] else np.nan
+            if not self.drop and (jumps | ~good).any():
+                raise self._broken(batch, good, int(np.argmax(jumps | ~good)), row)
+            # A new segment starts behind each bad row and at each jump.
+            for start, end in pairwise([0, *np.flatnonzero(jumps[1:] | (good[1:] != good[:-1])) + 1, len(batch)]):
+                if good[start]:
+                    yield batch[start:end], starts or bool(jumps[start])
+                starts = not good[start]
+            row += len(batch)
+
+    @cached_property
+    def step(self) -> float:
+        """The time between two rows [s], the median of the first block; 0 without times, which come first."""
+        times = next(self.batches(), np.empty((0, 1)))[:, 0] if "time" in self.columns else np.empty(0)
+        steps = np.diff(times[np.isfinite(times)])
+        found = float(np.median(steps)) if len(steps) else 0.0
+        if len(steps) and not found > 0:
+            raise self._error(f"times that do not grow, by {found:g} s from row to row", remedy="sort the rows by time")
+        return found
+
+    def _broken(self, batch: Array, good: Flags, at: int, row: int) -> DeriveError:
+        """The first place where numbers or rows are missing, and for how long."""
+        remedy = "repair the log, or pass over such places with --drop"
+        if good[at]:
+            gap = batch[at, 0] - batch[at - 1, 0] if at else np.nan
+            what = f"a gap of {gap:.4g} s" if not gap <= 0 else f"time goes back by {-gap:.4g} s"
+            return self._error(f"{what} before row {row + at + 1}, t = {batch[at, 0]:.6g} s", row + at, remedy=remedy)
+        read = [column.name for columns in self.columns.values() for column in columns]
+        names = listed(name for name, cell in zip(read, batch[at], strict=True) if not np.isfinite(cell))
+        count = int(np.argmax(np.append(good[at:], True)))
+        lasting = f"{count} rows, {count * self.step:.4g} s" if self.step else f"{count} rows"
+        return self._error(f"no number in {names} from row {row + at + 1} on ({lasting})", row + at, remedy=remedy)

@@ -1,0 +1,307 @@
+"""From base parameters to the links of a robot file: the standard parameters nearest to those that it had.
+
+Torques know base parameters alone, beta = K x with x the standard parameters. Of all x that have the identified beta
+the nearest to the prior is taken, each change in units of its link: mass m, radius r of gyration about the frame's
+origin, so that a wrist counts as much as an upper arm. With `--method possible` the torques are fitted as well as links
+allow that can exist: pseudo-inertias without negative eigenvalues (Wensing, Kim and Slotine, IEEE Robotics and
+Automation Letters 3(1), 2018; Sousa and Cortesao, Int. J. Robotics Research 33(6), 2014).
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.quotients import Quotient
+from derive.algebra.ring import Polynomial
+from derive.arrays import Array
+from derive.errors import DeriveError, ExpressionError, QuantityError, listed, near_miss, quoted
+from derive.identification.regression import Estimate
+from derive.mechanics.chain import Domain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.vectors import S
+from derive.model.identification.base_parameters import BaseSet, base_set
+from derive.model.identification.parameter_values import base_values, standard_values
+from derive.model.identification.possible import MARGIN, pseudo_inertias
+from derive.model.identification.semidefinite import Cone, Limit, least, packed
+from derive.robot.description import FixedRow, Inertia, Joint, Link, Motor
+from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
+from derive.robot.inertial_parameters import (
+    FRICTION_PARTS,
+    LINK_PARTS,
+    REGRESSOR_JOINTS,
+    Parameter,
+    standard_parameters,
+)
+from derive.robot.names import free_symbols, without_lost_symbols
+from derive.robot.robot import Robot
+from derive.robot.tree import require_own_variables
+
+ADDED = ("viscous", "coulomb", "armature")  # what a robot file may lack and a log may tell
+DIGITS = 12  # of the numbers in a robot file
+LIGHT = 1e-6  # part of its unit of mass below which a link has none
+SLACK = 0.1  # the pull of the prior per unit of change, where the noise of all torques pulls with 1
+WIDTH = len(LINK_PARTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """What is identified of a robot, and what its file says of it."""
+
+    robot: Robot
+    added: tuple[str, ...] = ()  # of `ADDED`
+
+    def __post_init__(self) -> None:
+        robot = self.robot
+        require_own_variables(robot, "identification")
+        if wrong := next((name for name in self.added if name not in ADDED), ""):
+            hint = near_miss(wrong, ADDED)
+            raise DeriveError(f"no part {quoted(wrong)} to add", allowed=f"allowed: {listed(ADDED)}", remedy=hint)
+        if robot.root is not None or robot.n > REGRESSOR_JOINTS:
+            found = f"identification of {robot.name}, {'whose root moves' if robot.root else f'of {robot.n} joints'}"
+            raise QuantityError(found, allowed=f"allowed: robots that stand, of up to {REGRESSOR_JOINTS} joints")
+        if not robot.links:
+            remedy = "write links with a mass each, 0 where nothing is known"
+            raise QuantityError(f"{robot.name} has no links to identify", remedy=remedy)
+        for lacking in free_symbols(replace(robot, runtime=())):
+            remedy = f"write parameters: {{{lacking}: 0}} where nothing is known of a link"
+            raise QuantityError(f"the symbol '{lacking}' of {robot.name} has no number", remedy=remedy)
+
+    @cached_property
+    def wide(self) -> Robot:
+        """The robot with all that is identified: one where its file gives nothing."""
+        lacking: Iterator[dict[str, Any]] = (
+            {name: ONE for name in self.added if getattr(link, name) == ZERO} for link in self.robot.links
+        )
+        links = (replace(link, **cells) for link, cells in zip(self.robot.links, lacking, strict=True))
+        return replace(self.robot, links=tuple(links), runtime=())
+
+    @cached_property
+    def base(self) -> BaseSet:
+        """Its base parameters."""
+        return base_set(self.wide)
+
+    @cached_property
+    def standard(self) -> tuple[Parameter, ...]:
+        """Its standard parameters."""
+        return standard_parameters(self.wide)
+
+    @cached_property
+    def given(self) -> Array:
+        """The standard parameters of the links as the file has them, without bodies that are fixed to them, (s,)."""
+        return np.array(standard_values(replace(self.robot, fixed=()), self.standard, self._floats))
+
+    @cached_property
+    def _floats(self) -> FloatDomain:
+        return FloatDomain(self.robot, [0.0] * self.robot.n)
+
+    def _number(self, coefficient: Quotient) -> float:
+        numerator, denominator = map(self._floats.constant, self.base.fraction(coefficient))
+        return numerator / denominator
+
+    @cached_property
+    def grouping(self) -> Array:
+        """K, (p, s): the base parameters are what the standard parameters are times it."""
+        return np.array(_grouping(self.wide, self.base, self.standard, self._floats, self._number)).T
+
+    @cached_property
+    def prior(self) -> Array:
+        """The base parameters as the file has them, (p,)."""
+        fixed = base_values(replace(self._nothing, fixed=self.robot.fixed), self.base, self._floats, self._number)
+        bare = base_values(self._nothing, self.base, self._floats, self._number)
+        return np.asarray(self.grouping @ self.given + np.array(fixed) - np.array(bare))
+
+    @cached_property
+    def _nothing(self) -> Robot:
+        return replace(self.wide, links=_empty(self.wide), fixed=())
+
+    @cached_property
+    def formulas(self) -> tuple[Expression | None, ...]:
+        """What each base parameter groups, ``Izz1 + a2**2*m3``; None where a cell is none of polynomials."""
+
+        def _polynomial(coefficient: Quotient) -> Polynomial:
+            top, bottom = self.base.fraction(coefficient)
+            if not isinstance(bottom, Number):
+                raise ExpressionError("a denominator")
+            return domain.constant(multiply(number(1 / bottom.value), top))
+
+        with suppress(ExpressionError, ZeroDivisionError):
+            domain = PolynomialDomain(self._nothing, rates=False)
+            columns = _grouping(self.wide, self.base, self.standard, domain, _polynomial)
+            cells = [[polynomial_expression(entry, domain) for entry in column] for column in columns]
+            names = [Name(parameter.name) for parameter in self.standard]
+            return tuple(add(*map(multiply, row, names)) for row in zip(*cells, strict=True))
+        return (None,) * len(self.base.parameters)
+
+    # -- scales
+
+    @cached_property
+    def _sizes(self) -> tuple[Array, Array]:
+        """Units of mass and of length of each link."""
+        rows = np.array([self.given[k : k + WIDTH] for k in self._links])
+        masses, spreads = rows[:, 0], rows[:, 4:7].sum(axis=1) / 2
+        usual = masses[masses > 0].mean() if (masses > 0).any() else 1.0
+        units = np.where(masses > LIGHT * usual, masses, usual)
+        lengths = np.sqrt(np.maximum(spreads, 0) / units)
+        return units, np.where(lengths > 1e-3 * self.reach, lengths, 0.1 * self.reach)
+
+    @cached_property
+    def reach(self) -> float:
+        """The sum of the lengths of the table [m]; 1 where it has none."""
+        rows: tuple[Joint | FixedRow, ...] = (*self.robot.joints, *self.robot.fixed)
+        cells = (cell for row in rows for cell in (row.a, row.d))
+        return sum(abs(self._floats.constant(cell)) for cell in cells) or 1.0
+
+    @cached_property
+    def _links(self) -> list[int]:
+        """Where the ten parameters of each link begin."""
+        return [k for k, parameter in enumerate(self.standard) if parameter.part == LINK_PARTS[0]]
+
+    @cached_property
+    def units(self) -> Array:
+        """What a change of each standard parameter is counted in, (s,)."""
+        found = []
+        for parameter, value in zip(self.standard, self.given, strict=True):
+            mass, length = (sizes[parameter.joint - 1] for sizes in self._sizes)
+            usual = 1.0 if parameter.part in FRICTION_PARTS else mass * length ** _degree(parameter)
+            found.append(usual if parameter.of_link or not value else abs(value))
+        return np.array(found)
+
+    @cached_property
+    def largest(self) -> Array:
+        """More than any robot of this size has of each base parameter, (p,); infinite for friction."""
+        mass = self.given[self._links].clip(min=0).sum()
+        free = [not mass or p.part in FRICTION_PARTS for p in self.base.parameters]
+        bounds = (mass * self.reach ** _degree(p) for p in self.base.parameters)
+        return np.array([np.inf if any_size else bound for any_size, bound in zip(free, bounds, strict=True)])
+
+    # -- what comes out
+
+    def nearest(self, beta: Array) -> Array:
+        """The standard parameters nearest to those given that have some base parameters, (s,)."""
+        # Least |y - wanted| with K D y = beta - beta_0, D the units. A link without a mass that gets a first moment
+        # shall have one, which torques leave free.
+        rows, right, wanted = self.grouping * self.units, beta - self.prior, np.zeros(len(self.given))
+        lengths = np.linalg.norm(rows, axis=1)
+        for _ in range(2):
+            found = wanted + np.linalg.lstsq(rows / lengths[:, None], (right - rows @ wanted) / lengths, rcond=None)[0]
+            found[np.abs(found) < 10.0**-DIGITS] = 0.0
+            standard = self.given / self.units + found
+            light = [k for k in self._links if standard[k] < LIGHT and np.abs(standard[k + 1 : k + 4]).max() > LIGHT]
+            wanted[light] = 1.0
+        return np.asarray(standard * self.units)
+
+    def nearest_possible(self, estimate: Estimate, rows: int) -> Array:
+        """The standard parameters of links that exist whose torques are nearest to those of an estimate, (s,)."""
+        # How far along each unit links without a mass should go.
+        wanted = np.zeros(len(self.given))
+        wanted[[k for k in self._links if self.given[k] <= LIGHT * self.units[k]]] = 1.0
+        slope = estimate.factor[:, :-1] @ (self.grouping * self.units)
+        offset = estimate.factor[:, :-1] @ (self.prior - estimate.beta)
+        # Least |slope y + offset|^2 + |pull (y - wanted)|^2, for each row of the log.
+        pull = np.array([0.0 if parameter.part in FRICTION_PARTS else SLACK**2 for parameter in self.standard])
+        quadratic = (slope.T @ slope + np.diag(pull)) / rows
+        linear = (slope.T @ offset - pull * wanted) / rows
+        limits = [self._exists(k, mass, length) for k, mass, length in zip(self._links, *self._sizes, strict=True)]
+        joints = [k for k, parameter in enumerate(self.standard) if not parameter.of_link]
+        if joints:
+            limits.append(Limit(Cone.NOT_NEGATIVE, (self.given / self.units)[joints], np.eye(len(wanted))[joints]))
+        scale = np.abs(quadratic).max()
+        return np.asarray(self.given + self.units * least(linear / scale, limits, quadratic / scale).x)
+
+    def _exists(self, k: int, mass: float, length: float) -> Limit:
+        """A pseudo-inertia, in the units of its link, without an eigenvalue below `MARGIN`."""
+        unit = np.array([1 / length] * 3 + [1.0]) / np.sqrt(mass)
+        own = pseudo_inertias(np.diag(self.units[k : k + WIDTH])[None])[0]
+        slope = np.zeros((WIDTH, len(self.given)))
+        slope[:, k : k + WIDTH] = packed(np.moveaxis(own, 2, 0) * np.outer(unit, unit)).T
+        given = pseudo_inertias(self.given[None, k : k + WIDTH])[0] * np.outer(unit, unit)
+        return Limit(Cone.SEMIDEFINITE, packed(given - MARGIN * np.eye(4)), slope)
+
+    def robot_of(self, standard: Array) -> Robot:
+        """The robot with these standard parameters; what does not change stays as it is written."""
+        links = list(self.robot.links)
+        same = np.abs(standard - self.given) <= 10.0**-DIGITS * self.units
+        for k, parameter in enumerate(self.standard):
+            i, body = parameter.joint - 1, slice(k, k + WIDTH)
+            if k in self._links and not same[body].all():
+                links[i] = _with_body(links[i], standard[body])
+            if not parameter.of_link and not same[k]:
+                links[i] = _with_part(links[i], parameter.part, _cell(standard[k]))
+        return without_lost_symbols(self.robot, replace(self.robot, links=tuple(links)))
+
+
+def _degree(parameter: Parameter) -> int:
+    """The power of a length in its unit, times a mass."""
+    return {"m": 0, "mm": 0}.get(parameter.part, 1 if parameter.part in LINK_PARTS[1:4] else 2)
+
+
+def _empty(wide: Robot) -> tuple[Link, ...]:
+    """Links without bodies, their joints with one of all that is not zero."""
+    links = []
+    for link in wide.links:
+        motor = link.motor and Motor(ratio=link.motor.ratio)
+        joint: dict[str, Any] = {name: ONE for name in ("viscous", "armature") if getattr(link, name) != ZERO}
+        dry = (ONE, ONE) if isinstance(link.coulomb, tuple) else ZERO if link.coulomb == ZERO else ONE
+        links.append(Link(motor=motor, coulomb=dry, **joint))
+    return tuple(links)
+
+
+def _grouping(
+    wide: Robot, base: BaseSet, standard: Sequence[Parameter], domain: Domain[S], coefficient: Callable[[Quotient], S]
+) -> list[list[S]]:
+    """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
+    empty = _empty(wide)
+
+    def _values(i: int, link: Link) -> list[S]:
+        links = (*empty[:i], link, *empty[i + 1 :])
+        return base_values(replace(wide, links=links, fixed=()), base, domain, coefficient)
+
+    nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
+    for parameter in standard:
+        i, one = parameter.joint - 1, _unit(empty[parameter.joint - 1], parameter.part)
+        columns[parameter] = [a - b for a, b in zip(_values(i, one), nothing, strict=True)]
+        if parameter.part in LINK_PARTS[1:4]:  # a first moment comes with a mass
+            mass = columns[Parameter(parameter.joint, "m")]
+            columns[parameter] = [a - b for a, b in zip(columns[parameter], mass, strict=True)]
+    return list(columns.values())
+
+
+def _unit(link: Link, part: str) -> Link:
+    """An empty link and one of a parameter; of a first moment, and of the mass that has it."""
+    if part in LINK_PARTS:
+        return _with_body(link, [float(p == part or (p == "m" and part in LINK_PARTS[1:4])) for p in LINK_PARTS])
+    return _with_part(link, part, ONE if part in ("mm", "Im") else number(2))
+
+
+def _with_part(link: Link, part: str, cell: Expression) -> Link:
+    """A link with another cell of its joint."""
+    ahead, back = link.dry
+    motor = link.motor or Motor()
+    return {
+        "mm": lambda: replace(link, motor=replace(motor, mass=cell)),
+        "Im": lambda: replace(link, motor=replace(motor, inertia=cell)),
+        "Ia": lambda: replace(link, armature=cell),
+        "b": lambda: replace(link, viscous=cell),
+        "f": lambda: replace(link, coulomb=cell),
+        "fp": lambda: replace(link, coulomb=(cell, back)),
+        "fm": lambda: replace(link, coulomb=(ahead, cell)),
+    }[part]()
+
+
+def _with_body(link: Link, parameters: Sequence[float] | Array) -> Link:
+    """A link with other ten parameters about the origin of its frame."""
+    mass, *moment, xx, yy, zz, xy, xz, yz = parameters
+    x, y, z = (h / mass if mass else 0.0 for h in moment)
+    about = (xx - mass * (y * y + z * z), yy - mass * (x * x + z * z), zz - mass * (x * x + y * y))
+    tensor = Inertia(*map(_cell, (*about, xy + mass * x * y, xz + mass * x * z, yz + mass * y * z)))
+    return replace(link, mass=_cell(mass), com=(_cell(x), _cell(y), _cell(z)), inertia=tensor)
+
+
+def _cell(value: float) -> Number:
+    return number(Fraction(f"{value:.{DIGITS}g}"))
