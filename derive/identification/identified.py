@@ -144,7 +144,9 @@ def _gather(
     total = preparation.log.rows // preparation.decimate
     row, every, kept = 0, total // SHOWN + 1, list[Block]()
     for block in preparation.blocks(regressor):
-        (used if row < part * total else held).add(block[2], block[3])
+        cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
+        for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
+            factors.add(block[2][own], block[3][own])
         time, speed, rows, torque = (each[-row % every :: every].copy() for each in block)
         kept.append((time, speed, rows, torque))
         row += len(block[0])

@@ -98,11 +98,11 @@ class Log:
 
     @cached_property
     def rows(self) -> int:
-        """How many rows it has; of a CSV lines."""
+        """How many rows it has; of a CSV lines after the first."""
         if not self._csv:
             return int(self._store.metadata.num_rows if self.path else self._store.num_rows)
         with self._csv.open("rb") as file:
-            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b""))
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
 
     def _error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
         """A refusal; a row is counted from 0."""

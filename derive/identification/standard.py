@@ -182,26 +182,36 @@ class Unknowns:
 
     # -- what comes out
 
+    @cached_property
+    def _slope(self) -> Array:
+        """K times the units, (p, s); masses of rotors, which are no others than those of links, stay."""
+        return self.grouping * self.units * [parameter.part != "mm" for parameter in self.standard]
+
     def nearest(self, beta: Array) -> Array:
         """The standard parameters nearest to those given that have some base parameters, (s,)."""
-        # Least |y - wanted| with K D y = beta - beta_0, D the units. A link without a mass that gets a first moment
-        # shall have one, which torques leave free.
-        rows, right, wanted = self.grouping * self.units, beta - self.prior, np.zeros(len(self.given))
-        lengths = np.linalg.norm(rows, axis=1)
-        for _ in range(2):
-            found = wanted + np.linalg.lstsq(rows / lengths[:, None], (right - rows @ wanted) / lengths, rcond=None)[0]
+        # Least |y| with K D y = beta - beta_0, D the units, rows of length one. Torques leave most masses free: where one
+        # comes out negative, or zero beside a first moment, it is set.
+        rows, right = self._slope, beta - self.prior
+        right = right / np.linalg.norm(rows, axis=1)
+        rows = rows / np.linalg.norm(rows, axis=1)[:, None]
+        for _ in range(self.robot.n):
+            found = np.linalg.lstsq(rows, right, rcond=None)[0]
             found[np.abs(found) < 10.0**-DIGITS] = 0.0
-            standard = self.given / self.units + found
-            light = [k for k in self._links if standard[k] < LIGHT and np.abs(standard[k + 1 : k + 4]).max() > LIGHT]
-            wanted[light] = 1.0
-        return np.asarray(standard * self.units)
+            whole = found + self.given / self.units
+            light = [k for k in self._links if whole[k] < LIGHT and np.abs(whole[k : k + 4]).max() > LIGHT]
+            rows = np.concatenate([rows, np.eye(len(found))[light]])
+            right = np.append(right, 0.5 - (self.given / self.units)[light])
+        if np.abs(rows @ found - right).max() > LIGHT * max(1.0, np.abs(right).max()):
+            found_text = f"torques leave a link of {self.robot.name} no mass"
+            raise DeriveError(found_text, remedy="take --method possible, or a log that excites more")
+        return np.asarray(whole * self.units)
 
     def nearest_possible(self, estimate: Estimate, rows: int) -> Array:
         """The standard parameters of links that exist whose torques are nearest to those of an estimate, (s,)."""
         # How far along each unit links without a mass should go.
         wanted = np.zeros(len(self.given))
         wanted[[k for k in self._links if self.given[k] <= LIGHT * self.units[k]]] = 1.0
-        slope = estimate.factor[:, :-1] @ (self.grouping * self.units)
+        slope = estimate.factor[:, :-1] @ self._slope
         offset = estimate.factor[:, :-1] @ (self.prior - estimate.beta)
         # Least |slope y + offset|^2 + |pull (y - wanted)|^2, for each row of the log.
         pull = np.array([0.0 if parameter.part in FRICTION_PARTS else SLACK**2 for parameter in self.standard])

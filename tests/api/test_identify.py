@@ -1,0 +1,45 @@
+"""Identification from Python: files, and what is refused before anything is written."""
+
+from pathlib import Path
+
+import pytest
+
+import derive
+from derive.api.identify import identify
+from derive.errors import DeriveError, OutputError
+from tests.identification.logs import PUMA, REAL, simulated
+
+pytest.importorskip("pyarrow")
+LOG = simulated(REAL, 800)[0]
+
+
+def test_the_robot_file_and_the_page_are_written(tmp_path: Path) -> None:
+    path, page = tmp_path / "identified.yaml", tmp_path / "page.html"
+    found = derive.identify("puma560-corke", LOG, path, report=page)
+    assert path.read_text() == found.text
+    assert derive.load(path).links == found.robot.links
+    assert "<svg" in page.read_text()
+    with pytest.raises(OutputError, match="exists already"):
+        identify(PUMA, LOG, path)
+    with pytest.raises(DeriveError, match="has the ending of another kind of file"):
+        identify(PUMA, LOG, report=tmp_path / "page.pdf")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"method": "wsl"}, "no method 'wsl'; allowed: ols, wls, possible; did you mean 'wls'"),
+        ({"held_out": 1.5}, "1.5 held out; allowed: a log, or a part of this one such as 20%"),
+        ({"held_out": "0%"}, "0% held out"),
+        ({"columns": {"tau": "-tau*"}}, "torques opposite to those"),
+    ],
+)
+def test_wrong_options_are_refused(options: dict[str, object], message: str, tmp_path: Path) -> None:
+    with pytest.raises(DeriveError, match=message):
+        identify(PUMA, LOG, tmp_path / "identified.yaml", **options)  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())
+
+
+def test_torques_are_taken_as_they_are_where_that_is_asked_for() -> None:
+    found = identify(PUMA, LOG, columns={"tau": "-tau*"}, method="possible", trust_torques=True)
+    assert (found.residuals > 0.3 * found.torques).any()
