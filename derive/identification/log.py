@@ -41,12 +41,7 @@ JUMP = 1.5  # steps of time above which a gap is between two rows
 SHOWN = 12  # columns that a message lists
 
 
-@dataclass(frozen=True, slots=True)
-class LogColumn:
-    """A column that is read."""
-
-    name: str  # in the log
-    factor: float  # what takes it to SI units; negative where its sign is turned
+LogColumn = tuple[str, float]  # its name in the log, and what takes it to SI units; negative where its sign is turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +155,7 @@ class Log:
         if unit and plain not in units:
             found = f"unit {quoted(unit)} of column {quoted(column)}"
             raise self._error(found, allowed=f"allowed: {listed(units)}", remedy="convert it")
-        return LogColumn(column, sign * (units[plain] if unit else 1.0))
+        return column, sign * (units[plain] if unit else 1.0)
 
     def places(self, quantity: str) -> slice:
         """Where the columns of a quantity are in the blocks of `batches`."""
@@ -174,12 +169,12 @@ class Log:
         """The rows in SI units, (rows, columns), not a number where the log has none."""
         read = [column for columns in self.columns.values() for column in columns]
         try:
-            for batch in self._record_batches([column.name for column in read]):
-                cells = (batch.column(c.name).to_numpy(zero_copy_only=False).astype(float) * c.factor for c in read)
+            for batch in self._record_batches([name for name, _ in read]):
+                cells = (batch.column(name).to_numpy(zero_copy_only=False).astype(float) * by for name, by in read)
                 block = np.column_stack([*cells])
                 yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
         except (ValueError, TypeError) as error:  # those of Arrow among them
-            raise self._unreadable([column.name for column in read], str(error)) from None
+            raise self._unreadable([name for name, _ in read], str(error)) from None
 
     def _record_batches(self, names: list[str]) -> Iterator[Any]:
         if self.path and not self._csv:
@@ -247,7 +242,7 @@ class Log:
             gap = batch[at, 0] - batch[at - 1, 0] if at else np.nan
             what = f"a gap of {gap:.4g} s" if not gap <= 0 else f"time goes back by {-gap:.4g} s"
             return self._error(f"{what} before row {row + at + 1}, t = {batch[at, 0]:.6g} s", row + at, remedy=remedy)
-        read = [column.name for columns in self.columns.values() for column in columns]
+        read = [name for columns in self.columns.values() for name, _ in columns]
         names = listed(name for name, cell in zip(read, batch[at], strict=True) if not np.isfinite(cell))
         count = int(np.argmax(np.append(good[at:], True)))
         lasting = f"{count} rows, {count * self.step:.4g} s" if self.step else f"{count} rows"

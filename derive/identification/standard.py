@@ -29,7 +29,7 @@ from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
-from derive.robot.description import FixedRow, Inertia, Joint, Link, Motor
+from derive.robot.description import Inertia, Link, Motor
 from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
 from derive.robot.inertial_parameters import (
     FRICTION_PARTS,
@@ -44,6 +44,8 @@ from derive.robot.tree import require_own_variables
 
 ADDED = ("viscous", "coulomb", "armature")  # what a robot file may lack and a log may tell
 DIGITS = 12  # of the numbers in a robot file
+FAR = 0.1  # radius of gyration of links of which nothing is known [m]
+BEYOND = 10.0  # times what its file says no robot has
 LIGHT = 1e-6  # part of its unit of mass below which a link has none
 SLACK = 0.1  # the pull of the prior per unit of change, where the noise of all torques pulls with 1
 WIDTH = len(LINK_PARTS)
@@ -114,7 +116,9 @@ class Unknowns:
         """The base parameters as the file has them, (p,)."""
         fixed = base_values(replace(self._nothing, fixed=self.robot.fixed), self.base, self._floats, self._number)
         bare = base_values(self._nothing, self.base, self._floats, self._number)
-        return np.asarray(self.grouping @ self.given + np.array(fixed) - np.array(bare))
+        found = self.grouping @ self.given + np.array(fixed) - np.array(bare)
+        rounding = np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(self.given))
+        return np.where(np.abs(found) > 10 * rounding, found, 0.0)
 
     @cached_property
     def _nothing(self) -> Robot:
@@ -148,14 +152,8 @@ class Unknowns:
         usual = masses[masses > 0].mean() if (masses > 0).any() else 1.0
         units = np.where(masses > LIGHT * usual, masses, usual)
         lengths = np.sqrt(np.maximum(spreads, 0) / units)
-        return units, np.where(lengths > 1e-3 * self.reach, lengths, 0.1 * self.reach)
-
-    @cached_property
-    def reach(self) -> float:
-        """The sum of the lengths of the table [m]; 1 where it has none."""
-        rows: tuple[Joint | FixedRow, ...] = (*self.robot.joints, *self.robot.fixed)
-        cells = (cell for row in rows for cell in (row.a, row.d))
-        return sum(abs(self._floats.constant(cell)) for cell in cells) or 1.0
+        far = lengths[lengths > 0].mean() if (lengths > 0).any() else FAR
+        return units, np.where(lengths > 1e-3 * far, lengths, far)
 
     @cached_property
     def _links(self) -> list[int]:
@@ -174,11 +172,9 @@ class Unknowns:
 
     @cached_property
     def largest(self) -> Array:
-        """More than any robot of this size has of each base parameter, (p,); infinite for friction."""
-        mass = self.given[self._links].clip(min=0).sum()
-        free = [not mass or p.part in FRICTION_PARTS for p in self.base.parameters]
-        bounds = (mass * self.reach ** _degree(p) for p in self.base.parameters)
-        return np.array([np.inf if any_size else bound for any_size, bound in zip(free, bounds, strict=True)])
+        """More than a robot of such links has of each base parameter, (p,); infinite where nothing is known of them."""
+        unknown = [p.part in FRICTION_PARTS or not self.given[self._links].any() for p in self.base.parameters]
+        return np.where(unknown, np.inf, BEYOND * (np.abs(self.grouping) @ self.units))
 
     # -- what comes out
 
@@ -189,8 +185,8 @@ class Unknowns:
 
     def nearest(self, beta: Array) -> Array:
         """The standard parameters nearest to those given that have some base parameters, (s,)."""
-        # Least |y| with K D y = beta - beta_0, D the units, rows of length one. Torques leave most masses free: where one
-        # comes out negative, or zero beside a first moment, it is set.
+        # Least |y| with K D y = beta - beta_0, D the units, rows of length one. Torques leave most masses free: one
+        # that comes out negative, or zero beside a first moment, is set.
         rows, right = self._slope, beta - self.prior
         right = right / np.linalg.norm(rows, axis=1)
         rows = rows / np.linalg.norm(rows, axis=1)[:, None]

@@ -44,6 +44,8 @@ WRITING = {
     ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.checking.printouts.file_printout"),
     ("import", "out"): ("import arm.urdf -o b.yaml", "b.yaml", "derive.api.importing.import_urdf"),
     ("import --all", "out"): ("import arm.urdf --all -o arms", "arms/arm-b.yaml", ""),
+    ("identify", "out"): ("identify arm.yaml log.csv -o b.yaml", "b.yaml", "derive.api.identify.load"),
+    ("identify", "report"): ("identify arm.yaml log.csv --report a.html", "a.html", "derive.api.identify.load"),
     ("export", "out"): ("export kuka-kr5 --format csv -o a.csv", "a.csv", "derive.api.export.exported"),
     ("convert", "out"): ("convert arm.yaml -o m.yaml", "m.yaml", "derive.api.convert.converted"),
     ("new", "name"): ("new arm", "arm.yaml", ""),

@@ -185,16 +185,26 @@ def test_every_decision_stands_in_the_index() -> None:
     assert [path.name for path in sorted(folder.glob("0*.md")) if f"({path.name})" not in index] == []
 
 
-TOUR = ROOT / "examples" / "tour.ipynb"
+TOUR, LOG_TO_MODEL = (ROOT / "examples" / f"{name}.ipynb" for name in ("tour", "log_to_model"))
+
+
+def execution(path: Path, folder: Path) -> Any:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(ROOT))
+        notebook, place = nbformat.read(path, as_version=4), {"metadata": {"path": str(folder)}}
+        options = {"kernel_name": "python3", "record_timing": False, "resources": place}
+        nbclient.NotebookClient(notebook, timeout=600, **options).execute()
+    return notebook
 
 
 @pytest.fixture(scope="module")
-def executed() -> Any:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PYTHONPATH", str(ROOT))
-        notebook = nbformat.read(TOUR, as_version=4)
-        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", record_timing=False).execute()
-    return notebook
+def executed(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return execution(TOUR, tmp_path_factory.mktemp("tour"))
+
+
+def test_a_log_becomes_the_model_that_its_notebook_shows(tmp_path: Path) -> None:
+    assert outputs(execution(LOG_TO_MODEL, tmp_path)) == outputs(nbformat.read(LOG_TO_MODEL, as_version=4))
+    assert (tmp_path / "identified.yaml").exists()
 
 
 def outputs(notebook: Any) -> list[dict[str, Any]]:
@@ -217,9 +227,10 @@ def test_every_result_of_the_tour_is_set_as_a_formula_or_a_table(executed: Any) 
     assert sum("text/html" in data for data in shown) == 2
 
 
-def test_the_tour_is_a_valid_notebook_without_traces_of_a_machine() -> None:
-    nbformat.validate(nbformat.read(TOUR, as_version=4))
-    text = TOUR.read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", [TOUR, LOG_TO_MODEL], ids=name)
+def test_a_notebook_is_valid_and_without_traces_of_a_machine(path: Path) -> None:
+    nbformat.validate(nbformat.read(path, as_version=4))
+    text = path.read_text(encoding="utf-8")
     assert "0x" not in text
     assert str(Path.home()) not in json.dumps(text)
 
