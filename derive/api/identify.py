@@ -1,13 +1,12 @@
 """The parameters of a robot from a log, from Python."""
 
-import re
-import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, RobotFileError, RobotFileWarning, listed, near_miss, quoted
+from derive.errors import DeriveError, RobotFileError, listed, near_miss, quoted
 from derive.identification.filters import Preparation
 from derive.identification.identified import Identified, identified
 from derive.identification.log import Log
@@ -47,7 +46,7 @@ def identify(
         columns: Patterns of the columns by quantity (``time``, ``q``, ``qd``, ``qdd``, ``tau``), such as
             ``{"q": "position_*", "tau": "-effort_*"}``; ``*`` is a joint's number or name, a minus turns the sign.
         add: What is identified though the robot file does not give it: ``viscous``, ``coulomb``, ``armature``.
-        held_out: A log for validation, or the part of the log, at its end, that is kept for it: 0.2, or ``20%``.
+        held_out: A log for validation, or the part of the log, at its end, that is kept for it: 0.2.
         cutoff: Frequency of the filter [Hz]; None for 10 Hz where speeds or accelerations are missing.
         decimate: Of so many rows one is kept, regressor and torques filtered alike.
         drop: Whether rows without numbers and gaps in time are passed over.
@@ -67,7 +66,11 @@ def identify(
     refuse_taken([Path(each) for each in (path, report) if each is not None], force=force)
     if report is not None:
         ending_of(Path(report), ENDINGS)
-    given, part = Robot.of(load(robot, remarks_on_bodies=False)), _held_part(held_out)
+    given, part = Robot.of(load(robot, remarks_on_bodies=False)), 0.0
+    with suppress(TypeError, ValueError):  # of another log
+        part = 0.0 if held_out is None else float(held_out)  # type: ignore[arg-type]
+        if not 0 < part < 1 and held_out is not None:
+            raise DeriveError(f"{part:g} of a log held out", allowed="allowed: a log, or a part such as 0.2")
     if method not in list(Method):
         allowed = f"allowed: {listed(Method)}"
         raise DeriveError(f"no method {quoted(method)}", allowed=allowed, remedy=near_miss(method, Method))
@@ -75,13 +78,10 @@ def identify(
     logs = (log, *(() if part or held_out is None else (held_out,)))
     prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]
     found = identified(unknowns, Method(method), *prepared, part=1 - part, trusted=trust_torques)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RobotFileWarning)
-        try:
-            Robot.from_text(found.text, "identified")
-        except RobotFileError as error:
-            remedy = "take --method possible"
-            raise RobotFileError(f"no robot has these parameters: {error.found}", remedy=remedy) from error
+    try:
+        Robot.from_text(found.text)
+    except RobotFileError as error:
+        raise RobotFileError(f"identified: {error.found}", remedy="take --method possible") from error
     files = {Path(path): found.text.encode()} if path is not None else {}
     if report is not None:
         from derive.identification.report import report_page  # the handout's modules, which nothing else needs
@@ -89,14 +89,3 @@ def identify(
         files[Path(report)] = report_page(found).encode()
     write_files(files, force=force)
     return found
-
-
-def _held_part(held_out: Any) -> float:
-    """The part of a log that is held out; zero for none, or for another log."""
-    text = str(held_out)
-    if not isinstance(held_out, float) and not re.fullmatch(r"[\d.]+%", text):
-        return 0.0
-    part = held_out if isinstance(held_out, float) else float(text[:-1]) / 100
-    if not 0 < part < 1:
-        raise DeriveError(f"{text} held out", allowed="allowed: a log, or a part of this one such as 20%")
-    return part

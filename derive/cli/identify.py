@@ -13,7 +13,7 @@ LOG is a .csv or .parquet with the columns q1, q2, ..., tau1, tau2, ... and, if 
 unit may stand in brackets, 'q1 [deg]'. Speeds and accelerations that are missing come from a filter without delay.
 
   derive identify puma560-corke log.parquet -o identified.yaml --report page.html
-  derive identify arm.yaml log.csv --columns q=position_*,tau=effort_* --held-out 20% -o identified.yaml
+  derive identify arm.yaml log.csv --columns q=position_*,tau=effort_* --held-out 0.2 -o identified.yaml
   derive identify arm.yaml log.csv --method possible --held-out other.csv -o identified.yaml
 """
 
@@ -33,7 +33,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "what to identify though the file does not give it: viscous, coulomb, armature, none (default: the first two)"
     )
     add("--add", metavar="PART,...", default="viscous,coulomb", help=parts)
-    add("--held-out", metavar="LOG|PART%", help="log for validation, or how much of LOG's end is kept for it")
+    add(
+        "--held-out",
+        metavar="LOG|PART",
+        help="log for validation, or the part of LOG's end that is kept for it, such as 0.2",
+    )
     cutoff = "frequency of the filter (default: 10 where speeds or accelerations are missing)"
     add("--cutoff", metavar="HZ", type=float, help=cutoff)
     add("--decimate", metavar="N", type=positive, default=1, help="keep one of N rows, filtered")

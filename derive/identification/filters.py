@@ -76,7 +76,8 @@ class Preparation:
 
     def windows(self) -> Iterator[tuple[Array, slice]]:
         """Blocks of rows without gaps, and which rows of each are used."""
-        margin, size = self.margin, (THIN if self.decimate > 1 else BATCH) // self.decimate * self.decimate
+        margin, most = self.margin, THIN if self.decimate > 1 else BATCH
+        size = max(most // self.decimate, 1) * self.decimate
         held = np.empty((0, 0))
         for rows, starts in self.log.segments():
             if starts:

@@ -170,7 +170,10 @@ class Log:
         read = [column for columns in self.columns.values() for column in columns]
         try:
             for batch in self._record_batches([name for name, _ in read]):
-                cells = (batch.column(name).to_numpy(zero_copy_only=False).astype(float) * by for name, by in read)
+                cells = (
+                    batch.column(name).to_numpy(zero_copy_only=False).astype(float, casting="same_kind") * by
+                    for name, by in read
+                )
                 block = np.column_stack([*cells])
                 yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
         except (ValueError, TypeError) as error:  # those of Arrow among them

@@ -27,14 +27,13 @@ def report_page(found: Identified) -> str:
     symbols = [f"${printer.latex(expression_to_sympy(formula))}$" if formula else "" for formula in found.formulas]
     rows = [(*row[:-1], symbol) for row, symbol in zip(found.parameter_rows(), symbols, strict=True)]
     about = f"{found.rows} rows, method `{found.method}`. Residuals are root mean squares in N m or N."
+    notes = [Paragraph(text) for text in (about, *found.notes)]
     what = (
         "Each base parameter in SI units, called by the parameter that takes the others over, with 1.96 standard "
         "deviations; `kept` is what the log does not excite."
     )
     sections = (
-        Section(
-            "joints", "Torques and residuals", (*_notes(found, about), Table(JOINT_HEAD, tuple(found.joint_rows())))
-        ),
+        Section("joints", "Torques and residuals", (*notes, Table(JOINT_HEAD, tuple(found.joint_rows())))),
         Section("base", "Base parameters", (Paragraph(what), Table(PARAMETER_HEAD, tuple(rows), long=True))),
         Section("residuals", "Residuals", tuple(_figures(found))),
     )
@@ -49,11 +48,6 @@ def report_page(found: Identified) -> str:
         sections=sections,
     )
     return page(document, Text())
-
-
-def _notes(found: Identified, about: str) -> Iterator[Paragraph]:
-    yield Paragraph(about)
-    yield from (Paragraph(f"{note[:1].upper()}{note[1:]}.") for note in found.notes)
 
 
 def _figures(found: Identified) -> Iterator[Figure]:

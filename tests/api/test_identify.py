@@ -29,8 +29,8 @@ def test_the_robot_file_and_the_page_are_written(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({"method": "wsl"}, "no method 'wsl'; allowed: ols, wls, possible; did you mean 'wls'"),
-        ({"held_out": 1.5}, "1.5 held out; allowed: a log, or a part of this one such as 20%"),
-        ({"held_out": "0%"}, "0% held out"),
+        ({"held_out": 1.5}, "1.5 of a log held out; allowed: a log, or a part such as 0.2"),
+        ({"held_out": "0"}, "0 of a log held out"),
         ({"columns": {"tau": "-tau*"}}, "torques opposite to those"),
     ],
 )

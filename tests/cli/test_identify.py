@@ -24,7 +24,7 @@ COMMAND = ("identify", "puma560-corke", "log.csv", "--columns", "tau=effort_*")
 
 
 def test_what_was_found_is_printed_and_written(folder: Path) -> None:
-    printed = accepted(*COMMAND, "-o", "found.yaml", "--report", "page.html", "--held-out", "20%", folder=folder).stdout
+    printed = accepted(*COMMAND, "-o", "found.yaml", "--report", "page.html", "--held-out", "0.2", folder=folder).stdout
     lines = printed.splitlines()
     assert lines[0] == "found.yaml: 640 rows, wls"
     assert lines[1].split() == ["joint", "torque", "RMS", "residual", "before", "residual", "held", "out"]

@@ -20,7 +20,7 @@ TRUTH = dict(zip((p.name for p in Unknowns(REAL).base.parameters), Unknowns(REAL
 @pytest.fixture(scope="module", params=[str(method) for method in Method])
 def found(request: pytest.FixtureRequest) -> Identified:
     pytest.importorskip("clarabel")
-    return identify(PUMA, LOG, method=request.param, held_out="25%")
+    return identify(PUMA, LOG, method=request.param, held_out=0.25)
 
 
 def test_the_robot_is_found_again(found: Identified) -> None:
