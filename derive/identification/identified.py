@@ -9,7 +9,7 @@ import numpy as np
 from derive.arrays import Array, Flags
 from derive.errors import DeriveError, listed
 from derive.identification.filters import Block, Preparation
-from derive.identification.regression import Factors, Method, estimate, refuse_strange_torques
+from derive.identification.regression import SMALLEST, Factors, Method, estimate, refuse_strange_torques
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
@@ -108,9 +108,10 @@ def identified(
     found = estimate(used, method, unknowns.prior, unknowns.largest)
     beta, standard, notes = found.beta, np.empty(0), [*_notes(preparation, unknowns, found.kept)]
     if method is Method.POSSIBLE:
-        standard = unknowns.nearest_possible(found, used.rows)
+        standard = unknowns.nearest_possible(found)
         beta = unknowns.prior + unknowns.grouping @ (standard - unknowns.given)
-        cost = float((used.deviations(beta) / used.deviations(found.beta)).max()) - 1
+        least = np.maximum(used.deviations(found.beta), SMALLEST * used.deviations(np.zeros(count)))
+        cost = float((used.deviations(beta) / least).max()) - 1
         notes.append(f"bodies that exist: residuals up to {max(cost, 0.0):.2%} larger than without this limit")
     robot = unknowns.robot_of(standard if len(standard) else unknowns.nearest(beta))
     return Identified(

@@ -17,6 +17,7 @@ from derive.errors import DeriveError, listed
 
 DEPENDENT = 1e-6  # distance from the span of others below which a column of length 1 says nothing of its own
 NOISELESS = 1e-12  # part of the torques below which residuals are rounding
+SMALLEST = 1e-4  # part of them that no model meets: what it counts when bodies are looked for
 # Correlation with the predicted torques beyond which these are the measured ones but for a sign, or for a unit, and the
 # factor, either way, that no errors of a robot file explain.
 OPPOSITE, ALIKE, OTHER_UNIT = -0.7, 0.9, 10.0
@@ -121,15 +122,15 @@ def _solved(factors: Factors, method: Method, prior: Array, kept: Flags) -> Esti
     n, free, beta = len(factors.columns), np.flatnonzero(~kept), prior.copy()
     weights, fixed = np.ones(n), np.where(kept, prior, 0.0)
     degrees = max(factors.rows - len(free) / n, 1.0)
-    rounding = np.maximum(NOISELESS * factors.deviations(np.zeros(len(prior))), np.finfo(float).tiny)
+    torques = np.maximum(factors.deviations(np.zeros(len(prior))), np.finfo(float).tiny)
     for _ in range(1 if method is Method.OLS else 3):  # the noise by equal weights, then by itself
         factor = factors.stacked(weights)
         own, right = np.linalg.qr(factor[:, free]), factor[:, -1] - factor[:, :-1] @ fixed
         beta[free] = np.linalg.solve(own.R, own.Q.T @ right)
-        noise = np.maximum(np.sqrt(factors.squares(beta) / degrees), rounding)
+        noise = np.maximum(np.sqrt(factors.squares(beta) / degrees), NOISELESS * torques)
         weights = weights if method is Method.OLS else 1 / noise
     # Half of the covariance (Y^T W Y)^-1 (Y^T W S W Y) (Y^T W Y)^-1: S the noise of the joints, W the inverse, or one.
-    inverse, weighed = np.linalg.inv(own.R), factors.stacked(1 / noise)
+    inverse, weighed = np.linalg.inv(own.R), factors.stacked(1 / np.maximum(noise, SMALLEST * torques))
     half = factors.stacked(noise)[:, free] @ inverse @ inverse.T if method is Method.OLS else inverse.T
     deviation = np.zeros(len(prior))
     deviation[free] = np.linalg.norm(half, axis=0)

@@ -202,23 +202,27 @@ class Unknowns:
             raise DeriveError(found_text, remedy="take --method possible, or a log that excites more")
         return np.asarray(whole * self.units)
 
-    def nearest_possible(self, estimate: Estimate, rows: int) -> Array:
+    def nearest_possible(self, estimate: Estimate) -> Array:
         """The standard parameters of links that exist whose torques are nearest to those of an estimate, (s,)."""
         # How far along each unit links without a mass should go.
         wanted = np.zeros(len(self.given))
         wanted[[k for k in self._links if self.given[k] <= LIGHT * self.units[k]]] = 1.0
         slope = estimate.factor[:, :-1] @ self._slope
         offset = estimate.factor[:, :-1] @ (self.prior - estimate.beta)
-        # Least |slope y + offset|^2 + |pull (y - wanted)|^2, for each row of the log.
-        pull = np.array([0.0 if parameter.part in FRICTION_PARTS else SLACK**2 for parameter in self.standard])
-        quadratic = (slope.T @ slope + np.diag(pull)) / rows
-        linear = (slope.T @ offset - pull * wanted) / rows
+        # Least |slope y + offset|^2 + SLACK^2 |y - wanted|^2, for z = y sizes, whose curvature is 1 along each axis.
+        quadratic = slope.T @ slope + SLACK**2 * np.eye(len(wanted))
+        sizes = np.sqrt(np.diag(quadratic))
+        linear = (slope.T @ offset - SLACK**2 * wanted) / sizes
         limits = [self._exists(k, mass, length) for k, mass, length in zip(self._links, *self._sizes, strict=True)]
         joints = [k for k, parameter in enumerate(self.standard) if not parameter.of_link]
         if joints:
             limits.append(Limit(Cone.NOT_NEGATIVE, (self.given / self.units)[joints], np.eye(len(wanted))[joints]))
-        scale = np.abs(quadratic).max()
-        return np.asarray(self.given + self.units * least(linear / scale, limits, quadratic / scale).x)
+        limits = [replace(limit, slope=limit.slope / sizes) for limit in limits]
+        scale = np.abs(linear).max() or 1.0
+        found = least(linear / scale, limits, quadratic / np.outer(sizes, sizes) / scale).x
+        standard = self.given + self.units * found / sizes
+        standard[joints] = standard[joints].clip(min=0.0)  # but for rounding
+        return np.asarray(standard)
 
     def _exists(self, k: int, mass: float, length: float) -> Limit:
         """A pseudo-inertia, in the units of its link, without an eigenvalue below `MARGIN`."""

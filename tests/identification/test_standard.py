@@ -104,12 +104,13 @@ def test_bodies_that_exist_are_as_near_as_can_be_and_load_in_mujoco() -> None:
     mujoco = pytest.importorskip("mujoco")
     unknowns = Unknowns(PUMA, ("viscous", "coulomb"))
     truth = Unknowns(REAL).prior
-    possible = unknowns.nearest_possible(estimated(unknowns, truth, 0.01), 300)
-    assert unknowns.prior + unknowns.grouping @ (possible - unknowns.given) == pytest.approx(truth, abs=1e-3)
+    for noise in (0.01, 1e-6):
+        possible = unknowns.nearest_possible(estimated(unknowns, truth, noise))
+        assert unknowns.prior + unknowns.grouping @ (possible - unknowns.given) == pytest.approx(truth, abs=1e-6)
     wrong = truth.copy()
     wrong[[p.name for p in unknowns.base.parameters].index("Izz5")] = -0.01  # nothing turns so
     for beta in (truth, wrong):
-        standard = unknowns.nearest_possible(estimated(unknowns, beta, 0.01), 300)
+        standard = unknowns.nearest_possible(estimated(unknowns, beta, 0.01))
         bodies = np.array([standard[k : k + 10] for k, p in enumerate(unknowns.standard) if p.part == "m"])
         assert np.linalg.eigvalsh(pseudo_inertias(bodies)).min() > 0
         model = mujoco.MjModel.from_xml_string(export(Robot.of(unknowns.robot_of(standard)), "mjcf"))
