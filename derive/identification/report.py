@@ -73,4 +73,4 @@ def _panel(place: int, x: Array, y: Array, name: str) -> Iterator[Item]:
         yield Label((at, low - 2), f"{value:.3g}", (0, 1))
     yield Label((left + WIDTH / 2, low - 2), name, (0, 1))
     for sign in (-1, 1):
-        yield Label((left - 2, middle + sign * HEIGHT / 2), f"{sign * top:.2g}", (1, 0))
+        yield Label((left - 2, middle + sign * (HEIGHT / 2 - 4)), f"{sign * top:.2g}", (1, 0))
