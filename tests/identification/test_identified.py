@@ -5,7 +5,7 @@ import pytest
 
 from derive.api.identify import identify
 from derive.errors import DeriveError
-from derive.identification.identified import Identified, identified
+from derive.identification.identified import Identified
 from derive.identification.regression import Method
 from derive.identification.report import report_page
 from derive.identification.standard import Unknowns
@@ -48,7 +48,7 @@ def test_the_page_and_the_tables_say_what_was_found(found: Identified) -> None:
     assert formula.startswith("Iyy1 + Ia1 + a2**2*m2 + 2*a2*mx2")
 
 
-def test_positions_alone_and_fewer_rows_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_positions_alone_and_fewer_rows_do() -> None:
     pytest.importorskip("scipy")
     fast, noise = simulated(REAL, 30_000, rate=1000.0)
     log = {name: values for name, values in fast.items() if not name.startswith("qd")}
@@ -85,4 +85,3 @@ def test_short_logs_are_refused() -> None:
     bare = {name: values[:300] for name, values in LOG.items() if not name.startswith("qd")}
     with pytest.raises(DeriveError, match="the table: 300 rows, none of them left between gaps and edges of filters"):
         identify(PUMA, bare, cutoff=0.5)
-    assert identified.__doc__
