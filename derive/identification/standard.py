@@ -29,6 +29,7 @@ from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
+from derive.robot import tree
 from derive.robot.description import Inertia, Link, Motor
 from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
 from derive.robot.inertial_parameters import (
@@ -40,7 +41,6 @@ from derive.robot.inertial_parameters import (
 )
 from derive.robot.names import free_symbols, without_lost_symbols
 from derive.robot.robot import Robot
-from derive.robot.tree import require_own_variables
 
 ADDED = ("viscous", "coulomb", "armature")  # what a robot file may lack and a log may tell
 DIGITS = 12  # of the numbers in a robot file
@@ -60,7 +60,7 @@ class Unknowns:
 
     def __post_init__(self) -> None:
         robot = self.robot
-        require_own_variables(robot, "identification")
+        tree.require_own_variables(robot, "identification")
         if wrong := next((name for name in self.added if name not in ADDED), ""):
             hint = near_miss(wrong, ADDED)
             raise DeriveError(f"no part {quoted(wrong)} to add", allowed=f"allowed: {listed(ADDED)}", remedy=hint)
@@ -96,7 +96,9 @@ class Unknowns:
     @cached_property
     def given(self) -> Array:
         """The standard parameters of the links as the file has them, without bodies that are fixed to them, (s,)."""
-        return np.array(standard_values(replace(self.robot, fixed=()), self.standard, self._floats))
+        return np.array(
+            standard_values(replace(self.robot, fixed=tree.massless(self.robot.fixed)), self.standard, self._floats)
+        )
 
     @cached_property
     def _floats(self) -> FloatDomain:
@@ -122,7 +124,7 @@ class Unknowns:
 
     @cached_property
     def _nothing(self) -> Robot:
-        return replace(self.wide, links=_empty(self.wide), fixed=())
+        return replace(self.wide, links=_empty(self.wide), fixed=tree.massless(self.robot.fixed))
 
     @cached_property
     def formulas(self) -> tuple[Expression | None, ...]:
@@ -270,7 +272,7 @@ def _grouping(
 
     def _values(i: int, link: Link) -> list[S]:
         links = (*empty[:i], link, *empty[i + 1 :])
-        return base_values(replace(wide, links=links, fixed=()), base, domain, coefficient)
+        return base_values(replace(wide, links=links, fixed=tree.massless(wide.fixed)), base, domain, coefficient)
 
     nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
     for parameter in standard:
