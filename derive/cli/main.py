@@ -25,6 +25,7 @@ COMMANDS = {
     "style": "find the style of a book from some of its formulas",
     "verify": "compare generated functions with an independent recursion",
     "move": "compute a motion: speeds, torques, work, plots, animations, simulation",
+    "sample": "reduce functions over many configurations: extremes, means, quantiles",
     "import": "convert a URDF to a robot file, with a proven error bound",
     "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
     "convert": "convert a robot to the other Denavit-Hartenberg convention",
@@ -33,7 +34,20 @@ COMMANDS = {
     "completion": "print a completion script for the shell",
 }
 # Commands that read robot files.
-OF_A_ROBOT = ("show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "new")
+OF_A_ROBOT = (
+    "show",
+    "plot",
+    "build",
+    "handout",
+    "check",
+    "style",
+    "verify",
+    "convert",
+    "export",
+    "move",
+    "new",
+    "sample",
+)
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
 

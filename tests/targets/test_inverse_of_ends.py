@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from derive.errors import RobotFileError, VerificationError
-from derive.motion.torques.functions import module_of
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
+from derive.publish.modules import module_of
 from derive.robot.robot import Robot
 from derive.robot.tree import path, way_to
 from derive.targets import numpy as target

@@ -27,7 +27,6 @@ from derive.errors import QuantityError, VerificationError
 from derive.interrupts import TemporaryFolder
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.motion.motion import Motion
-from derive.motion.torques.functions import module_of
 from derive.plans.hermite import TIME, Piece, basis
 from derive.plans.profile import AnyPiece, Cosine
 from derive.programs.program import joint_lines
@@ -36,6 +35,7 @@ from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import ONE, Graph
 from derive.programs.tape.tape import LEAVES, Op, Tape
 from derive.programs.tape.value import Value
+from derive.publish.modules import module_of
 from derive.targets import casadi
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string

@@ -3,35 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
-from importlib.util import module_from_spec, spec_from_file_location
 from itertools import pairwise
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from derive.arrays import Array, Flags
 from derive.errors import Location, QuantityError, TargetError
-from derive.interrupts import TemporaryFolder
 from derive.motion.curves.extremes import highest
 from derive.plans.segments import Load
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
+from derive.publish.modules import KEPT, ModuleSources, imported
 from derive.robot import tree
 from derive.robot.robot import Robot
-from derive.targets import numpy
 from derive.targets.compiler import find_compiler
 from derive.targets.target import Source
 from derive.version import __version__
 
 COMPILING = 2.0  # what a compiler takes [s]
 SAVED = 2e-8  # what compiled code saves an operation of a single call [s]
-KEPT = 64  # how many robots' functions a process keeps
 
 
 class Functions:
@@ -130,34 +126,11 @@ def program_of(robot: Robot, names: frozenset[str], *, inverse: bool = False) ->
 @lru_cache(KEPT)
 def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: bool) -> tuple[Any, Any]:
     """The module of a target, written and imported, and the folder that holds it as long as it is kept."""
-    temporary = TemporaryFolder()
-    folder, source = temporary.path, Source(robot, program_of(robot, names, inverse=inverse), __version__)
-    compiler = find_compiler() if compiled else None
-    targets = [numpy.TARGET]
-    if compiler:
-        from derive.publish.render import compile_libraries
-        from derive.targets import c, native
-
-        targets = [c.TARGET, native.TARGET]
-    for target in targets:
-        for name, text in target.render(source).items():
-            (folder / name).write_text(text, encoding="utf-8")
-    if compiler:
-        try:
-            compile_libraries(folder, targets, compiler)
-        except TargetError:  # a compiler that does not serve is none
-            return _imported(robot, names, inverse=inverse, compiled=False)
-    return module_of(folder / targets[-1].files[0], f"derive_motion_{folder.name}"), temporary
-
-
-def module_of(file: Path, name: str) -> ModuleType:
-    """A module of generated code, imported from its file."""
-    spec = spec_from_file_location(name, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    source = Source(robot, program_of(robot, names, inverse=inverse), __version__)
+    if compiled and find_compiler():
+        with suppress(TargetError):  # a compiler that does not serve is none
+            return imported(ModuleSources.of(source, compiled=True))
+    return imported(ModuleSources.of(source, compiled=False))
 
 
 # Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule.
