@@ -35,19 +35,8 @@ COMMANDS = {
 }
 # Commands that read robot files.
 OF_A_ROBOT = (
-    "show",
-    "plot",
-    "build",
-    "handout",
-    "check",
-    "style",
-    "verify",
-    "convert",
-    "export",
-    "move",
-    "new",
-    "sample",
-)
+    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "new", "sample",
+)  # fmt: skip
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
 
