@@ -10,7 +10,7 @@
     derive.plot(robot, "arm.svg")              # the arm with its frames
     derive.move("scara-pick-and-place", plot="tau.svg")   # a motion: speeds, torques, work
     derive.convert(robot, "modified", "mdh.yaml")         # the table of the other convention
-    derive.sample(robot, "tau", number=1e7, speed=2, qdd=5)  # extremes, means over random configurations
+    derive.sample(robot, "J", number=1e7)                 # extremes and means over random configurations
     derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
