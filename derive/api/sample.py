@@ -78,7 +78,7 @@ def sample(
         tell(chosen.name, "compile")
         sources = sources_of(chosen, program, numbers)
         count = points**chosen.dof if points else int(number)
-        numbers = {name: numbers[name] for name in program.parameters}
+        numbers = {name: numbers[name] for name in program.parameters if name in numbers}
         work = Sampling(sources, taken, numbers, limits, count, seed, points, kinds)
         if free := [
             each.label for each, limits in zip(chosen.variables, joint_limits(chosen), strict=True) if not limits

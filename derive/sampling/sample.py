@@ -208,7 +208,8 @@ def _most(robot: Robot, name: str, given: Bound) -> Array:
 
 def sources_of(robot: Robot, program: Program, parameters: Mapping[str, float]) -> ModuleSources:
     """A module of functions, compiled if there is a compiler; refused if a symbol has no number."""
-    if missing := [name for name in program.parameters if name not in parameters]:
+    needed = {program.parameters[k]: None for function in program for k in function.tape.parameters}
+    if missing := [name for name in needed if name not in parameters]:
         remedy = f"write parameters: {{{missing[0]}: ...}} in the robot file"
         raise QuantityError(f"no number for {listed(missing)} of {robot.name}", remedy=remedy)
     for compiled in (find_compiler() is not None, False):
