@@ -11,6 +11,7 @@
     derive.move("scara-pick-and-place", plot="tau.svg")   # a motion: speeds, torques, work
     derive.convert(robot, "modified", "mdh.yaml")         # the table of the other convention
     derive.identify(robot, "log.parquet", "identified.yaml")   # masses, inertias and friction from a log
+    derive.sample(robot, "J", number=1e7)                 # extremes and means over random configurations
     derive.check("notes.yaml")                 # printed formulas against derived ones
 
 Functions and classes are imported when they are first used, so that ``import derive`` is cheap.
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from derive.api.move import move
     from derive.api.plot import plot
     from derive.api.robots import Robot, catalogue, load
+    from derive.api.sample import sample
     from derive.api.style import Style, find_style
     from derive.errors import DeriveError, RobotFileWarning
     from derive.motion.motion import Motion
@@ -65,6 +67,7 @@ __all__ = [
     "move",
     "plot",
     "possible",
+    "sample",
     "stale",
     "verify",
     "verify_import",
@@ -82,6 +85,7 @@ _NAMES = {
     "derive.api.move": ("move",),
     "derive.api.plot": ("plot",),
     "derive.api.robots": ("Robot", "catalogue", "load"),
+    "derive.api.sample": ("sample",),
     "derive.api.style": ("Style", "find_style"),
     "derive.errors": ("DeriveError", "RobotFileWarning"),
     "derive.motion.motion": ("Motion",),

@@ -26,6 +26,7 @@ COMMANDS = {
     "verify": "compare generated functions with an independent recursion",
     "move": "compute a motion: speeds, torques, work, plots, animations, simulation",
     "identify": "identify masses, inertias and friction from a log",
+    "sample": "reduce functions over many configurations: extremes, means, quantiles",
     "import": "convert a URDF to a robot file, with a proven error bound",
     "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
     "convert": "convert a robot to the other Denavit-Hartenberg convention",
@@ -35,7 +36,8 @@ COMMANDS = {
 }
 # Commands that read robot files.
 OF_A_ROBOT = (
-    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "identify", "new",
+    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "identify",
+    "new", "sample",
 )  # fmt: skip
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.

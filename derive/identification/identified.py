@@ -13,7 +13,7 @@ from derive.identification.regression import SMALLEST, Factors, Method, estimate
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
-from derive.publish.loaded import loaded
+from derive.publish.modules import loaded
 from derive.robot.expression import Expression, to_text
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text

@@ -117,6 +117,7 @@ def _python_function(
         "kernel_arguments": ", ".join(("functions", "k", *function.arguments)),  # ``functions, k, q, qd``
         "arguments_tuple": _tuple(function.arguments),  # the names of its arguments, as the inside of a tuple
         "argument_names": _tuple([f'"{name}"' for name in function.arguments]),
+        "core": _core([function.width(name, joints) for name in function.arguments], function.shape),
         "symbol": function.interface.symbol,  # how the notes write its result
         "shape": str(function.shape),  # as a Python tuple
         "is_scalar": not function.shape,  # whether the result is one number
@@ -149,6 +150,7 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
         "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,
+        "core": _core(["4,4", *[len(names)] * bool(names)], (inverse.branches, robot.dof)),
         "closed": repr(inverse.closed) if isinstance(inverse, Inverse) else "",
         "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
         "given_names": _tuple([python_string(name) for name in names]) if names else "",
@@ -208,6 +210,11 @@ def _documentation(function: Function, *options: str) -> tuple[str, ...]:
         *function.notes,
     )
     return tuple(f"    {line}" if line else "" for line in lines)
+
+
+def _core(widths: Sequence[int | str], shape: Sequence[int]) -> str:
+    """The signature of a generalised ufunc: ``(6),(6)->(6,6)``."""
+    return f"{','.join(f'({width})' for width in widths)}->({','.join(map(str, shape))})"
 
 
 def _tuple(texts: Sequence[str]) -> str:

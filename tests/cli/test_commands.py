@@ -20,6 +20,7 @@ from derive.cli import (
     move,
     new,
     plot,
+    sample,
     schema,
     show,
     style,
@@ -27,7 +28,9 @@ from derive.cli import (
 )
 from derive.cli.main import COMMANDS
 
-OF_FILES = (build, check, convert, export, handout, identify, import_, move, new, plot, show, style, verify)
+OF_FILES = (
+    build, check, convert, export, handout, identify, import_, move, new, plot, sample, show, style, verify,
+)  # fmt: skip
 MODULES = {module.__name__.rpartition(".")[2].rstrip("_"): module for module in (*OF_FILES, completion, list, schema)}
 
 
@@ -48,7 +51,8 @@ def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -
     module.configure(parser)
     name = module.__name__.rpartition(".")[2].rstrip("_")
     assert len(COMMANDS[name]) < 80
-    more = {"plot": ["-o", "arm.svg"], "identify": ["log.csv"], "export": ["--format", "urdf"]}.get(name, [])
+    more = {"plot": ["-o", "arm.svg"], "identify": ["log.csv"], "export": ["--format", "urdf"], "sample": ["tau"]}
+    more = more.get(name, [])
     needed = [] if name in ("list", "build", "schema") else ["bash"] if name == "completion" else ["arm", *more]
     assert parser.parse_args(needed) is not None
 

@@ -11,7 +11,7 @@ import pytest
 from derive.errors import RobotFileError, VerificationError
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
-from derive.publish.loaded import module_of
+from derive.publish.modules import module_of
 from derive.robot.robot import Robot
 from derive.robot.tree import path, way_to
 from derive.targets import numpy as target

@@ -277,7 +277,7 @@ def test_the_module_says_what_it_is(model: ModuleType) -> None:
     assert (model.DOF, model.JOINT_NAMES, model.JOINT_TYPES) == (2, ("q1", "q2"), ("revolute", "prismatic"))
     assert (list(model.LIMITS), model.PARAMETERS) == ([(-math.pi, 2.0), None], ("m1", "m2"))
     constants = {"DOF", "JOINT_NAMES", "JOINT_TYPES", "LIMITS", "OPERATIONS", "PARAMETERS", "precompute"}
-    constants |= {"STANDARD_PARAMETERS", "BASE_PARAMETERS", "BASE_FORMULAS"}
+    constants |= {"STANDARD_PARAMETERS", "BASE_PARAMETERS", "BASE_FORMULAS", "SIGNATURES"}
     assert set(model.OPERATIONS) == {*FUNCTIONS, *IDENTIFICATION} == set(model.__all__) - constants - {"UFUNCS"}
     assert all("Args:" in getattr(model, name).__doc__ for name in FUNCTIONS)
     assert model.STANDARD_PARAMETERS[:2] == ("m1", "mx1")

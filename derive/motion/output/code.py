@@ -35,7 +35,7 @@ from derive.programs.tape.derivative import derivative
 from derive.programs.tape.graph import ONE, Graph
 from derive.programs.tape.tape import LEAVES, Op, Tape
 from derive.programs.tape.value import Value
-from derive.publish.loaded import module_of
+from derive.publish.modules import module_of
 from derive.targets import casadi
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string

@@ -16,8 +16,9 @@ from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
 from derive.mechanics.floats import FloatDomain
 from derive.motion.torques.base_torques import BaseTorques
-from derive.motion.torques.functions import COMPILING, KEPT, Functions, bare_robot, program_of
+from derive.motion.torques.functions import COMPILING, Functions, bare_robot, program_of
 from derive.programs.program import Program
+from derive.publish.modules import KEPT
 from derive.robot.coupling import coupling, derivatives
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler

@@ -18,7 +18,7 @@ from derive.plans.segments import Load
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
-from derive.publish.loaded import loaded
+from derive.publish.modules import KEPT, loaded
 from derive.robot import tree
 from derive.robot.robot import Robot
 from derive.targets.target import Source
@@ -26,7 +26,6 @@ from derive.version import __version__
 
 COMPILING = 2.0  # what a compiler takes [s]
 SAVED = 2e-8  # what compiled code saves an operation of a single call [s]
-KEPT = 64  # how many robots' functions a process keeps
 
 
 class Functions:

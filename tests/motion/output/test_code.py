@@ -17,7 +17,7 @@ from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, kernel_o
 from derive.motion.output.printed import printed
 from derive.plans.hermite import TIME
 from derive.plans.profile import Curve
-from derive.publish.loaded import module_of
+from derive.publish.modules import module_of
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive
 from tests.motion.plans import FASTEST, LINE_AND_ARC, PICK_AND_PLACE
