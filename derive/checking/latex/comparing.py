@@ -62,10 +62,13 @@ class Comparing:
         self._values = ByValue(scope.model, scope.poses)
         self.conditions: list[Condition] = []
         self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
-        self.joints = {joint.variable: joint for joint in self.robot.joints}
+        self.joints = {joint.variable: joint for joint in self.robot.movers}
         self.rates = set(map(velocity_name, self.joints))
         self._accelerations = set(map(acceleration_name, self.joints))
         self.parameters = own_names(self.robot) - self.joints.keys()
+        # derivatives of passive joints, which are claims as their positions are
+        movers = [joint.variable for joint in self.robot.passive]
+        self._followers = {rate(name) for name in movers for rate in (velocity_name, acceleration_name)}
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(re.sub(r"\\\\|&", " ", self.text[side.start : side.end]).split())
@@ -98,7 +101,8 @@ class Comparing:
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
-        is_parameter = isinstance(one, Name) and one.name not in self.joints and not names_of_pose(one, *others)
+        known = self.joints.keys() | self._followers
+        is_parameter = isinstance(one, Name) and one.name not in known and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]

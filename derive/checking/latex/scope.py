@@ -141,7 +141,7 @@ class Scope:
     def _lent_letters(self) -> frozenset[str]:
         """Letters with two indices that formulas use, and that are not the entries which they usually mean."""
         votes: dict[str, list[bool]] = {}
-        said, joints = [s for e in self.equations for s in e], {joint.variable for joint in self.robot.joints}
+        said, joints = [s for e in self.equations for s in e], {joint.variable for joint in self.robot.movers}
         for first, *others in self.equations:
             own = first.text.strip()
             if not any(own in text for side in said if side.text.strip() != own for text in side.texts):
@@ -392,7 +392,7 @@ class Scope:
                 return any(isinstance(e, Sum) and not compare(self.robot, e, variable).equal for e in cells)
         if not isinstance(variable, Name):
             return False
-        joints, own = {joint.variable for joint in self.robot.joints}, (variable, negate(variable))
+        joints, own = {joint.variable for joint in self.robot.movers}, (variable, negate(variable))
         for side in self.equations[index][1:]:
             with suppress(CheckError):
                 cell = self.plain.formula(side)
