@@ -14,7 +14,7 @@ from derive.algebra.quotients import QuotientRing
 from derive.algebra.ring import TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.dynamic_model import DynamicModel
 from derive.model.ends import OfEnds
 from derive.model.quantity_names import evaluate as asked_for
@@ -198,8 +198,9 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
 
 
 def passive_positions(model: DynamicModel) -> Matrix:
-    """The closure as a column: the variables of the passive joints, with which its lines are compared."""
-    return sympy.ImmutableMatrix([sympy.Symbol(joint.variable) for joint in model.robot.passive])
+    """The closure as a column: each passive joint in one formula, its branch that of the file."""
+    formulas = (on.solved(joint.variable) for joint in model.robot.passive if (on := _closed(model.robot)))
+    return sympy.ImmutableMatrix([*map(expression_to_sympy, formulas)])
 
 
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:

@@ -55,6 +55,13 @@ class OnClosure:
             found |= {own.get(name, Name(name)).name: substitute(value, own) for name, value in lines}
         return found
 
+    def solved(self, name: str) -> Expression:
+        """The position of a passive joint in one formula, in those that are solved before it and free names."""
+        e = self._positions[name]
+        while inner := {name: self._positions[name] for name in names(e) if name.startswith("(")}:
+            e = substitute(e, inner)
+        return e
+
     def _find_derivative(self, name: str) -> Expression | None:
         """What G, H, a velocity or an acceleration of passive joints is in other names; None of the rest."""
         slopes = (one.slope(name) for one in self._loops if name in one.names)

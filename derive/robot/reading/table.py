@@ -167,7 +167,11 @@ class _Table:
         if not name:
             remedy = "leave the cell that moves out, or write passive: false"
             raise self._document.error((*path, "passive"), "a passive joint that variables move", "", remedy)
-        return read_joint(self._document, self._cells, row, name, variables | {name})
+        joint = read_joint(self._document, self._cells, row, name, variables | {name})
+        if joint.drive:
+            remedy = f"leave the cell to '{name}', and write sums of angles where they are used"
+            raise self._document.error((*path, "passive"), "a passive joint that variables move, too", "", remedy)
+        return joint
 
     def _is_own(self, row: int, name: str) -> bool:
         """Whether a row has a variable of its own: q, or that of its number where its cell has that or none."""
