@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -88,10 +89,7 @@ def _value(e: Expression, values: Values) -> Real:
 
 
 def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
-    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive.
-
-    With closed loops they are configurations in the branch of the file, with lengths near those that it has.
-    """
+    """Points of two decimals: angles of either sign, other numbers mostly positive; loops closed, near the file's."""
     rng, closed = random.Random(1), _closed(robot)
     angles = {joint.variable for joint in robot.variables if joint.is_revolute}
     slides = {joint.variable for joint in robot.variables if not joint.is_revolute}
@@ -114,13 +112,14 @@ def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
             yield {name: point[name] for name in wanted}
 
 
+@lru_cache(8)
 def _closed(robot: Robot) -> "OnClosure | None":
     """The closed configurations of a robot with loops."""
     if not robot.passive:
         return None
-    from derive.model.on_closure import on_closure  # NumPy, which models without loops do not need
+    from derive.model.on_closure import OnClosure  # NumPy, which models without loops do not need
 
-    return on_closure(robot)
+    return OnClosure(robot)
 
 
 def _complete(closed: "OnClosure", point: dict[str, Fraction], wanted: Iterable[str]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 from fractions import Fraction
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property, partial
 
 import numpy as np
 import sympy
@@ -29,11 +29,8 @@ class OnClosure:
         self.robot, self._loops = robot, find_closure(KinematicModel(robot)).loops
         self.angles = {joint.variable for joint in robot.passive if joint.is_revolute}
         self.free = (*(each.variable for each in robot.variables), *robot_symbols(robot))
+        self.reach = partial(reach, robot)  # of a point, further than which no slide goes [m]
         self._derivative = cache(self._find_derivative)
-
-    def reach(self, point: Mapping[str, Fraction]) -> float:
-        """The lengths of all rows together [m]: no slide goes further."""
-        return reach(self.robot, point)
 
     def closes(self, point: Mapping[str, Fraction]) -> bool:
         """Whether the branch can be assembled with these numbers of variables and symbols."""
@@ -112,9 +109,3 @@ class OnClosure:
         for name, value in self._lengths:
             e = substitute(e, {name: value})
         return e
-
-
-@lru_cache(8)
-def on_closure(robot: Robot) -> OnClosure:
-    """The closed configurations of a robot with loops."""
-    return OnClosure(robot)

@@ -10,7 +10,7 @@ from derive.checking.latex.quantities import slope
 from derive.errors import CheckError
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import DIGITS, compare, evaluate, samples
-from derive.model.on_closure import on_closure
+from derive.model.on_closure import OnClosure
 from derive.robot.coupling import derivatives
 from derive.robot.expression import ZERO, Name, names
 from tests.model.test_loops import ROBOTS, model_of
@@ -54,7 +54,7 @@ def test_what_the_closure_says_is_proven_exactly_and_nothing_else(name: str) -> 
     formula = expression_from_sympy(model.G[row, column])
     assert compare(robot, formula, derivative).exact
     assert not compare(robot, formula, Name(by)).equal
-    on = on_closure(robot)
+    on = OnClosure(robot)
     assert {*names(on.reduced(derivative))} <= {*on.free, *(each.variable for each in robot.passive)}
 
 

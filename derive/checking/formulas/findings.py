@@ -135,8 +135,7 @@ def compared(
             found = "formula without a real value at any of many random points"
             raise CheckError(found, remedy="check its roots and denominators", location=where)
         if seen.alike or only_points:
-            configurations = seen.alike if robot.passive else 0
-            verdict = Verdict(seen.alike > 0, exact=False, configurations=configurations)
+            verdict = Verdict(seen.alike > 0, False, configurations=seen.alike if robot.passive else 0)
             return replace(plain, verdict=verdict, some=seen.some)
     note, turned = "", in_degrees(question.printed)
     if not verdict.equal and turned != question.printed and verdict_at(where, robot, question.right, turned).equal:

@@ -66,9 +66,6 @@ class Comparing:
         self.rates = set(map(velocity_name, self.joints))
         self._accelerations = set(map(acceleration_name, self.joints))
         self.parameters = own_names(self.robot) - self.joints.keys()
-        # derivatives of passive joints, which are claims as their positions are
-        movers = [joint.variable for joint in self.robot.passive]
-        self._followers = {rate(name) for name in movers for rate in (velocity_name, acceleration_name)}
 
     def _typed(self, side: LatexPiece) -> str:
         return " ".join(re.sub(r"\\\\|&", " ", self.text[side.start : side.end]).split())
@@ -101,7 +98,8 @@ class Comparing:
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
-        known = self.joints.keys() | self._followers
+        # velocities of passive joints are claims as their positions are
+        known = self.joints.keys() | (self.rates | self._accelerations if self.robot.passive else set())
         is_parameter = isinstance(one, Name) and one.name not in known and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"

@@ -164,13 +164,10 @@ class _Table:
         name, path = self._own[row], ("joints", row)
         if row not in self.passive:
             return read_joint(self._document, self._cells, row, name or f"row {row + 1}", variables)
-        if not name:
+        joint = read_joint(self._document, self._cells, row, name, variables | {name}) if name else None
+        if joint is None or joint.drive:
             remedy = "leave the cell that moves out, or write passive: false"
             raise self._document.error((*path, "passive"), "a passive joint that variables move", "", remedy)
-        joint = read_joint(self._document, self._cells, row, name, variables | {name})
-        if joint.drive:
-            remedy = f"leave the cell to '{name}', and write sums of angles where they are used"
-            raise self._document.error((*path, "passive"), "a passive joint that variables move, too", "", remedy)
         return joint
 
     def _is_own(self, row: int, name: str) -> bool:
