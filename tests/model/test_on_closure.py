@@ -24,16 +24,11 @@ def gap(name: str) -> Matrix:
     return sympy.Matrix(one - other)
 
 
-def moved(name: str, value: Matrix) -> Matrix:
-    """The derivative by time, in the rates of all joints by name."""
-    return slope(model_of(name).robot, value, "t")
-
-
 @every
 def test_samples_are_closed_and_move_along_the_loop(name: str) -> None:
     robot, start = model_of(name).robot, gap(name)
-    speed = moved(name, start)
-    formulas = [expression_from_sympy(e) for e in (*start, *speed, *moved(name, speed)) if e != 0]
+    speed = slope(robot, start, "t")
+    formulas = [expression_from_sympy(e) for e in (*start, *speed, *slope(robot, speed, "t")) if e != 0]
     wanted = sorted({n for e in formulas for n in names(e)})
     points = list(islice(samples(robot, wanted), 4))
     assert len(points) == 4
