@@ -79,8 +79,8 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
             return
         case Outcome.EQUAL:
             is_sure = finding.verdict.exact or finding.role is Role.SOLUTION
-            seen = finding.verdict.configurations
-            points = f"{seen} random configurations of the closed loops" if seen else "random points"
+            closed = f"{finding.verdict.configurations} random configurations of the closed loops"
+            points = closed if finding.verdict.configurations else "random points"
             yield f"{what(finding)}: equal" + ("" if is_sure else f", at {points}") + finding.note
             if right := right_text(finding, printout.printer):
                 yield f"  ours: {cut(right)}{printout.note(finding)}"

@@ -180,8 +180,8 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         remedy = "check its roots and denominators"
         raise CheckError("formula without a real value at any of many random points", remedy=remedy)
     worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
-    is_equal = not proves and worst <= CLOSE
-    return Verdict(is_equal, proves, shown if worst > CLOSE else None, len(points) if closed and is_equal else 0)
+    is_equal, seen = not proves and worst <= CLOSE, len(points) if closed else 0
+    return Verdict(is_equal, proves, shown if worst > CLOSE else None, seen * is_equal)
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:

@@ -234,7 +234,7 @@ class _Check(SideReading):
                 found.extend(self._equation(index, equation))
             except CheckError as error:
                 if not self.document:
-                    raise
+                    raise error.at(self.plain.location(equation[0].start)) from None
                 if by_value := self.otherwise(index, equation):
                     compared.add(index)
                     del self.skipped[told:]

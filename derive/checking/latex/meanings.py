@@ -171,6 +171,8 @@ class Meanings:
 
     def jacobian_by_rows(self, table: Table) -> Right | None:
         """Our Jacobian with the rows that a printed one has, in its order, where most are rows of ours."""
+        if len(self.robot.ends) > 1:
+            return None
         ours, width = self._model.quantity("J"), table.shape[1]
         if not 1 < width <= ours.cols or not 1 < table.shape[0] <= ours.rows:
             return None

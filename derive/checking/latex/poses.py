@@ -19,7 +19,7 @@ from derive.checking.inverse.poses import PoseNames
 from derive.checking.inverse.reading import printed_words
 from derive.checking.latex.left import AXES
 from derive.checking.latex.quantities import own_quantity, slope
-from derive.errors import CheckError, Location, QuantityError
+from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
 from derive.model.model import Model
 from derive.robot.description import Convention
@@ -243,10 +243,7 @@ class Poses:
         """The readings that are tried, the usual one first."""
         n = self._model.n
         origins = {k: self._model.quantity(f"T[{k}]")[:3, 3] for k in range(n - 1, max(n - 1 - WRIST, 0), -1)}
-        try:
-            whole = self._model.quantity("T")
-        except QuantityError as error:  # of several ends
-            raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy) from None
+        whole = self._model.quantity("T")
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
         # rotations of a wrist of three joints, or of what follows the three joints of the arm

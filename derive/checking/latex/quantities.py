@@ -47,8 +47,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     kind = name.partition("[")[0]
     if robot.is_tree and kind in OWN and kind not in _OF_TREES:
         raise QuantityError(f"{kind} of {robot.name}, whose table is a tree", allowed="allowed: robots of one chain")
-    rates = sympy.Matrix(model.qd)
-    jacobian = sympy.Matrix(model.quantity("J")) if kind == "twist" or not robot.is_tree else sympy.Matrix()
+    has_jacobian = kind == "twist" or not robot.is_tree
+    rates, jacobian = sympy.Matrix(model.qd), sympy.Matrix(model.quantity("J") if has_jacobian else [])
     match kind, places:
         case "twist", _:
             return jacobian * rates

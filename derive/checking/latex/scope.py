@@ -74,7 +74,8 @@ class Scope:
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
-        self.poses = Poses(model, plain, columns) if document else None
+        has_one_end = len(self.robot.ends) < 2  # of several, a pose without a name is none's
+        self.poses = Poses(model, plain, columns) if document and has_one_end else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
