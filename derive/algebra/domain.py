@@ -134,7 +134,7 @@ class PolynomialDomain:
         for i, mover in enumerate((*self.robot.variables, *self.robot.passive)):  # passive joints behind all variables
             if mover.variable in slid:
                 yield Generator(Kind.VARIABLE, mover.variable, Name(mover.variable), i)
-        known = slid | {mover.variable for mover in self.robot.coupled}
+        known = set(slid)
         for kind, rename in ((Kind.ACCELERATION, acceleration_name), (Kind.RATE, velocity_name)):
             renamed = [rename(mover.variable) for mover in self.robot.variables]
             known.update(renamed)

@@ -22,7 +22,6 @@ from derive.robot.options.style import DEFAULT_STYLE, NAMED_STYLES
 from derive.robot.options.style import Style as Options
 from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
 
 _LATEX = re.compile(r"[\\^{}_]")
 EXAMPLE = "--example"
@@ -188,8 +187,7 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
 
 def _printed_in(source: RobotLike) -> list[Example]:
     """The printed formulas of a corpus file; none where a robot is given, or a file or name of one."""
-    loaded = load(source, remarks_on_bodies=False)  # which refuses what is neither
-    require_chain(loaded, "the style")
+    load(source, remarks_on_bodies=False)  # which refuses what is neither
     if isinstance(source, Robot) or not Path(source).is_file():
         return []
     name, data = str(source), file_bytes(Path(source))

@@ -11,10 +11,18 @@ import sympy
 
 from derive.lecture.sympy_conversion import Expr, Matrix
 from derive.model.model import Model
-from derive.model.quantity_names import parse
+from derive.model.quantity_names import of_one_end, parse
 
 # A function of the difference of two angles, or a name for it, without which no inertia has angles from one direction.
 _DIFFERENCE = re.compile(r"(?:(?:sin|cos)\s*(?:\\left)?|[A-Za-z}]\s*=)[\s({]*\\?([A-Za-z]+)_\{?\w+\}?\s*-\s*\\?\1_")
+
+
+class ModelOfOneEnd(Model):
+    """A model of a tree whose quantities of the end effector are those of its only end."""
+
+    def quantity(self, name: str) -> Expr:
+        """A quantity by its name; QuantityError where it asks for an end and does not say for which of several."""
+        return super().quantity(of_one_end(self, name))
 
 
 class AbsoluteModel(Model):
@@ -61,7 +69,8 @@ def turning(model: Model) -> Matrix:
 
 def may_count_from_one_direction(model: Model, text: str) -> bool:
     """Whether two joints behind each other turn about parallel axes, and a text has the difference of two angles."""
-    return bool(_DIFFERENCE.search(text) and _turning(model) != sympy.eye(model.n))
+    is_chain = not model.robot.is_tree  # whose file says what its variables are
+    return is_chain and bool(_DIFFERENCE.search(text) and _turning(model) != sympy.eye(model.n))
 
 
 def _turning(model: Model) -> Matrix:

@@ -85,7 +85,7 @@ class ByValue:
         if len(formulas) == 1 and (sign := next((n for n in used if n.startswith(SIGN)), "")):  # +-arccos, an angle
             formulas, used = [substitute(formulas[0], {sign: number(1)})], used - {sign}
         is_open = any(entry.is_open or entry.unknown for entry in table.entries)
-        if is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
+        if self._robot.is_tree or is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
         moving = self._rates if left is not None and left.dots else self._joints | self._rates
@@ -120,7 +120,8 @@ class ByValue:
 
     def solved(self, name: str, zero: Expression) -> str:
         """The length or the angle of the robot that a name is, if a formula with it is zero; empty where it is none."""
-        for reading in self._readings if names_of_pose(zero) else [{}]:
+        readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(zero) else [{}]
+        for reading in [] if self._robot.is_tree else readings:
             read = substitute(zero, reading)
             known = {*names(read)} - {name}
             # theta_2 = pi - alpha says what alpha is
@@ -222,6 +223,8 @@ class ByValue:
 
     def keeps_pose(self, values: Mapping[str, Expression]) -> bool:
         """Whether the end effector stays where it is with other values of some joints."""
+        if self._robot.is_tree:
+            return False
         pose = self._model.quantity("T")
         used = {name for e in values.values() for name in names(e)} | {*map(str, pose.free_symbols)}
         here = [{name: at[name] for name in used} for at in self._at]
@@ -256,6 +259,8 @@ class ByValue:
 
     def is_singular(self, e: Expression) -> bool:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""
+        if self._robot.is_tree:
+            return False
         formulas = [expression_from_sympy(entry) for entry in self._model.quantity("J")]
 
         def stretches(at: Mapping[str, float]) -> list[Array]:

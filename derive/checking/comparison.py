@@ -16,8 +16,9 @@ from derive.checking.latex.check import LatexReport, check_latex
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
-from derive.model.equality import compare, evaluate, scalar_quantity
+from derive.model.equality import compare, evaluate, passive_positions, scalar_quantity
 from derive.model.model import Model
+from derive.model.quantity_names import of_one_end
 from derive.robot.expression import ZERO, Call, Expression, add, multiply, names, negate, number, substitute
 
 # Position and rotation of the end effector, and the printed plus-minus, in formulas of inverse kinematics.
@@ -66,7 +67,8 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
 
 def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
     """The derived quantity that belongs to a printed item."""
-    value = model.quantity(item.quantity)
+    name = of_one_end(model, item.quantity)
+    value = passive_positions(model) if name == "closure" else model.quantity(name)
     if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
         value = scalar_quantity(model, item.quantity)
     return value if hasattr(value, "shape") else sympy.ImmutableMatrix([[value]])

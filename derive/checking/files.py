@@ -17,13 +17,13 @@ from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, re
 from derive.checking.frames_file import NO_ROBOT, check_frames
 from derive.checking.methods_file import SETS, check_methods
 from derive.errors import CheckError, DeriveError, Location, quoted
+from derive.model.ends import without_parallelograms
 from derive.robot.expression import Name
 from derive.robot.load import file_bytes
 from derive.robot.names import own_names
 from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, YamlSequence, read_tree
 from derive.robot.robot import Robot
-from derive.robot.tree import require_chain
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
@@ -50,8 +50,7 @@ def check_path(path: str) -> tuple[FileReport, Robot]:
 
 def corpus_from_bytes(data: bytes, source: str) -> printed.CorpusFile:
     """Read a robot and the formulas printed about it."""
-    robot = Robot.from_bytes(data, source)
-    require_chain(robot, "a check of formulas")
+    robot = without_parallelograms(Robot.from_bytes(data, source))
     node = read_tree(data, source)
     if not isinstance(node, YamlMapping) or "robot" not in node.entries:
         found = "no block 'robot:' beside the printed formulas"

@@ -26,7 +26,7 @@ class Motions:
 
     def __init__(self, model: Model, points: Sequence[Mapping[str, float]]) -> None:
         self._model, self._robot, self._points = model, model.robot, points
-        self._joints = [joint.variable for joint in self._robot.joints]
+        self._joints = [joint.variable for joint in self._robot.variables]
         self._rates = {velocity_name(q) for q in self._joints}
         self._accelerations = [acceleration_name(q) for q in self._joints]
 

@@ -25,7 +25,6 @@ from derive.robot.load import is_there
 from derive.robot.options.inverse import chosen_task
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
-from derive.robot.tree import require_chain
 
 
 def file_printout(file: str | Path) -> Printout:
@@ -38,12 +37,12 @@ def formula_printout(
     robot: Robot, quantity: str, formula: str | Manuscript, *, latex: bool = False, task: str = ""
 ) -> Printout:
     """The comparison of a formula or document with one robot; of LaTeX the quantity may be a matrix, or none."""
-    require_chain(robot, "a check of formulas")
     model, source = Model(robot), "--latex" if latex else "--expression"
+    robot = model.robot  # whose parallelograms are coupled joints
     if isinstance(formula, Manuscript):
         report = _compared(model, formula, quantity, task, alone=True)
         return printout_of(_placed(report, formula, robot, formula.name), robot)
-    if names_inverse(model, quantity) or (latex and not quantity and gives_joints(formula, robot)):
+    if names_inverse(model, quantity) or (latex and not (quantity or robot.is_tree) and gives_joints(formula, robot)):
         asked = Asked(Location(source), _task(model, task))
         report = LatexReport(*check_inverse(model, inverse_text(formula, asked, latex=latex)))
     elif latex:
@@ -60,7 +59,6 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
         raise CheckError(f"two robots are called {quoted(max(names, key=names.count))}", remedy="change one name")
     refused = None
     for robot in robots:
-        require_chain(robot, "a check of formulas")
         try:
             found.append((robot, _compared(Model(robot), document)))
         except CheckError as error:

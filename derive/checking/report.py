@@ -79,7 +79,9 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
             return
         case Outcome.EQUAL:
             is_sure = finding.verdict.exact or finding.role is Role.SOLUTION
-            yield f"{what(finding)}: equal" + ("" if is_sure else ", at random points") + finding.note
+            closed = f"{finding.verdict.configurations} random configurations of the closed loops"
+            points = closed if finding.verdict.configurations else "random points"
+            yield f"{what(finding)}: equal" + ("" if is_sure else f", at {points}") + finding.note
             if right := right_text(finding, printout.printer):
                 yield f"  ours: {cut(right)}{printout.note(finding)}"
             return

@@ -162,7 +162,7 @@ class _StyledRobot:
     @cached_property
     def lengths(self) -> frozenset[str]:
         """Symbols of the table and prismatic variables, all that is no angle in a kinematic formula."""
-        angles = {joint.variable for joint in self.robot.joints if joint.is_revolute}
+        angles = {joint.variable for joint in self.robot.movers if joint.is_revolute}
         cells = [cell for joint in self.robot.joints for cell in (joint.a, joint.d)]
         cells += [cell for link in self.robot.links for cell in link.com]
         cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix]
@@ -243,7 +243,7 @@ def _parts(known: _StyledRobot, example: Example) -> Iterator[_ExamplePart]:
 
 def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
     """An equation of motion term by term: accelerations, velocities, gravity, friction."""
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.movers]
     accelerations, velocities = set(map(acceleration_name, variables)), set(map(velocity_name, variables))
     frictional = {name for link in robot.links for cell in (link.viscous, *link.dry) for name in names(cell)}
     found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}

@@ -16,6 +16,7 @@ from functools import lru_cache
 
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
 from derive.robot import expression as tree
+from derive.robot.coupling import derivatives
 from derive.robot.expression import Call, Expression, Name, Sum, names, to_text
 from derive.robot.names import acceleration_name, joint_label, joint_labels, own_names, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize
@@ -137,20 +138,26 @@ def _vocabulary(robot: Robot, abbreviations: Mapping[str, Expression] | None) ->
     plain = _robot_vocabulary(robot)
     if taken := sorted((abbreviations or {}).keys() & plain.own):
         raise CheckError(f"abbreviation {taken[0]!r} is also a name of the robot", remedy="choose another name for it")
-    return replace(plain, abbreviations=dict(abbreviations or {}))
+    return replace(plain, abbreviations={**plain.abbreviations, **(abbreviations or {})})
 
 
 @lru_cache(maxsize=16)
 def _robot_vocabulary(robot: Robot) -> _Vocabulary:
-    variables = [joint.variable for joint in robot.variables]
-    rates = (rename(variable) for variable in variables for rename in (velocity_name, acceleration_name))
+    rates = (rename(joint.variable) for joint in robot.movers for rename in (velocity_name, acceleration_name))
+    linear = {joint.variable: joint.meant for joint in robot.joints if joint.meant is not None}
+    still = {variable.variable: tree.ZERO for variable in robot.variables}
+    for name, value in [*linear.items()]:
+        for rename in (velocity_name, acceleration_name):
+            moving = tree.substitute(value, {variable: Name(rename(variable)) for variable in still})
+            linear[rename(name)] = tree.add(moving, tree.negate(tree.substitute(value, still)))
+    slopes = (name.name for name in derivatives(robot).values())
     by_label: dict[bool, dict[str, tuple[str, ...]]] = {True: {}, False: {}}
     labels = joint_labels(robot)
-    for joint in robot.variables:
+    for joint in robot.movers:
         if label := labels[joint.variable]:
             found = by_label[joint.is_revolute]
             found[label] = (*found.get(label, ()), joint.variable)
-    return _Vocabulary(own_names(robot).union(rates), by_label[True], by_label[False])
+    return _Vocabulary(own_names(robot).union(rates, slopes), by_label[True], by_label[False], linear)
 
 
 def _splits(digits: str, labels: Mapping[str, tuple[str, ...]], used: frozenset[str]) -> Iterator[tuple[str, ...]]:

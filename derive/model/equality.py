@@ -1,28 +1,38 @@
 """Whether a printed formula equals a derived quantity, decided exactly in the polynomial ring wherever possible."""
 
 import random
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import mpmath
+import sympy
 
 from derive.algebra.quotients import QuotientRing
 from derive.algebra.ring import TooManyTerms
 from derive.errors import CheckError, ExpressionError, QuantityError
 from derive.lecture.shorthand import read_formula
-from derive.lecture.sympy_conversion import Expr, expression_from_sympy
+from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.dynamic_model import DynamicModel
-from derive.model.quantity_names import parse, pick
+from derive.model.ends import OfEnds
+from derive.model.quantity_names import evaluate as asked_for
+from derive.model.quantity_names import of_one_end, parse, pick
+from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, names
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.model.on_closure import OnClosure
 
 Real = Any
 Values = Mapping[str, Fraction]
 
 DIGITS = 50
 POINTS = 8
+POINTS_OF_LOOPS = 24  # which are the only proof where branches and roots play a part
 TRIALS = 240
 CLOSE = mpmath.mpf(10) ** -30  # relative difference below which two values with fifty digits are the same number
 LARGEST = mpmath.mpf(10) ** 300  # values beyond it do not fit into a float and count as none
@@ -79,16 +89,54 @@ def _value(e: Expression, values: Values) -> Real:
 
 
 def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
-    """Points with two decimals, easy to type: angles of either sign, lengths and masses mostly positive."""
-    rng = random.Random(1)
+    """Points of two decimals: angles of either sign, other numbers mostly positive; loops closed, near the file's."""
+    rng, closed = random.Random(1), _closed(robot)
     angles = {joint.variable for joint in robot.variables if joint.is_revolute}
+    slides = {joint.variable for joint in robot.variables if not joint.is_revolute}
+    typed = parameter_values(robot) if closed else {}
+    drawn = sorted({*closed.free, *(n for n in wanted if closed.meaning(n) is None)}) if closed else wanted
     for trial in range(TRIALS):
         point = {}
-        for name in wanted:
+        for name in drawn:
             size = Fraction(rng.randint(10, 290 if name in angles else 200), 100)
             negative = rng.random() < (0.5 if name in angles else 0.25 * (trial % 2))
             point[name] = -size if negative else size
-        yield point
+            if name in typed:
+                usual = Fraction(typed[name]).limit_denominator(10**6) or Fraction(1, 50)
+                point[name] = usual * Fraction(rng.randint(80, 125), 100)
+        if closed is None:
+            yield point
+            continue
+        point |= {name: point[name] * Fraction(closed.reach(point) / 2).limit_denominator(100) for name in slides}
+        if closed.closes(point) and _complete(closed, point, wanted):
+            yield {name: point[name] for name in wanted}
+
+
+@lru_cache(8)
+def _closed(robot: Robot) -> "OnClosure | None":
+    """The closed configurations of a robot with loops."""
+    if not robot.passive:
+        return None
+    from derive.model.on_closure import OnClosure  # NumPy, which models without loops do not need
+
+    return OnClosure(robot)
+
+
+def _complete(closed: "OnClosure", point: dict[str, Fraction], wanted: Iterable[str]) -> bool:
+    """Whether all names that are wanted have a value at a point; they are added to it."""
+    for name in wanted:
+        if name not in point:
+            meaning = closed.meaning(name)
+            if meaning is None or not _complete(closed, point, names(meaning)):
+                return False
+            with mpmath.workdps(DIGITS):
+                value = evaluate(meaning, point)
+                if value is None:
+                    return False
+                if name in closed.angles:
+                    value = mpmath.atan2(mpmath.sin(value), mpmath.cos(value))
+                point[name] = Fraction(mpmath.nstr(value, DIGITS))
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +146,7 @@ class Verdict:
     equal: bool  # whether the formulas are equal wherever both are defined
     exact: bool  # whether algebra decided that identically, and not values with fifty digits at random points
     counter_example: CounterExample | None = None  # a point where they differ; None where they are equal
+    configurations: int = 0  # of closed loops at which they were seen to be equal, where that is all
 
 
 def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
@@ -109,6 +158,12 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
         zero = proves = False
     if zero:
         return Verdict(True, True)
+    if (closed := _closed(robot)) is not None:
+        with suppress(ExpressionError, TooManyTerms, CheckError):  # the last of what is singular wherever it is closed
+            one, other = closed.reduced(ours), closed.reduced(theirs)
+            if not QuotientRing(robot, (one, other)).difference(one, other):
+                return Verdict(True, True)
+        proves = False
     # Random points at which both formulas have real values; deterministic.
     points: list[tuple[Real, CounterExample]] = []
     with mpmath.workdps(DIGITS):
@@ -119,13 +174,14 @@ def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
                 gap = abs(right - printed) / (1 + abs(right) + abs(printed))
                 example = CounterExample(tuple(values.items()), float(printed), float(right))
                 points.append((min(gap, VISIBLE), example))
-            if len(points) == POINTS:
+            if len(points) == (POINTS_OF_LOOPS if closed else POINTS):
                 break
     if not proves and not points:
         remedy = "check its roots and denominators"
         raise CheckError("formula without a real value at any of many random points", remedy=remedy)
     worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
-    return Verdict(not proves and worst <= CLOSE, proves, shown if worst > CLOSE else None)
+    is_equal, seen = not proves and worst <= CLOSE, len(points) if closed else 0
+    return Verdict(is_equal, proves, shown if worst > CLOSE else None, seen * is_equal)
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
@@ -140,16 +196,25 @@ def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
     return compare(model.robot, expression_from_sympy(scalar_quantity(model, quantity)), theirs)
 
 
+def passive_positions(model: DynamicModel) -> Matrix:
+    """The closure as a column: each passive joint in one formula, its branch that of the file."""
+    formulas = (on.solved(joint.variable) for joint in model.robot.passive if (on := _closed(model.robot)))
+    return sympy.ImmutableMatrix([*map(expression_to_sympy, formulas)])
+
+
 def scalar_quantity(model: DynamicModel, text: str) -> Expr:
     """A quantity that is one expression."""
+    text = of_one_end(model, text)
     quantity, indices, entry = parse(model, text)
+    if quantity.name == "closure" and entry is not None:
+        return pick(passive_positions(model), entry, text)
     if entry is not None:
-        return pick(quantity.value(model, *indices), entry, text)
+        return asked_for(model, text)
     # as many indices as possible name the quantity, the rest picks the entry
     for count in sorted((count for count in quantity.indices if count <= len(indices)), reverse=True):
         value, rest = quantity.value(model, *indices[:count]), indices[count:]
         shape = getattr(value, "shape", None)
-        if shape is None and not rest:
+        if shape is None and not rest and not isinstance(value, OfEnds):
             return value
         if shape == (1, 1) and not rest:
             return value[0, 0]

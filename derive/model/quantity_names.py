@@ -58,6 +58,14 @@ def by_ends(model: DynamicModel, text: str) -> list[str]:
     return [f"{word.strip()}[{name}]{bracket}{rest}" for name in names]
 
 
+def of_one_end(model: DynamicModel, text: str) -> str:
+    """A name with that of the only end, where it asks for a quantity of ends; one of several is to be named."""
+    if len(named := by_ends(model, text)) > 1:
+        found = f"{quoted(text)} of {model.robot.name}, which has several ends"
+        raise QuantityError(found, allowed=f"allowed: {listed(named)}")
+    return named[0]
+
+
 def parse(model: DynamicModel, text: str) -> tuple[Quantity, tuple[int, ...], tuple[int, ...] | None]:
     """What a name with indices asks for, the end of a tree left out; T has names of a tree's rows for indices, too."""
     text = _end_and_rest(model, text)[1]

@@ -101,6 +101,8 @@ class Joint:
     # Of a passive joint the variables that its loops let it follow, with the names of its own variable's derivatives by
     # them, G_q3_q1 for d q3/d q1; empty of others.
     follows: tuple[tuple[str, Name], ...] = ()
+    # What the variable of a passive joint is that parallelograms make linear, in those of `drive`; None of others.
+    meant: Expression | None = None
 
     @property
     def label(self) -> str:
@@ -343,6 +345,11 @@ class Description:
     def variables(self) -> tuple[Joint | Variable, ...]:
         """What q consists of: the variables of coupled joints, or each joint with its own."""
         return self.coupled or self.joints
+
+    @property
+    def movers(self) -> tuple[Joint | Variable, ...]:
+        """What has a position by name: the variables, and the passive joints of closed loops."""
+        return (*self.variables, *self.passive)
 
     @property
     def passive(self) -> tuple[Joint, ...]:

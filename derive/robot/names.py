@@ -29,7 +29,7 @@ def joint_label(variable: str) -> str:
 
 def joint_labels(robot: Description) -> dict[str, str]:
     """Joint variable -> its label; its number where no variable has a digit, as in q_hip and q_knee."""
-    labels = {joint.variable: joint_label(joint.variable) for joint in robot.variables}
+    labels = {joint.variable: joint_label(joint.variable) for joint in robot.movers}
     return labels if any(labels.values()) else {variable: str(i) for i, variable in enumerate(labels, 1)}
 
 
@@ -42,14 +42,14 @@ def expressions(robot: Description) -> Iterator[Expression]:
 
 def robot_symbols(robot: Description) -> tuple[str, ...]:
     """Parameters of kinematics and dynamics; joint variables are none."""
-    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
+    variables = {joint.variable for joint in robot.movers}
     found = dict.fromkeys(name for expression in expressions(robot) for name in names(expression))
     return tuple(name for name in found if name not in variables)
 
 
 def own_names(robot: Description) -> frozenset[str]:
     """Symbols and joint variables, which no printed formula may mean otherwise."""
-    return frozenset((*robot_symbols(robot), *(joint.variable for joint in (*robot.variables, *robot.passive))))
+    return frozenset((*robot_symbols(robot), *(joint.variable for joint in robot.movers)))
 
 
 def limit_symbols(robot: Description) -> tuple[str, ...]:

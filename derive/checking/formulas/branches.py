@@ -41,7 +41,7 @@ def has_branches(e: Expression, functions: Sequence[str]) -> bool:
 
 def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
     """Compare two sides at many points, with all choices of their signs; angles count up to full turns."""
-    joints = {joint.variable for joint in robot.joints if joint.is_revolute}
+    joints = {joint.variable for joint in robot.movers if joint.is_revolute}
     modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
     wanted = sorted({*tree.names(one), *tree.names(other)})
     signs = [name for name in wanted if name[0] == SIGN][:SIGNS]

@@ -26,7 +26,7 @@ from derive.checking.formulas.edits import (
 from derive.errors import DeriveError
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
-from derive.model.equality import compare
+from derive.model.equality import compare, samples
 from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, Product, Sum, multiply, names, negate, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
@@ -100,18 +100,15 @@ def diagnose(question: Question) -> Repair | None:
 def _smallest_change(question: Question) -> Repair | None:
     """The first change of those of `_Search` at a point where both formulas have a value."""
     robot = question.robot
-    variables = [joint.variable for joint in robot.joints]
+    variables = [joint.variable for joint in robot.movers]
     rates = [rename(v) for rename in (velocity_name, acceleration_name) for v in variables]
     # a rate may stand for another one only in formulas that have rates at all
     moving = set(rates).intersection((*names(question.printed), *names(question.right)))
     defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
     known = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
     known_names = list(dict.fromkeys(known))
-    # numbers of either sign, all of the size of 1: no term vanishes beside another
-    rng = random.Random(7)
     wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
-    for _ in range(POINTS):
-        values = {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
+    for values in islice(_points(robot, [*wanted]), POINTS):
         try:
             for name, meaning in question.definitions.items():
                 values[name] = float_value(meaning, values)
@@ -125,6 +122,15 @@ def _smallest_change(question: Question) -> Repair | None:
     return None
 
 
+def _points(robot: Robot, wanted: list[str]) -> Iterator[dict[str, float]]:
+    """Points at which changes are tried; of closed loops configurations, where other formulas are right as well."""
+    if robot.passive:
+        yield from ({name: float(value) for name, value in point.items()} for point in samples(robot, wanted))
+    rng = random.Random(7)  # numbers of either sign, all of the size of 1: no term vanishes beside another
+    while True:
+        yield {name: rng.choice((-1, 1)) * rng.uniform(0.3, 1.7) for name in wanted}
+
+
 class _Search:
     """The search at one point; ArithmeticError, ValueError or KeyError where a formula has no value there."""
 
@@ -135,7 +141,7 @@ class _Search:
         self.target = float_value(question.right, values)
         self._compared_value(float_value(question.printed, values))  # it must have a value there, too
         self.work = 0
-        angles = tuple(joint.variable for joint in question.robot.joints if joint.is_revolute)
+        angles = tuple(joint.variable for joint in question.robot.movers if joint.is_revolute)
         # a factor that is missing: any name, and the sines and cosines of both formulas and of single joints; a term
         # that is missing: one of the right formula, with either sign
         tokens = [node for node in (*nodes(question.printed), *nodes(question.right)) if is_token(node)]

@@ -35,6 +35,7 @@ from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 MAX_DIFFERENCE_TERMS = 20_000
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
 ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
+_PARITY = {"cos": 1, "sin": -1, "tan": -1}  # f(-x) = +-f(x)
 _SLACK = 1.05  # more than what the squares of rounding errors add
 # The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
 Shape = tuple[Any, ...]
@@ -134,7 +135,8 @@ def compared(
             found = "formula without a real value at any of many random points"
             raise CheckError(found, remedy="check its roots and denominators", location=where)
         if seen.alike or only_points:
-            return replace(plain, verdict=Verdict(equal=seen.alike > 0, exact=False), some=seen.some)
+            verdict = Verdict(seen.alike > 0, False, configurations=seen.alike if robot.passive else 0)
+            return replace(plain, verdict=verdict, some=seen.some)
     note, turned = "", in_degrees(question.printed)
     if not verdict.equal and turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
         verdict, note = Verdict(equal=True, exact=True), ", with its angles in degrees"
@@ -328,7 +330,10 @@ def form_of(e: Expression) -> tuple[Fraction, Shape]:
         case Product() | Power():
             return _product(e)
         case Call(function, arguments):
-            return Fraction(1), ("call", function, *(form_of(a) for a in arguments))
+            forms = tuple(form_of(a) for a in arguments)
+            is_turned = function in _PARITY and forms[0][0] < 0  # cos(q2 - q1) = cos(q1 - q2)
+            forms = ((-forms[0][0], forms[0][1]),) if is_turned else forms
+            return Fraction(_PARITY[function] if is_turned else 1), ("call", function, *forms)
 
 
 def _product(e: Product | Power) -> tuple[Fraction, Shape]:

@@ -34,6 +34,7 @@ from derive.model.equality import CounterExample, Verdict
 from derive.model.model import Model
 from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, Pi, add, names, negate, number, substitute
+from derive.robot.tree import require_chain
 
 # The changes that are tried where a line is never right.
 KINDS = tuple(kind for kind in SlipKind if kind not in (SlipKind.PLUS_MINUS, SlipKind.ATAN2))
@@ -47,6 +48,7 @@ TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their soluti
 def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
     robot, signs = model.robot, plus_minus()
+    require_chain(robot, "a check of inverse kinematics", solution.asked.location)
     equations: list[list[Side]] = []
     words: list[str] = []
     if not any(part.text.strip() for part in solution.parts):

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction
+from derive.checking.absolute import AbsoluteModel, ModelOfOneEnd, may_count_from_one_direction
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex import whole
@@ -50,6 +50,8 @@ def check_latex(
 ) -> LatexReport:
     """Compare the equations of a text with what follows from a robot's table; alone if it is about no other robot."""
     document = document or "\\documentclass" in text or "\\begin{document}" in text
+    if model.robot.is_tree:
+        model = ModelOfOneEnd(model.robot, model.style)
     if quantity:
         model.quantity(quantity)  # refused before anything is read
 
@@ -232,7 +234,7 @@ class _Check(SideReading):
                 found.extend(self._equation(index, equation))
             except CheckError as error:
                 if not self.document:
-                    raise
+                    raise error.at(self.plain.location(equation[0].start)) from None
                 if by_value := self.otherwise(index, equation):
                     compared.add(index)
                     del self.skipped[told:]

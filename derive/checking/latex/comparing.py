@@ -62,7 +62,7 @@ class Comparing:
         self._values = ByValue(scope.model, scope.poses)
         self.conditions: list[Condition] = []
         self.loose: dict[Finding, str] = {}  # positions that are called x, y or z, which may be those of any point
-        self.joints = {joint.variable: joint for joint in self.robot.joints}
+        self.joints = {joint.variable: joint for joint in self.robot.movers}
         self.rates = set(map(velocity_name, self.joints))
         self._accelerations = set(map(acceleration_name, self.joints))
         self.parameters = own_names(self.robot) - self.joints.keys()
@@ -98,7 +98,8 @@ class Comparing:
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
-        is_parameter = isinstance(one, Name) and one.name not in self.joints and not names_of_pose(one, *others)
+        known = self.joints.keys() | (self.rates | self._accelerations if self.robot.passive else set())
+        is_parameter = isinstance(one, Name) and one.name not in known and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
@@ -135,6 +136,8 @@ class Comparing:
         """Whether two formulas that differ hold somewhere, as an equation of motion does, and are kept as such."""
         if self.document and _ARROW.match(self.text, second.end):
             return True
+        if isinstance(one, Name) and one.name in {joint.variable for joint in self.robot.passive}:
+            return False
         left, right = self._typed(first), self._typed(second)
         # M qdd + ... = f says how the arm moves, and holds for no acceleration but that
         is_motion = not self._accelerations.isdisjoint((*names(one), *names(other)))
@@ -311,6 +314,7 @@ class Comparing:
         is_energy = not self.rates.isdisjoint(used) and all(r.quantity.startswith(("kinetic", "lagr")) for r, _ in fits)
         # two coordinates of an arm that moves in space may be those in the plane of its links
         is_flat = table.shape == (2, 1) and all(right.columns == (4,) or right.quantity == "p" for right, _ in fits)
+        is_flat = is_flat and len(self.robot.ends) < 2
         is_flat = is_flat and not self.joints.keys().isdisjoint(map(str, self.model.quantity("T")[2, 3].free_symbols))
         # of axes home may be another configuration
         if fits and name.targets and all("screw" in target.quantity for target in name.targets):

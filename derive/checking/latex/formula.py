@@ -130,7 +130,7 @@ class LatexReader:
                 above = match["behind"] or ""
             variable = read(match["below"])
             by = variable.name if isinstance(variable, Name) else ""
-            if by not in {name for joint in robot.joints for name in (joint.variable, velocity_name(joint.variable))}:
+            if by not in {name for joint in robot.movers for name in (joint.variable, velocity_name(joint.variable))}:
                 raise CheckError("derivative by what is not a joint variable or its velocity")
             signs += (found := sign(derivative(robot, read(above), by)))
             text = text[: match.start()] + found.ljust(end - match.start()) + text[end:]
@@ -285,7 +285,7 @@ _BARS = re.compile(r"^([^|]*)\|([^|]+)\|([^|]*)$")  # |x|, the only bars of a fo
 
 def derivative(robot: Robot, formula: Expression, by: str) -> Expression:
     """The derivative of a formula that has names of the robot alone."""
-    joints = [joint.variable for joint in robot.joints]
+    joints = [joint.variable for joint in robot.movers]
     moving = {name for q in joints for name in (q, velocity_name(q), acceleration_name(q))}
     if isinstance(formula, Name) and formula.name not in moving:
         raise CheckError("derivative of a symbol")

@@ -22,7 +22,7 @@ from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.equality import scalar_quantity
 from derive.model.model import Model
-from derive.model.quantities import REGISTRY
+from derive.model.quantities import OF_ENDS, REGISTRY
 from derive.model.quantity_names import parse
 from derive.robot.expression import Expression, Name, names
 from derive.robot.names import joint_label, velocity_name
@@ -110,12 +110,15 @@ class Meanings:
         self.lent = frozenset[str]()  # letters with two indices that are names of the author's own
         self.forces = frozenset[str]()  # coordinates of a force or a moment on the end effector that the text names
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
-        labels = [joint_label(joint.variable) for joint in self.robot.joints]
+        labels = [joint_label(joint.variable) for joint in self.robot.movers]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
+        if left.sub in {end.name for end in self.robot.ends if end.name}:  # p_{left}
+            of_ends = (t for t in self.targets(replace(left, sub="")) if t.quantity in OF_ENDS)
+            return tuple(replace(target, quantity=f"{target.quantity}[{left.sub}]") for target in of_ends)
         indices = re.fullmatch(r"([1-9]),?([1-9])", left.sub) if left.is_plain and left.head in self.entries else None
         if indices is not None:
             entry = int(indices[1]), int(indices[2])
@@ -124,7 +127,7 @@ class Meanings:
                 return tuple(replace(t, entry=entry) for t in matrices)
         if left.arguments.startswith("(\u2202"):  # the column of a derivative is that of its variable
             (row, label), is_slide = left.sub.split(","), left.arguments == "(\u2202d)"
-            kinds = [(joint_label(joint.variable), joint.is_revolute) for joint in self.robot.joints]
+            kinds = [(joint_label(joint.variable), joint.is_revolute) for joint in self.robot.movers]
             own = (k for k, kind in enumerate(kinds, 1) if kind == (label, not is_slide))
             left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
         if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
@@ -168,6 +171,8 @@ class Meanings:
 
     def jacobian_by_rows(self, table: Table) -> Right | None:
         """Our Jacobian with the rows that a printed one has, in its order, where most are rows of ours."""
+        if len(self.robot.ends) > 1:
+            return None
         ours, width = self._model.quantity("J"), table.shape[1]
         if not 1 < width <= ours.cols or not 1 < table.shape[0] <= ours.rows:
             return None
@@ -235,7 +240,7 @@ class Meanings:
         if not match["label"]:
             by = ["qd" if match["rate"] else "q", *by]
         else:
-            named = [j.variable for j in self.robot.joints if joint_label(j.variable) == match["label"]]
+            named = [j.variable for j in self.robot.movers if joint_label(j.variable) == match["label"]]
             by = [velocity_name(named[0]) if match["rate"] else named[0], *by] if named else []
         energies = ("kinetic", "potential", "lagr")
         of = (t for t in self.targets(left) if match["label"] or t.quantity.startswith(energies))

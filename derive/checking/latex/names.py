@@ -137,7 +137,7 @@ class LatexNames:
 
     def _derivative(self, text: str, dots: int) -> Expression:
         """The velocity or acceleration of a joint, or of a sum of joint angles."""
-        variables = [joint.variable for joint in self.robot.joints]
+        variables = [joint.variable for joint in self.robot.movers]
         name = self._name(text)
         terms = [name]
         if name not in variables:
@@ -176,7 +176,7 @@ class LatexNames:
     def _variable(self, stem: str, label: str) -> str:
         """The variable of the joint with a label, printed as theta, d or q; empty where there is none."""
         labels = joint_labels(self.robot)
-        for joint in self.robot.joints:
+        for joint in self.robot.movers:
             if labels[joint.variable] != label:
                 continue
             if stem == "q" or (stem in ("theta", "th")) is joint.is_revolute:

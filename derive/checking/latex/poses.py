@@ -97,7 +97,7 @@ class Claim:
 
     def is_condition(self, robot: Robot) -> bool:
         """Whether a side has parameters alone: it says where the hand is, such as x^2 + y^2 = (l_1 + l_2)^2."""
-        joints = {joint.variable for joint in robot.joints}
+        joints = {joint.variable for joint in robot.movers}
         is_still = joints.isdisjoint((*names(self.first), *names(self.other)))
         return is_still and not (names_of_pose(self.first) and names_of_pose(self.other))
 
@@ -218,7 +218,7 @@ class Poses:
         """The comparison in a reading; None where a side has no value in it."""
         with suppress(CheckError, ArithmeticError):
             sides = (substitute(e, reading.values) for e in (claim.first, claim.other))
-            joints = {joint.variable for joint in self._model.robot.joints}
+            joints = {joint.variable for joint in self._model.robot.movers}
             if not reading.usual and joints.isdisjoint(name for side in sides for name in names(side)):
                 return None  # a reading in which nothing moves explains everything
             return claim.read(self._model.robot, reading.values)
@@ -247,6 +247,7 @@ class Poses:
         distinct = [k for k, p in origins.items() if p != whole[:3, 3] and p != origins.get(k + 1)]
         places = [(n, 0), *((k, 0) for k in distinct)]
         # rotations of a wrist of three joints, or of what follows the three joints of the arm
+        places = places[:1] if self._model.robot.is_tree else places
         places += [(k, frame) for frame in dict.fromkeys((n - WRIST, WRIST)) if 0 < frame < n for k, _ in places]
         readings, others = [], self._wrist(self._wrists()[0]) | self._values(Points.END) | self._angles
         for position, reference in places:
@@ -285,7 +286,7 @@ class Poses:
     def _kinds(self) -> list[Points]:
         """What points may be; with x_1 and x_2 alone, also the coordinates of one of them."""
         are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
-        has_cart = self._model.n > 1 and not self._model.robot.joints[0].is_revolute
+        has_cart = self._model.n > 1 and not self._model.robot.movers[0].is_revolute
         may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and bool(self._model.robot.links)}
         return [kind for kind in Points if may_be.get(kind, True)]
 

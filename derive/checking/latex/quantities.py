@@ -6,9 +6,10 @@ from typing import Any
 import sympy
 
 from derive.checking.absolute import turning
-from derive.errors import QuantityError
+from derive.errors import CheckError, QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
+from derive.robot.coupling import derivatives
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Call
 from derive.robot.names import acceleration_name, velocity_name
@@ -25,6 +26,7 @@ OWN = (
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
     *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
 )
+_OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
 
@@ -42,8 +44,12 @@ def written(model: Model, e: Expr) -> Expr:
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     """A quantity by its name, in the world; None where it is one of the registry."""
     robot, places = model.robot, list(map(int, re.findall("[0-9]+", name)))
-    rates, jacobian = sympy.Matrix(model.qd), sympy.Matrix(model.quantity("J"))
-    match name.partition("[")[0], places:
+    kind = name.partition("[")[0]
+    if robot.is_tree and kind in OWN and kind not in _OF_TREES:
+        raise QuantityError(f"{kind} of {robot.name}, whose table is a tree", allowed="allowed: robots of one chain")
+    has_jacobian = kind == "twist" or not robot.is_tree
+    rates, jacobian = sympy.Matrix(model.qd), sympy.Matrix(model.quantity("J") if has_jacobian else [])
+    match kind, places:
         case "twist", _:
             return jacobian * rates
         case "rates", _:
@@ -86,7 +92,7 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return (model.quantity(f"T[{frame},{link}]") * _centre(robot, link))[:3, :]
         case "p", [end, start] if "-" in name:
             return model.frame(end)[:3, 3] - model.frame(start)[:3, 3]
-    return _energy(model, name.partition("[")[0], places)
+    return _energy(model, kind, places)
 
 
 def _coordinates(model: Model, places: list[int]) -> Matrix:
@@ -170,7 +176,9 @@ def slope(robot: Robot, value: Expr | Matrix, by: str) -> Any:
 
     By "q" or "qd" it is the column of the derivatives of one formula by all variables or velocities.
     """
-    joints = [joint.variable for joint in robot.joints]
+    joints = [joint.variable for joint in robot.movers]
+    if robot.passive and (by != "t" or any(value.has(sympy.Symbol(n.name)) for n in derivatives(robot).values())):
+        raise CheckError("derivative along a closed loop", allowed="allowed: G and H, and what they are part of")
     if by in ("q", "qd") and by not in joints:
         moving = joints if by == "q" else map(velocity_name, joints)
         return sympy.Matrix([value[0, 0].diff(sympy.Symbol(name)) for name in moving])

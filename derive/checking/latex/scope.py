@@ -74,7 +74,8 @@ class Scope:
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
-        self.poses = Poses(model, plain, columns) if document else None
+        has_one_end = len(self.robot.ends) < 2  # of several, a pose without a name is none's
+        self.poses = Poses(model, plain, columns) if document and has_one_end else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
@@ -141,7 +142,7 @@ class Scope:
     def _lent_letters(self) -> frozenset[str]:
         """Letters with two indices that formulas use, and that are not the entries which they usually mean."""
         votes: dict[str, list[bool]] = {}
-        said, joints = [s for e in self.equations for s in e], {joint.variable for joint in self.robot.joints}
+        said, joints = [s for e in self.equations for s in e], {joint.variable for joint in self.robot.movers}
         for first, *others in self.equations:
             own = first.text.strip()
             if not any(own in text for side in said if side.text.strip() != own for text in side.texts):
@@ -392,7 +393,7 @@ class Scope:
                 return any(isinstance(e, Sum) and not compare(self.robot, e, variable).equal for e in cells)
         if not isinstance(variable, Name):
             return False
-        joints, own = {joint.variable for joint in self.robot.joints}, (variable, negate(variable))
+        joints, own = {joint.variable for joint in self.robot.movers}, (variable, negate(variable))
         for side in self.equations[index][1:]:
             with suppress(CheckError):
                 cell = self.plain.formula(side)

@@ -374,7 +374,7 @@ class SideReading(Comparing):
         """Whether theta = (0, 0, 0) gives all joints a value, which is a condition then."""
         cells, left = [entry.formula for entry in table.entries], side.left
         is_all = left is not None and left.head in ("theta", "q") and left.is_plain and not left.sub
-        if not is_all or len(cells) != self.robot.n or not all(map(is_constant, cells)):
+        if not is_all or len(cells) != len(self.joints) or not all(map(is_constant, cells)):
             return False
         end = self.text.find("$", side.piece.start)
         values = dict(zip(self.joints, cells, strict=True))

@@ -143,7 +143,7 @@ def opposes_gravity(texts: Iterable[str]) -> bool:
 def refuse_other_arm(robot: Robot, texts: Iterable[str], start: Location) -> None:
     """A document whose formulas name more joints than the robot has is about another arm."""
     n = robot.n
-    if [joint_label(joint.variable) for joint in robot.joints] != [str(i) for i in range(1, n + 1)]:
+    if [joint_label(joint.variable) for joint in robot.movers] != [str(i) for i in range(1, n + 1)]:
         return
     named = [max(map(int, labels)) for text in texts if (labels := _JOINTS.findall(text))]
     if len(beyond := [label for label in named if label > n]) > 2 and 2 * len(beyond) > len(named):
@@ -192,7 +192,7 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
     wrong = [i for i in rows if not all(entries[i, j].verdict.equal for j in places)]
     if not wrong:
         return findings
-    rates = [Name(velocity_name(joint.variable)) for joint in model.robot.joints]
+    rates = [Name(velocity_name(joint.variable)) for joint in model.robot.movers]
     velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
     printed = {place: f.question.printed for place, f in entries.items() if f.question is not None}
 

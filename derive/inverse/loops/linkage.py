@@ -249,10 +249,9 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
         values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
-        q, cells = [], [cell for joint in robot.joints for cell in (joint.a, joint.d)] + tree.lengths(robot)
-        reach = sum(abs(to_float(cell, values)) for cell in cells) or 1.0
+        q, way = [], reach(robot, values)
         for variable in robot.variables:
-            most = math.pi if variable.is_revolute else reach
+            most = math.pi if variable.is_revolute else way
             low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
             q.append(source.uniform(low, high, _SAMPLES))
         full, exists = positions(robot, loops, q, values)
@@ -270,6 +269,18 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
         list(source.uniform(-2, 2, (robot.n, _SAMPLES))),
         float((arm.residual(closest) * arm.unit).min()) + _TINY,
     )
+
+
+def reach(robot: Robot, values: Mapping[str, Any]) -> float:
+    """The lengths of all rows together [m], further than which no slide goes; 1 where there are none."""
+    cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)] + tree.lengths(robot)
+    return sum(abs(to_float(cell, values)) for cell in cells) or 1.0
+
+
+def gaps(robot: Robot, loop: Loop, domain: Domain[S]) -> Vector[S]:
+    """The way between the origins of the joined frames, zero where they are one."""
+    _, _, (one, other) = _frames(robot, loop, domain)
+    return subtract(one.position, other.position)
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:

@@ -23,8 +23,9 @@ from derive.errors import QuantityError
 from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.vectors import column, cross, subtract
+from derive.robot.coupling import position
 from derive.robot.description import Joining, Joint, Loop
-from derive.robot.expression import ZERO, Pi, add, multiply, number
+from derive.robot.expression import ZERO, Pi, add, multiply, negate, number
 from derive.robot.robot import Robot
 
 _STEP, _NEAR = 1e-4, 1e-3  # of the variables [rad or m], and how near to whole numbers slopes and constants are
@@ -74,6 +75,8 @@ def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joi
             # One that stands still has the factor 0: without any it would be a variable.
             drive = drive or ((names[0], ZERO),)
             joints[k] = replace(joint, name=joint.label, sign=1, theta=theta, drive=drive, follows=())
+            meant = multiply(number(joint.sign), add(position(joints[k]), theta, negate(joint.theta)))
+            joints[k] = replace(joints[k], meant=meant)
         yield tuple(joints)
 
 

@@ -164,10 +164,11 @@ class _Table:
         name, path = self._own[row], ("joints", row)
         if row not in self.passive:
             return read_joint(self._document, self._cells, row, name or f"row {row + 1}", variables)
-        if not name:
+        joint = read_joint(self._document, self._cells, row, name, variables | {name}) if name else None
+        if joint is None or joint.drive:
             remedy = "leave the cell that moves out, or write passive: false"
             raise self._document.error((*path, "passive"), "a passive joint that variables move", "", remedy)
-        return read_joint(self._document, self._cells, row, name, variables | {name})
+        return joint
 
     def _is_own(self, row: int, name: str) -> bool:
         """Whether a row has a variable of its own: q, or that of its number where its cell has that or none."""
