@@ -39,8 +39,8 @@ def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
     part = InversePart(own, one.inverse)
     writer = part.writer
     yield context.paragraph(
-        "Rows `%(first)s` and `%(second)s` are joined (%(by)s). The unknown joints of the loop are a serial arm, whose "
-        "joints and frames are counted from 1 here, with this table in the modified convention:",
+        "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`). The unknown joints of the loop are a serial arm, "
+        "whose joints and frames are counted from 1 here, with this table in the modified convention:",
         first=one.loop.join[0],
         second=one.loop.join[1],
         by=one.loop.by.value,
