@@ -65,23 +65,7 @@ def link_jacobians(context: Context) -> Iterator[Block]:
             "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
             "for a joint does not move the links before it."
         )
-    joints, axes = context.robot.joints, JointAxes(context)
-    z, o = (axes.symbol(letter, axes.index("j")).tex for letter in "zo")
-    yield textbook(
-        "link_jacobians",
-        z=z,
-        o=o,
-        revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
-        prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
-    )
-    if context.robot.coupled:
-        yield context.paragraph("These are columns of joints; times $\\mathbf{S}$ they are those of the variables.")
-    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0):
-        yield context.paragraph(
-            "The variables of these joints increase against the direction of their axes, so their columns change "
-            "sign: %(joints)s.",
-            joints=opposed,
-        )
+    yield from _columns(context)
     if has_rotors(context.robot):
         if context.robot.is_tree:
             yield context.paragraph(
@@ -104,6 +88,28 @@ def link_jacobians(context: Context) -> Iterator[Block]:
     of_both = _("Find the Jacobians of the links and of the rotors.")
     task = of_both if has_rotors(context.robot) else _("Find the Jacobians of the links.")
     yield from body_formulas(context, items, task)
+
+
+def _columns(context: Context) -> Iterator[Block]:
+    """How the columns of the Jacobians of links follow from axes and origins."""
+    _ = context.text
+    joints, axes = context.robot.joints, JointAxes(context)
+    z, o = (axes.symbol(letter, axes.index("j")).tex for letter in "zo")
+    yield textbook(
+        "link_jacobians",
+        z=z,
+        o=o,
+        revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
+        prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
+    )
+    if context.robot.coupled:
+        yield context.paragraph("These are columns of joints; times $\\mathbf{S}$ they are those of the variables.")
+    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0):
+        yield context.paragraph(
+            "The variables of these joints increase against the direction of their axes, so their columns change "
+            "sign: %(joints)s.",
+            joints=opposed,
+        )
 
 
 def energies(context: Context) -> Iterator[Block]:
