@@ -10,33 +10,27 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.handouts.assemble import context_of, document
-from derive.handouts.exercise import exercise, solutions
+from derive.handouts.assemble import context_of
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.parts.closure import closure
+from derive.handouts.parts.example import configuration
 from derive.handouts.sheet.document import Figure, SheetFormula
-from derive.handouts.sheet.language import languages
-from derive.handouts.sheet.latex_writer import latex
 from derive.model.ends import without_parallelograms
 from derive.model.model import Model
 from derive.robot.load import robot_file_bytes
 from derive.robot.names import free_symbols
-from derive.robot.options.handout import Derivation
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from derive.verification.samples import oracle_of
 from derive.workspace.poses import RobotPoses
 from tests.cli.command import refused
-from tests.handouts.latex_runner import run_clean
 from tests.handouts.page import test_browser_viewer as viewers
 from tests.handouts.reading import part, words
-from tests.handouts.test_trees import assert_same, joined, printed, sections
-from tests.random_robots import sampled, seeds
+from tests.handouts.test_trees import COUPLED, LOOPS, assert_same, joined, printed, sections
+from tests.random_robots import seeds
 from tests.random_trees import coupled, random_tree
 
 browser = viewers.browser
-LOOPS = ("four-bar", "slider-crank", "delta")
-ROBOTS = (*LOOPS, "five-bar", "palletiser", "two-finger-gripper")
 FOUR = robot_file_bytes("four-bar").decode()
 STIFF = FOUR.replace("l1: 0.1 ", "l1: 0.5 ")  # its crank no longer goes around
 NAMELESS = FOUR.partition("parameters:")[0]
@@ -49,7 +43,7 @@ def drawn(robot: Robot) -> tuple[Robot, RobotPoses, Oracle]:
     return robot, poses, oracle_of(robot, values)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", COUPLED)
 def test_formulas_are_those_of_the_model_and_the_example_those_of_the_oracle(name: str) -> None:
     robot, poses, oracle = drawn(Robot.load(name))
     sheet, model = sections(robot), Model(robot)
@@ -57,8 +51,7 @@ def test_formulas_are_those_of_the_model_and_the_example_those_of_the_oracle(nam
     values = {entry.name: entry.python for entry in formulas(sheet["example"].blocks)}
     if robot.has_dynamics and name != "five-bar":
         assert_same(printed(sheet["inertia"], "inertia_matrix"), model.B, symmetric=True)
-        q = poses.zero if robot.loops else (np.pi / 6, *((np.pi / 3, -np.pi / 6, np.pi / 2)[: robot.dof - 1]))
-        q = (np.pi / 6, 0.025) if name == "two-finger-gripper" else q
+        q = poses.zero if robot.loops else configuration(robot)[1]
         found = np.array(literal_eval(values["\\mathbf{B}"]))
         assert np.allclose(found, oracle.evaluate("inertia_matrix", np.array(q)), rtol=1e-9)
         gravity = [float(values[f"g_{{{k}}}"]) for k in range(1, robot.dof + 1)]
@@ -86,7 +79,7 @@ def test_printed_derivatives_are_the_rates_of_the_passive_joints(name: str) -> N
             assert float(sympy.sympify(text, locals={}).subs(at)) == pytest.approx(rate, abs=1e-9)
 
 
-@pytest.mark.parametrize("text", [*ROBOTS, STIFF, NAMELESS], ids=[*ROBOTS, "stiff", "nameless"])
+@pytest.mark.parametrize("text", [*COUPLED, STIFF, NAMELESS], ids=[*COUPLED, "stiff", "nameless"])
 def test_figures_are_where_the_oracle_is_and_closed(text: str) -> None:
     robot, poses, oracle = drawn(Robot.from_text(text) if "\n" in text else Robot.load(text))
     frames = np.array(poses.frames(poses.zero))
@@ -113,17 +106,6 @@ def test_where_loops_are_open_is_said(tmp_path: Path) -> None:
     assert "whose loops are open" in refused("plot", "r.yaml", "--at", "3", "-o", "r.svg", folder=tmp_path).stderr
     open_robot = Robot.from_text(f"{STIFF}figure: {{q: [3]}}\n")
     assert all("loops are open" in words(part(open_robot, name)) for name in ("figure", "example"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("language", sampled(languages(), ["en"]))
-@pytest.mark.parametrize("name", sampled(ROBOTS, ["slider-crank"]))
-def test_sheets_are_clean(name: str, language: str, tmp_path: Path) -> None:
-    robot = Robot.load(name)
-    context = context_of(robot, replace(robot.handout, language=language, derivation=Derivation.STEPS))
-    whole = document(context)
-    for sheet in (whole, exercise(whole, context.text), solutions(whole, context.text)):
-        run_clean(latex(sheet, context.text), tmp_path)
 
 
 @pytest.mark.sweep
