@@ -13,9 +13,10 @@ from derive.handouts.figure.workspace_plot import workspace_bytes
 from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
+from derive.model.ends import without_parallelograms
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.cells import joint_values
-from derive.robot.tree import require_chain, require_own_variables
+from derive.robot.tree import require_chain
 from derive.workspace.poses import RobotPoses
 from derive.workspace.region import Measure
 from derive.workspace.views import Workspace, WorkspaceView, find_workspace
@@ -77,8 +78,7 @@ def plot(
         raise DeriveError("--at beside --workspace", remedy="leave one of them out")
     refuse_taken([path], force=force)
     require_matplotlib()
-    chosen = load(robot, remarks_on_bodies=False)
-    require_own_variables(chosen, "the workspace" if workspace else "the figure")
+    chosen = without_parallelograms(load(robot, remarks_on_bodies=False))
     if workspace:
         require_chain(chosen, "the workspace")
     poses, found = RobotPoses(chosen), None
@@ -88,8 +88,8 @@ def plot(
         data = workspace_bytes(found.views, suffix, remarks, size)
     else:
         drawn = (poses.configuration or poses.zero) if q is None else poses.numbers(joint_values(chosen, q))
-        units = ("rad" if joint.is_revolute else "m" for joint in chosen.joints)
-        shown = zip((joint.variable for joint in chosen.joints), drawn, units, strict=True)
+        units = ("rad" if joint.is_revolute else "m" for joint in chosen.variables)
+        shown = zip((joint.variable for joint in chosen.variables), drawn, units, strict=True)
         values = ", ".join(f"{variable} = {value:.4g} {unit}" for variable, value, unit in shown)
         remarks = f"{chosen.name} at {values if any(drawn) else 'the zero configuration'}{_assumed(poses)}"
         printer = DataPrinter(chosen, Notation.of(chosen, chosen.handout.notation))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 
 from derive.handouts.parts import (
+    closure,
     conversion,
     dynamics,
     example,
@@ -22,21 +23,20 @@ from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
-from derive.robot.tree import require_own_variables
 from derive.version import __version__
 
 # Left out where the closed form of the dynamics is not derived.
 CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler")
 OF_CHAINS = ("singularities", "newton-euler")  # what a sentence stands for on the sheet of a tree
+OF_OWN_VARIABLES = (*OF_CHAINS, "inverse")  # and another one on that of coupled joints
 # About one end effector: a tree with several ends has them for each of these, one end after the other.
 OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
-    require_own_variables(robot, "the handout")
-    chosen = options or robot.handout
-    return Context(ModelEntries(Model(robot)), chosen, text_for(chosen.language), __version__, poses_of(robot))
+    chosen, entries = options or robot.handout, ModelEntries(Model(robot))
+    return Context(entries, chosen, text_for(chosen.language), __version__, poses_of(entries.robot))
 
 
 def section_of(context: Context, name: str) -> Section | None:
@@ -49,6 +49,7 @@ def section_of(context: Context, name: str) -> Section | None:
         "convention": (_("Convention"), figure.convention),
         "parameters": (_("Parameters"), table.parameters),
         "transforms": (_("Transforms between successive frames"), kinematics.transforms),
+        "closure": (_("Closed loops"), closure.closure),
         "conversion": (_("The other convention"), conversion.conversion),
         "kinematics": (_("End effector"), kinematics.end_effector),
         "orientation": (_("Position and orientation"), kinematics.orientation),
@@ -69,6 +70,8 @@ def section_of(context: Context, name: str) -> Section | None:
     title, make = parts[name]
     if name in CLOSED_FORMS and not context.has_closed_dynamics:
         return None
+    if name in OF_OWN_VARIABLES and context.robot.coupled:
+        return Section(name, title, (context.paragraph("Of coupled joints and closed loops this is left out."),))
     if name in OF_CHAINS and context.robot.is_tree and not context.end:
         return Section(name, title, (context.paragraph("Of a tree this is left out."),))
     blocks = tuple(make(context))
@@ -78,7 +81,9 @@ def section_of(context: Context, name: str) -> Section | None:
 
 def sections_of(context: Context, names: Sequence[str]) -> Iterator[Section]:
     """Parts in their order; those about one end effector come together for each end of a tree."""
-    for of_ends, group in groupby(names, lambda name: context.ends[0] is not context and name in OF_ENDS):
+    single = OF_OWN_VARIABLES if context.robot.coupled else ()
+    several = [name for name in OF_ENDS if context.ends[0] is not context and name not in single]
+    for of_ends, group in groupby(names, several.__contains__):
         parts = tuple(group)
         for own in context.ends if of_ends else (context,):
             yield from (section for name in parts if (section := section_of(own, name)) is not None)

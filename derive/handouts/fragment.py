@@ -43,7 +43,8 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
     name, context = " ".join(name.split()), context_of(robot, options)
     sections = tuple(sections_of(context, [name])) if name in PARTS else (_quantity(context, name),)
     if not sections:
-        raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed="its file gives no links")
+        why = "it has no closed loops" if name == "closure" else "its file gives no links"
+        raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed=why)
     section = replace(sections[0], blocks=tuple(block for own in sections for block in own.blocks))
     return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
 

@@ -166,8 +166,9 @@ class ProductBuilder:
         number = sympy.Rational(coefficient)
         powers = [self._power(pair) for pair in monomial]
         factors = [self._table.factors[f] for f, _ in monomial]
-        if not coefficient or not monomial or any(factor.kind not in PLAIN for factor in factors):
-            # roots and numbers may merge: sqrt(2)*sqrt(2), 2*sqrt(2)/2
+        is_plain = all(factor.kind in PLAIN for factor in factors) and not any(power.is_Mul for power in powers)
+        if not coefficient or not monomial or not is_plain:
+            # roots and numbers may merge: sqrt(2)*sqrt(2), 2*sqrt(2)/2; sin(q3 - q2) is -sin(q2 - q3)
             return sympy.Mul(number, *powers)
         if len(powers) == 1 and coefficient == 1:
             return powers[0]

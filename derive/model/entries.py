@@ -107,7 +107,7 @@ class ModelEntries:
     @cached_property
     def T(self) -> Entries:
         """T, 4x4: the end effector in the world. Of a long arm only entries that are short enough are derived."""
-        if not self._long.is_long(0, self.robot.n):
+        if self.robot.coupled or not self._long.is_long(0, self.robot.n):
             return self._frame(self.model.kinematics.end)
         end = self._long_counts.end
         counts = [[x.value for x in (*end.rotation[i], end.position[i])] for i in range(3)] + [[0, 0, 0, 1]]
@@ -122,7 +122,7 @@ class ModelEntries:
     def J(self) -> Entries:
         """Geometric Jacobian, 6xn, world frame. Of a long arm the lower rows, axes of the first joints, are short."""
         n, model = self.robot.n, self.model
-        if self._long.is_long(0, n):
+        if not self.robot.coupled and self._long.is_long(0, n):
             counts = [
                 [x.value for x in (*linear, *angular)]
                 for linear, angular in zip(self._long_counts.linear, self._long_counts.angular, strict=True)
@@ -255,9 +255,12 @@ class ModelEntries:
         return self._by_inertia(1, self._torque_terms, lambda i, _: self.model.tau[i - 1])
 
     def _torque_terms(self, i: int, _: int) -> int:
-        joints, link = self._joints, self.robot.links[i - 1]
+        joints = self._joints
         inertia = sum(self.B.terms(i, j) for j in joints)
         velocity = sum(self.christoffel(i, j, k).terms(1, 1) for j in joints for k in joints if j <= k)
+        if self.robot.coupled:
+            return inertia + velocity + self.g.terms(i, 1) + expanded_terms(self.friction(i))
+        link = self.robot.links[i - 1]
         friction = sum(cell != ZERO for cell in (link.viscous, *link.signed))
         return inertia + velocity + self.g.terms(i, 1) + friction
 
@@ -332,7 +335,9 @@ class ModelEntries:
         return sympy.Add(*inertia, *velocity, self.g.entry(i, 1), self.friction(i))
 
     def friction(self, i: int) -> Expr:
-        """Friction of joint i [N m or N], as the file gives it: b qd + f sign(qd)."""
+        """Friction of joint i [N m or N], as the file gives it: b qd + f sign(qd); S^T of that of coupled joints."""
+        if self.robot.coupled:
+            return self.model.friction[i - 1]
         link, rate = self.robot.links[i - 1], self.model.qd[i - 1]
         return friction_torque(link, rate, expression_to_sympy)
 

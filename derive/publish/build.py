@@ -25,7 +25,7 @@ from derive.publish.atomic_folder import OvertakenError, heal, publish, require_
 from derive.publish.manifest import FILE as MANIFEST
 from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets
 from derive.publish.render import Rendered, compile_libraries, library_names, render_robot, rendering
-from derive.publish.targets import targets_named, targets_of
+from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, require_compiler
 from derive.targets.target import Target, package_name
@@ -121,7 +121,7 @@ def build_robot(
     heal(out)
 
     def _chosen() -> tuple[Target, ...]:
-        return targets_of(robot, targets, written_targets(target), only=only)
+        return targets_named(targets, written_targets(target), only=only)
 
     while True:
         chosen = _chosen()
@@ -232,7 +232,7 @@ def check_robot(
     """Compares the folder of a robot with what a build would write, byte by byte; writes nothing."""
     # Of compiled libraries only the presence is checked: what a compiler makes of the same text is its own affair.
     target = folder_of(robot, out)
-    chosen = targets_of(robot, targets, written_targets(target), only=only)
+    chosen = targets_named(targets, written_targets(target), only=only)
     wanted = render_robot(robot, chosen, effort).files
     found = {name: contents(target / name) for name in wanted}
     libraries = library_names(chosen)

@@ -63,7 +63,8 @@ def rendering(
     early = [target for target in targets if not target.needs_program]
     sources = {name for target in targets for names in target.compiled.values() for name in names}
     rendered: dict[str, dict[str, bytes]] = {}
-    if early and len(early) < len(targets):  # program and sheet start from one graph, derived before this is copied
+    # program and sheet start from one graph, derived before this is copied
+    if early and len(early) < len(targets) and not robot.coupled:
         with suppress(QuantityError):  # told by whoever asks for it
             solve(robot)
     without_program = Source(robot, Program((), ()), __version__)

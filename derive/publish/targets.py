@@ -3,8 +3,6 @@
 from collections.abc import Iterable
 
 from derive.errors import TargetError, near_miss
-from derive.robot.robot import Robot
-from derive.robot.tree import require_own_variables
 from derive.targets.c import TARGET as C
 from derive.targets.casadi import C_TARGET as CASADI_C
 from derive.targets.casadi import TARGET as CASADI
@@ -58,13 +56,3 @@ def targets_named(
         wanted |= usual | (TARGETS.keys() & set(present))
     wanted |= {needed for name in wanted for needed in TARGETS[name].requires}
     return tuple(target for name, target in TARGETS.items() if name in wanted)
-
-
-def targets_of(
-    robot: Robot, names: Iterable[str] | None = None, present: Iterable[str] = (), *, only: bool = False
-) -> tuple[Target, ...]:
-    """The targets of a robot; coupled joints have no sheet, unless one is asked for by name, which is refused."""
-    chosen = targets_named(names, present, only=only)
-    if names is not None and LATEX.name in names:
-        require_own_variables(robot, f"target {LATEX.name}")
-    return tuple(target for target in chosen if not (robot.coupled and target is LATEX))

@@ -1,7 +1,8 @@
 """Where the frames of a robot are, in numbers, for figures; symbols without one get a length or an angle to draw."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -10,15 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from derive.arrays import Array
 from derive.errors import DeriveError, ExpressionError
+from derive.inverse.loops.linkage import assembled, linkage, positions, rates
 from derive.mechanics.chain import Chain, ChainJoint, build_chain, constant_frame, stand_frame, way_frame
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.forward_kinematics import joint_poses
 from derive.mechanics.vectors import Frame
 from derive.robot import tree
-from derive.robot.description import Joint
+from derive.robot.description import Joint, Variable
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import Call, Expression, Number, Product, Sum, children, names
+from derive.robot.expression import Call, Expression, Number, Pi, Product, Sum, children, multiply, names
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
 
@@ -26,6 +29,8 @@ Pose = tuple[tuple[float, ...], ...]  # a 4x4 transform
 ASSUMED_ANGLE = math.pi / 6  # drawn for an angle without a number [rad]
 # Lengths for symbols without a number, in units of the longest known one; the next row if a cell has no value.
 PATTERNS = ((1.0, 0.8, 0.6, 0.9, 0.7, 0.5), (1.0, 0.5, 1.3, 0.3, 1.6, 0.2), (0.9, 0.4, 0.5, 0.2, 0.15, 0.1))
+_FIRST = (2, 4, -2, 6, -4, 8)  # twelfths of pi at which angles are looked at first: generic ones
+_TRIES, _CLEAR = 256, 0.5  # configurations of loops that are looked at, and which part of the best clearance is enough
 Numbers = Mapping[str, Fraction | float]  # symbol -> its number, exact where the file gives it
 
 
@@ -53,10 +58,17 @@ class RobotPoses:
             if isinstance(node, Call) and node.function in ("sin", "cos", "tan"):
                 angles |= set(names(node))
             pending += children(node)
-        for pattern in PATTERNS:
-            lengths = cycle(float(f"{unit * length:.1g}") for length in pattern)
+        self._loops, self._closed = linkage(self.robot), tuple[Expression, ...]()
+        choices: list[Iterator[float]] = [
+            cycle(float(f"{unit * length:.1g}") for length in pattern) for pattern in PATTERNS
+        ]
+        if self._loops and missing:  # with which they were assembled
+            closing, *_ = assembled(self.robot, self._loops)
+            choices.append(iter(float(f"{closing[name]:.3g}") for name in missing if name not in angles))
+        for lengths in choices:
             assumed = {name: ASSUMED_ANGLE if name in angles else next(lengths) for name in missing}
             self.values: Numbers = {**known, **assumed}
+            self.longest = _longest(self.robot, self.values)
             try:
                 domain = FloatDomain(self.robot, (0.0,) * robot.n, self.values)
                 self._chain: Chain[Any] = build_chain(self.robot, domain)
@@ -64,10 +76,10 @@ class RobotPoses:
                 self._stands = [stand_frame(row.stand, domain) for row in self.robot.fixed]
                 ends = [(*way_frame(self.robot, e.after, domain), constant_frame(e.tool, domain)) for e in robot.ends]
                 self._ends = [(joint, tool if row is None else row @ tool) for joint, row, tool in ends]
+                self._closed = self._closing_cells() if self._loops else ()
             except (ExpressionError, ArithmeticError):
                 continue
             self.assumed = tuple((name, value, "rad" if name in angles else "m") for name, value in assumed.items())
-            self.longest = _longest(self.robot, self.values)
             return
         found = f"{robot.name} cannot be drawn without numbers for its symbols"
         raise DeriveError(found, remedy="give them under parameters: or figure: values:")
@@ -79,14 +91,63 @@ class RobotPoses:
 
     @cached_property
     def zero_cells(self) -> tuple[Expression, ...]:
-        """Zero for each joint; where its limits exclude that, the middle of the limits."""
+        """Zero for each variable; where its limits exclude that, the middle of the limits.
+
+        Of closed loops a configuration in which they close, away from dead points.
+        """
         found: list[Expression] = []
-        for joint, bounds in zip(self.robot.joints, self.limits, strict=True):
+        for joint, bounds in zip(self.robot.variables, self.limits, strict=True):
             limits = joint.limits
             has_numbers = limits and all(name in self.values for cell in limits for name in names(cell))
             is_outside = bounds is not None and has_numbers and not min(bounds) <= 0.0 <= max(bounds)
             found.append(middle(joint) if is_outside else Number(Fraction(0)))
-        return tuple(found)
+        return self._closed or tuple(found)
+
+    def _closing_cells(self) -> tuple[Expression, ...]:
+        """Of some generic configurations the first in which the loops close and are clear enough of dead points."""
+        choices: list[list[Expression]] = []
+        for k, (variable, bounds) in enumerate(zip(self.robot.variables, self.limits, strict=True)):
+            if variable.is_revolute:
+                low, high = bounds or (-math.pi, math.pi)
+                twelfths = (_FIRST[k % len(_FIRST)], *range(-12, 13))
+                cells = [multiply(Number(Fraction(i, 12)), Pi()) for i in twelfths]
+            else:
+                low, high = bounds or (-self.longest, self.longest)
+                cells = [Number(Fraction(f"{low + (high - low) * i / 20:.2g}")) for i in (11, *range(1, 20))]
+            choices.append([cell for cell in cells if low <= to_float(cell, {}) <= high] or [middle(variable)])
+        source = np.random.default_rng(7)
+        picks = [[0, *source.integers(len(cells), size=_TRIES)] for cells in choices]
+        tried = [[cells[i] for i in own] for cells, own in zip(choices, picks, strict=True)]
+        with np.errstate(all="ignore"):
+            q = [np.array([to_float(cell, self.values) for cell in cells]) for cells in tried]
+            full, closed = positions(self.robot, self._loops, q, self.values)
+            clear = np.nan_to_num(rates(self.robot, self._loops, full, self.values)[1]) * closed
+        if not clear.any():
+            raise ArithmeticError
+        best = int(np.argmax(clear >= _CLEAR * clear.max()))
+        return tuple(cells[best] for cells in tried)
+
+    def joints(self, q: Sequence[float]) -> tuple[float, ...]:
+        """The positions of all joints by those of the variables [rad or m]."""
+        if not self.robot.coupled:
+            return tuple(q)
+        full, closed = positions(self.robot, self._loops, [np.array([x]) for x in q], self.values)
+        if not closed.all():
+            found = f"{self.robot.name}, whose loops are open at this configuration"
+            raise DeriveError(found, remedy="choose values of the variables at which they close")
+        return tuple(float(x[0]) for x in full)
+
+    def rates(self, q: Sequence[float]) -> Array:
+        """How fast the joints move by the variables, (joints, n): S, or W of closed loops."""
+        return rates(self.robot, self._loops, self.joints(q), self.values)[0]
+
+    @cached_property
+    def start_cells(self) -> tuple[Expression, ...]:
+        """The configuration that the robot file asks to draw if loops close there, else the zero configuration."""
+        with suppress(DeriveError):
+            if self.configuration and self.joints(self.configuration):
+                return self.robot.figure.q or ()
+        return self.zero_cells
 
     @property
     def configuration(self) -> tuple[float, ...] | None:
@@ -100,9 +161,9 @@ class RobotPoses:
 
     @property
     def limits(self) -> tuple[tuple[float, float] | None, ...]:
-        """Lower and upper limit of every joint [rad or m], None where the file gives none."""
+        """Lower and upper limit of every variable [rad or m], None where the file gives none."""
         found: list[tuple[float, float] | None] = []
-        for limits in (joint.limits for joint in self.robot.joints):
+        for limits in (variable.limits for variable in self.robot.variables):
             values = {**dict.fromkeys((name for cell in limits or () for name in names(cell)), 1.0), **self.values}
             found.append(limits and (to_float(limits[0], values), to_float(limits[1], values)))
         return tuple(found)
@@ -113,7 +174,7 @@ class RobotPoses:
         Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
         they begin, and last the ends.
         """
-        inner, chain = self._joint_frames(q, math.cos, math.sin), self._chain
+        inner, chain = self._joint_frames(self.joints(q), math.cos, math.sin), self._chain
         rows = [chain.base, *(frame @ end for frame, end in zip(inner, chain.ends, strict=True))]
         tips = [rows[joint + 1] @ end for joint, end in self._ends] or [(inner[-1] if inner else rows[0]) @ chain.tool]
         if self.robot.is_tree:
@@ -182,7 +243,7 @@ def _placed(frame: Frame[float], point: Sequence[Any]) -> list[Any]:
     return [x + shift for x, shift in zip(_turned(frame, point), frame.position, strict=True)]
 
 
-def middle(joint: Joint) -> Expression:
+def middle(joint: Joint | Variable) -> Expression:
     """The value half way between the limits of a joint."""
     return Product((Number(Fraction(1, 2)), Sum(joint.limits or ())))
 

@@ -32,10 +32,9 @@ WORDS = (
     "whose joints are coupled; allowed: robots of which each joint has its own variable; derive show and derive build"
 )
 REFUSED = (
-    *(f"handout {{}} {option}".strip() for option in ("", "--html", "--fragment B")),
-    *(f"export {{}} --format {to}" for to in ("urdf", "mjcf", "csv")),
+    "export {} --format csv",
     *(f"show {{}} {name}" for name in ("inverse", "singularities", "workspace", "aspects", "manipulability", "detJv")),
-    *("plot {} -o arm.svg", "plot {} --workspace -o arm.svg", "build {} --target latex", "convert {} -o other.yaml"),
+    *("plot {} --workspace -o arm.svg", "convert {} -o other.yaml"),
     *("check {} --quantity T[1,4] --expression q1", "style {} --example T[1,4]=a1"),
 )
 

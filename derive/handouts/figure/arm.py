@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -17,8 +16,9 @@ from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
 from derive.handouts.notation.pieces import joined, upright
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot import tree
+from derive.robot.coupling import position
 from derive.robot.description import Convention, FixedRow, Joint
-from derive.robot.expression import Name, Number, Product, Sum, names
+from derive.robot.expression import Sum, names
 from derive.robot.robot import Robot
 
 WIDTH = 380.0  # largest width of a drawing [pt]
@@ -111,10 +111,12 @@ class _Stage:
                 self.paper.label(latex, places, AXIS_COLORS[axis.letter])
         for segment in self.scene.segments:
             self._draw_length(segment)
-        joints = self.robot.joints[-len(self.scene.joints) :]
+        joints = self.robot.joints[len(self.robot.root.variables) if self.robot.root else 0 :]
         if len(joints) <= _MOST_NAMES:
-            for joint, center in zip(joints, joint_centers(self.scene, self.scale, sizes), strict=True):
+            for joint, center in zip(joints, joint_centers(self.scene, self.scale, sizes), strict=False):
                 latex = self.data.notation.glyph(joint.variable).box.tex.strip()
+                if joint.drive:
+                    latex = joined(self.data.driven(joint).value(position(joint))).tex.strip()
                 places = around(self.view.flat(center), (1.0, 0.3), 11.0 + 4.0 * sizes.factor)
                 self.paper.label(latex, places, DIMENSION)
         return self.paper.items
@@ -157,7 +159,7 @@ def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:
     joint = rows[segment.row]
     cell = joint.a if segment.cell == "a" else joint.d
     if segment.cell == "d" and isinstance(joint, Joint) and not joint.is_revolute:
-        cell = Sum((Product((Number(Fraction(joint.sign)), Name(joint.variable))), cell))
+        cell = Sum((position(joint), cell))
     latex = joined(data.length(cell)).tex.strip()
     if not any(True for _ in names(cell)):
         latex += r"\,\mathrm{mm}" if robot.units.millimetres else r"\,\mathrm{m}"

@@ -7,7 +7,7 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.robot import tree
-from derive.robot.description import BASE, Convention, FixedRow, Joint
+from derive.robot.description import BASE, Convention, FixedRow, Joining, Joint
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import names
 from derive.robot.robot import Robot
@@ -62,6 +62,7 @@ class Hand:
     opening: Array  # direction in which it opens
     joint: int  # the last joint before it, by its place in the scene
     is_fixed: bool  # whether it is one of several on a row without motion, as a head is, and drawn as a ball
+    is_pin: bool  # whether a loop is closed where it is, and there is no hand
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +70,8 @@ class Scene:
     """An arm or a tree in space."""
 
     axes: tuple[FrameAxis, ...]  # axes of all frames
-    joints: tuple[JointAxis, ...]  # the joints from the base outwards, without those of a root that moves
+    # The joints from the base outwards, without those of a root that moves; behind them those that close loops.
+    joints: tuple[JointAxis, ...]
     segments: tuple[LinkSegment, ...]  # links with a length
     places: Array  # (k, 3) distinct origins and corners of links
     up: tuple[float, float, float]  # what points up
@@ -125,7 +127,15 @@ def _hands(robot: Robot, poses: Array, segments: Sequence[LinkSegment]) -> Itera
         opening = frame[:, 1] if abs(approach @ frame[:, 1]) < 0.5 else frame[:, 0]
         joint = tree.way_to(robot, end.after).joint - (len(robot.root.variables) if robot.root else 0)
         is_fixed = bool(end.name) and labels.index(end.after) >= robot.n
-        yield Hand(poses[k - len(ends), :3, 3], approach, opening, joint, is_fixed)
+        place = poses[k - len(ends), :3, 3]
+        is_pin = any(np.allclose(pin[:3, 3], place, atol=1e-9) for _, pin in _pins(robot, poses))
+        yield Hand(place, approach, opening, joint, is_fixed, is_pin)
+
+
+def _pins(robot: Robot, poses: Array) -> Iterator[tuple[Joining, Array]]:
+    """Where loops are closed, and by what."""
+    frames = dict(zip(tree.labels(robot), poses, strict=False))
+    return ((loop.by, frames.get(loop.join[0], poses[0])) for loop in robot.loops)
 
 
 def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
@@ -164,6 +174,8 @@ def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Array], li
         first, second = "da" if is_standard else "ad"
         parts.append(LinkSegment(poses[labels.index(before[rows[row].label]), :3, 3], start, row, "mount"))
         parts += [LinkSegment(start, corner, row, first), LinkSegment(corner, end, row, second)]
+    pins = (pin for by, pin in _pins(robot, poses) if by is Joining.REVOLUTE)
+    joints += [JointAxis(pin[:3, 3], pin[:3, 3], pin[:3, 2], revolute=True) for pin in pins]
     for k, tool in enumerate(tree.ends(robot)):
         tip = poses[k - len(tree.ends(robot)), :3, 3]
         parts.append(LinkSegment(poses[labels.index(tool.after), :3, 3], tip, len(rows) + k, "tool"))

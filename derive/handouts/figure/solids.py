@@ -105,7 +105,7 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
         if _length(center - anchor) > 1e-6:
             faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
         lines += [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
-    for hand in scene.hands:
+    for hand in (hand for hand in scene.hands if not hand.is_pin):
         parts, sides = _hand(hand, scale, sizes, centers[hand.joint])
         faces += parts
         lines += sides

@@ -20,8 +20,9 @@ from typing import Any
 
 from sympy import pi
 
-from derive.handouts.notation.pieces import Box, italic, script
+from derive.handouts.notation.pieces import Box, concatenate, italic, script
 from derive.handouts.notation.subscripts import Glyph, distinct, natural, variable_glyphs
+from derive.robot.coupling import derivatives
 from derive.robot.description import INERTIA
 from derive.robot.expression import names
 from derive.robot.names import acceleration_name, joint_label, limit_symbols, robot_symbols, velocity_name
@@ -50,20 +51,23 @@ class Notation:
     def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Notation:
         """The notation of a robot; without options variables are written as in the robot file."""
         options = options or NotationOptions()
-        labels = {joint.variable: joint_label(joint.variable) for joint in robot.joints if joint.is_revolute}
+        movers = (*robot.variables, *robot.passive)
+        labels = {mover.variable: joint_label(mover.variable) for mover in movers if mover.is_revolute}
         uses = Counter(labels.values())
         positions = {name: (0, index) for index, name in enumerate(robot_symbols(robot))}
-        variables = [joint.variable for joint in robot.joints]
+        variables = [mover.variable for mover in movers]
         everything = dict.fromkeys((*variables, *robot_symbols(robot), *(name for name, _ in robot.parameters)))
         printed = dict.fromkeys((*everything, *limit_symbols(robot)))
         glyphs = dict(distinct(everything, variable_glyphs(robot, printed, options)))
+        for of, derivative in derivatives(robot).items():  # G of two names, H of three
+            glyphs[derivative.name] = Glyph(italic(derivative.name[0]), concatenate(*(glyphs[name].box for name in of)))
         for name in variables:
             glyphs[velocity_name(name)] = replace(glyphs[name], accent="\\dot")
             glyphs[acceleration_name(name)] = replace(glyphs[name], accent="\\ddot")
-        for index, joint in enumerate(robot.joints):
-            positions[joint.variable] = (1, index)
-            positions[velocity_name(joint.variable)] = (2, index)
-            positions[acceleration_name(joint.variable)] = (3, index)
+        for index, name in enumerate(variables):
+            positions[name] = (1, index)
+            positions[velocity_name(name)] = (2, index)
+            positions[acceleration_name(name)] = (3, index)
         return cls(
             glyphs=glyphs,
             positions=positions,

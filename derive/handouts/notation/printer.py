@@ -31,7 +31,7 @@ from derive.handouts.notation.pieces import (
     signed_sum,
 )
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
-from derive.robot.description import Joint
+from derive.robot.description import Joint, Variable
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 from derive.robot.units import Unit, in_file_units, symbol_unit
@@ -229,6 +229,12 @@ class DataPrinter:
         self._metres = Box("\\,\\mathrm{mm}", 19.0) if robot.units.millimetres else METRE
         self.notation = replace(notation, decimals=True, digits=DATA_DIGITS, degrees=robot.units.degrees)
 
+    def driven(self, joint: Joint) -> "DataPrinter":
+        """The same for the cell of a coupled joint, in which what is added stands before what is subtracted."""
+        added = [name for name, factor in joint.drive if not _sympy(factor).could_extract_minus_sign()]
+        first = {name: (1, k - len(added)) for k, name in enumerate(added)}
+        return DataPrinter(self.robot, replace(self.notation, positions={**self.notation.positions, **first}))
+
     def value(self, cell: Expression | Expr) -> Cell:
         """A length, mass or other number."""
         return tuple(LatexPrinter(self.notation).pieces(_sympy(cell)))
@@ -248,14 +254,14 @@ class DataPrinter:
             return (*self.length(number), TexPiece(self._metres))
         return self.angle(number) if unit is Unit.ANGLE else self.value(number)
 
-    def position(self, joint: Joint, cell: Expression) -> Cell:
+    def position(self, joint: Joint | Variable, cell: Expression) -> Cell:
         """A value of a joint variable with its unit."""
         pieces, unit = self._position(joint, cell)
         if unit.tex and any(piece.before is Break.BINARY and not piece.depth for piece in pieces):
             pieces = tuple(_bracket(list(pieces), EMPTY, 0))  # the unit is that of all terms
         return (*pieces, TexPiece(unit)) if unit.tex else pieces
 
-    def limits(self, joint: Joint) -> Cell:
+    def limits(self, joint: Joint | Variable) -> Cell:
         """Both limits of a joint with their unit."""
         if joint.limits is None:
             return (TexPiece(Box("\\text{--}", 6.0)),)
@@ -265,7 +271,7 @@ class DataPrinter:
         end = [TexPiece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
         return (opening, *lower, TexPiece(list_separator((*lower, *upper))), *upper, closing, *end)
 
-    def _position(self, joint: Joint, cell: Expression) -> tuple[Cell, Box]:
+    def _position(self, joint: Joint | Variable, cell: Expression) -> tuple[Cell, Box]:
         """A value, and the unit behind it; degrees have their circle instead."""
         if not joint.is_revolute:
             return self.length(cell), self._metres

@@ -95,10 +95,10 @@ def variable_glyphs(robot: Robot, names: Iterable[str], options: NotationOptions
     names = tuple(names)
     chosen: dict[str, Glyph] = {}
     turning, sliding = _REVOLUTE_LETTERS.get(options.angle), _PRISMATIC_LETTERS.get(options.prismatic)
-    for joint in robot.joints:
-        letters, label = turning if joint.is_revolute else sliding, joint_label(joint.variable)
+    for mover in (*robot.variables, *robot.passive):
+        letters, label = turning if mover.is_revolute else sliding, joint_label(mover.variable)
         if letters and label:
-            chosen[joint.variable] = Glyph(letters, italic(label))
+            chosen[mover.variable] = Glyph(letters, italic(label))
     while True:  # giving one glyph up may bring back a name that clashes with another in turn
         printed = {name: (chosen.get(name) or natural(name)).box.tex for name in names}
         uses = Counter(printed.values())

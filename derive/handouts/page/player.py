@@ -150,7 +150,7 @@ def html_messages(text: Text) -> Callable[..., str]:
 
 def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, object]], text: Text) -> dict[str, Any]:
     """Everything that the template of the player asks for."""
-    kinds = {joint.is_revolute for joint in robot.joints}
+    kinds = {joint.is_revolute for joint in robot.variables}
     quantities = [_quantities(text)[name] for name in playback.quantities]
     plots = [
         {
@@ -161,12 +161,12 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
                 html_text(
                     text(
                         "%(joint)s beyond its limit at %(time)s s",
-                        joint=robot.joints[joint].variable,
+                        joint=robot.variables[joint].variable,
                         time=text.number(f"{time:.4g}"),
                     )
                 )
                 for quantity, joint, time, _ in playback.exceeded
-                if playback.quantities[order] == quantity and robot.joints[joint].is_revolute is revolute
+                if playback.quantities[order] == quantity and robot.variables[joint].is_revolute is revolute
             ],
         }
         for order, (_, of_kind) in enumerate(quantities)
@@ -180,7 +180,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
             "curve": j % CURVES,
             "units": [html_text(of_kind[joint.is_revolute][1]) for _, of_kind in quantities],
         }
-        for j, (row, joint) in enumerate(zip(rows, robot.joints, strict=True))
+        for j, (row, joint) in enumerate(zip(rows, robot.variables, strict=True))
     ]
     return {
         "segments": [html_text(segment.name.replace("->", "\N{RIGHTWARDS ARROW}")) for segment in playback.segments],

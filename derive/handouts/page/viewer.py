@@ -110,6 +110,7 @@ def viewer(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),
         tree=robot.is_tree,
+        loops=bool(robot.loops),
         configuration=_configuration(
             robot, program, numbers, ways, dragged if target else None, playback, normal, comma=text.comma
         ),
@@ -129,6 +130,7 @@ def viewer(
         entries=range(4),
         ends=[end.name for end in robot.ends],
         has_ends=len(robot.ends) > 1,
+        loops=bool(robot.loops),
         target=target,
         player=player_texts(playback, robot, rows, text) if playback else None,
     )
@@ -145,11 +147,11 @@ def symbol_values(robot: Robot, parameters: Sequence[str], values: Mapping[str, 
 
 def travels(robot: Robot, numbers: Mapping[str, float]) -> tuple[Travel, ...]:
     """The way of every joint: its limits where they are numbers in order, else a turn, or the longest link."""
-    given = robot.figure.q or (None,) * robot.n
+    given = RobotPoses(robot).start_cells if robot.loops else robot.figure.q or (None,) * robot.dof
     lengths = [abs(evaluate(cell, numbers)) for joint in robot.joints for cell in (joint.a, joint.d)]
     longest = float(f"{max(lengths) or 1.0:.2g}")
     ways, rooted = [], robot.root.variables if robot.root else ()
-    for joint, cell in zip(robot.joints, given, strict=True):
+    for joint, cell in zip(robot.variables, given, strict=True):
         low, high = (-math.pi, math.pi) if joint.is_revolute else (0.0, longest)
         low = -longest if joint.variable in rooted and not joint.is_revolute else low
         with suppress(ArithmeticError):  # limits that are no numbers do not count
@@ -206,8 +208,8 @@ def _configuration(
     value: dict[str, object] = {
         "modified": robot.convention is Convention.MODIFIED,
         "joints": [
-            {"revolute": way.revolute, "a": evaluate(joint.a, numbers), **asdict(way)}
-            for joint, way in zip(robot.joints, ways, strict=True)
+            {"revolute": way.revolute, **({} if robot.coupled else {"a": evaluate(joint.a, numbers)}), **asdict(way)}
+            for joint, way in zip(robot.joints, ways, strict=not robot.coupled)
         ],
         "params": {name: numbers[name] for name in program.parameters},
         "base": [[evaluate(entry, numbers) for entry in row] for row in robot.base],
@@ -228,7 +230,8 @@ def _configuration(
 
 def _tree(robot: Robot, numbers: Mapping[str, float]) -> dict[str, object]:
     """The rows with what is constant before each, the ends with their poses in the frames of rows, and names."""
-    frames = np.array(RobotPoses(robot).frames((0.0,) * robot.n))
+    poses = RobotPoses(robot)
+    frames = np.array(poses.frames(poses.zero if robot.loops else (0.0,) * robot.dof))
     scene, labels, before = arm_scene(robot, frames.tolist()), tree.labels(robot), tree.antecedents(robot)
     moving = len(robot.root.variables) if robot.root else 0
 
@@ -249,7 +252,7 @@ def _tree(robot: Robot, numbers: Mapping[str, float]) -> dict[str, object]:
     for end, pose, hand in zip(tree.ends(robot), frames[-len(tree.ends(robot)) :], scene.hands, strict=True):
         across = np.cross(hand.approach, hand.opening)
         grip = np.vstack([np.column_stack([hand.opening, across, hand.approach, hand.end]), [0.0, 0.0, 0.0, 1.0]])
-        at = {"row": labels.index(end.after), "ball": hand.is_fixed}
+        at = {"row": labels.index(end.after), "ball": hand.is_fixed or hand.is_pin}
         ends.append(at | {"pose": _within(pose, end.after), "hand": _within(grip, end.after)})
     names = [str(i) if i <= robot.n else label for i, label in enumerate(labels)]
     names += [end.name or "e" for end in tree.ends(robot)]
@@ -266,7 +269,7 @@ def _rows(robot: Robot, notation: Notation, ways: Sequence[Travel]) -> list[dict
             "unit": "deg" if way.revolute else "m",
             **{name: f"{way.shown(getattr(way, name)):.12g}" for name in ("lower", "upper", "start")},
         }
-        for place, (joint, way) in enumerate(zip(robot.joints, ways, strict=True))
+        for place, (joint, way) in enumerate(zip(robot.variables, ways, strict=True))
     ]
 
 

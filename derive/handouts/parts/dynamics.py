@@ -65,21 +65,7 @@ def link_jacobians(context: Context) -> Iterator[Block]:
             "of that point, and the angular velocity of the link, per unit of $\\dot{q}_j$; it is zero for $j > i$, "
             "for a joint does not move the links before it."
         )
-    joints, axes = context.robot.joints, JointAxes(context)
-    z, o = (axes.symbol(letter, axes.index("j")).tex for letter in "zo")
-    yield textbook(
-        "link_jacobians",
-        z=z,
-        o=o,
-        revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
-        prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
-    )
-    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0):
-        yield context.paragraph(
-            "The variables of these joints increase against the direction of their axes, so their columns change "
-            "sign: %(joints)s.",
-            joints=opposed,
-        )
+    yield from _columns(context)
     if has_rotors(context.robot):
         if context.robot.is_tree:
             yield context.paragraph(
@@ -104,6 +90,28 @@ def link_jacobians(context: Context) -> Iterator[Block]:
     yield from body_formulas(context, items, task)
 
 
+def _columns(context: Context) -> Iterator[Block]:
+    """How the columns of the Jacobians of links follow from axes and origins."""
+    _ = context.text
+    joints, axes = context.robot.joints, JointAxes(context)
+    z, o = (axes.symbol(letter, axes.index("j")).tex for letter in "zo")
+    yield textbook(
+        "link_jacobians",
+        z=z,
+        o=o,
+        revolute=_("revolute") if any(joint.is_revolute for joint in joints) else "",
+        prismatic=_("prismatic") if not all(joint.is_revolute for joint in joints) else "",
+    )
+    if context.robot.coupled:
+        yield context.paragraph("These are columns of joints; times $\\mathbf{S}$ they are those of the variables.")
+    if opposed := ", ".join(f"${i}$" for i, joint in enumerate(joints, 1) if joint.sign < 0):
+        yield context.paragraph(
+            "The variables of these joints increase against the direction of their axes, so their columns change "
+            "sign: %(joints)s.",
+            joints=opposed,
+        )
+
+
 def energies(context: Context) -> Iterator[Block]:
     """Kinetic and potential energy."""
     _ = context.text
@@ -116,6 +124,8 @@ def energies(context: Context) -> Iterator[Block]:
     if armatures:
         yield context.paragraph("The armatures $I_{a_i}$ are inertias of rotors seen from the joint.")
         yield textbook("armature_energy")
+    if (rotors or armatures) and context.robot.coupled:
+        yield _of_joints(context)
     yield context.paragraph("The kinetic energy is a quadratic form in the joint velocities.")
     yield textbook("kinetic_form", B=context.symbols.inertia_letter)
     if context.dynamics.is_compact(context.entries.B):
@@ -139,6 +149,14 @@ def energies(context: Context) -> Iterator[Block]:
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))
     task = _("Write the potential energy of this arm.")
     yield formula(context, context.dynamics.closed("potential"), "gravity_vector", task)
+
+
+def _of_joints(context: Context) -> Paragraph:
+    """What is of rows of the table, where joints are coupled."""
+    return context.paragraph(
+        "Motors, armatures and friction are those of joints: here $\\dot{q}_i$ is the rate of joint $i$, and what "
+        "joints feel is multiplied by $\\mathbf{S}^T$."
+    )
 
 
 def inertia(context: Context) -> Iterator[Block]:
@@ -187,7 +205,7 @@ def _contributions(context: Context) -> Iterator[Block]:
     yield from body_formulas(context, items, symmetric=True)
     armatures = []
     for i, link in enumerate(context.robot.links, 1):
-        if link.armature != ZERO:
+        if link.armature != ZERO and not context.robot.coupled:
             entry = context.dynamics.inertia_entry(i, i)
             left = Box(f"\\Delta {entry.tex}", entry.width + 9.0)
             armatures.append(Equation(left, context.data.value(link.armature)))
@@ -212,11 +230,11 @@ def christoffel(context: Context) -> Iterator[Block]:
         yield SheetFormula((), note=_("All are zero."), task=task, blanks=("",))
         return
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
-        joints, partial, derivatives = range(1, context.robot.n + 1), Box("\\partial ", 6.0), []
+        joints, partial, derivatives = range(1, context.robot.dof + 1), Box("\\partial ", 6.0), []
         for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints if i <= j):
             derivative = context.entries.inertia_derivative(i, j, k)
             if derivative.terms(1, 1):
-                variable = context.notation.glyph(context.robot.joints[k - 1].variable).box
+                variable = context.notation.glyph(context.robot.variables[k - 1].variable).box
                 entry = context.dynamics.inertia_entry(i, j)
                 symbol = fraction(concatenate(partial, entry), concatenate(partial, variable))
                 derivatives.append(Equation(symbol, tuple(context.printer.pieces(derivative.entry(1, 1)))))
@@ -285,6 +303,8 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
     letter, gravity = context.symbols.inertia_letter, context.robot.gravity is not None
     by_direction = any(isinstance(link.coulomb, tuple) for link in context.robot.links)
     yield textbook("equations_of_motion", B=letter, gravity=gravity, friction=friction, by_direction=by_direction)
+    if friction and context.robot.coupled:
+        yield _of_joints(context)
     yield context.paragraph(
         "If the environment acts on the end effector with a force and a moment, $\\mathbf{h}$, then "
         "$\\boldsymbol{\\tau}$ is less by $\\mathbf{J}^T \\mathbf{h}$."
@@ -294,7 +314,7 @@ def equations_of_motion(context: Context) -> Iterator[Block]:
         if context.steps:
             yield Steps(_("With the entries and symbols above"), (Rows(context.dynamics.named_torque().lines),))
         yield formula(context, context.dynamics.closed("tau"), _TORQUE, _("Write the equations of motion."))
-    elif 2 * len(entries.triples) > context.policy.named_products * context.robot.n:
+    elif 2 * len(entries.triples) > context.policy.named_products * context.robot.dof:
         yield context.answer(
             "Written out, even with the entries and symbols above, they are too long to print; `inverse_dynamics` "
             "in `model_numpy.py` computes them."

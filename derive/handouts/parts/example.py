@@ -8,7 +8,10 @@ from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.errors import ExpressionError
+import numpy as np
+
+from derive.arrays import Array
+from derive.errors import DeriveError, ExpressionError
 from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
 from derive.handouts.notation.printer import METRE, RADIAN
@@ -37,7 +40,8 @@ Values = Sequence[Sequence[float]]
 def example(context: Context) -> Iterator[Block]:
     """T, J, B and g at one configuration; lengths and angles without a number have those of the drawing."""
     given = context.robot
-    if _unnumbered(replace(given, links=(), gravity=None, fixed=massless(given.fixed))) and context.poses is None:
+    bare = replace(given, links=(), gravity=None, fixed=massless(given.fixed))
+    if context.poses is None and (given.coupled or _unnumbered(bare)):
         return
     # lengths and angles without a number, with those of the drawing
     assumed: dict[str, Expression] = {
@@ -46,14 +50,23 @@ def example(context: Context) -> Iterator[Block]:
     }
     robot = replace(given, figure=replace(given.figure, values=(*given.figure.values, *assumed.items())))
     cells, q = configuration(robot)
+    if context.poses is not None and robot.loops and robot.figure.q is None:
+        cells, q = context.poses.zero_cells, context.poses.zero
     yield from _stated(context, cells, assumed)
+    rates = np.eye(robot.n)
+    if context.poses is not None and robot.coupled:
+        try:
+            q, rates = context.poses.joints(q), context.poses.rates(q)
+        except DeriveError:
+            yield context.paragraph("The loops are open at this configuration.")
+            return
     task = context.text("Compute the transform of the end effector in numbers, lengths in metres.")
     numbered = [(own, replace(own.robot, figure=replace(robot.figure, q=None))) for own in context.ends]
     for own, arm in numbered:
         yield context.paragraph("The end effector; lengths are in metres:")
         value = value_at(arm, "T", [q[place] for place in own.places])
         yield _matrix(context, own.symbols.of_end("T"), value, own.function("forward_kinematics"), task)
-    if all(joint.is_revolute for joint in robot.joints):
+    if all(variable.is_revolute for variable in robot.variables):
         yield context.paragraph("The Jacobian; rows 1 to 3 are in metres, rows 4 to 6 without unit:")
     else:
         yield context.paragraph(
@@ -64,6 +77,8 @@ def example(context: Context) -> Iterator[Block]:
         rows = value_at(arm, "J", [q[place] for place in own.places])
         columns = dict(zip(own.places, zip(*rows, strict=True), strict=True))
         spread = [list(row) for row in zip(*(columns.get(k, (0.0,) * 6) for k in range(robot.n)), strict=True)]
+        if robot.coupled:
+            spread = (np.array(spread) @ rates).tolist()
         yield _matrix(context, own.symbols.of_end("J"), spread, own.function("jacobian"), task)
     if missing := _unnumbered(robot) if robot.has_dynamics else ():
         yield context.answer(
@@ -71,7 +86,7 @@ def example(context: Context) -> Iterator[Block]:
             symbols=", ".join(f"${context.notation.glyph(name).box.tex.strip()}$" for name in missing),
         )
     elif robot.has_dynamics:
-        yield from _dynamics(context, robot, q)
+        yield from _dynamics(context, robot, q, rates)
 
 
 def _stated(context: Context, cells: Sequence[Expression], assumed: Mapping[str, Expression]) -> Iterator[Block]:
@@ -81,7 +96,7 @@ def _stated(context: Context, cells: Sequence[Expression], assumed: Mapping[str,
         yield context.paragraph("At the configuration of the figure:")
     else:
         yield context.paragraph("At a configuration without symmetry, within the limits:")
-    pairs = zip(robot.joints, cells, strict=True)
+    pairs = zip(robot.variables, cells, strict=True)
     variables = (Equation(data.notation.glyph(j.variable).box, data.position(j, cell)) for j, cell in pairs)
     yield Rows(tuple(equation_lines(variables)))
     used = set(robot_symbols(robot)) - {name for name, _ in robot.parameters}
@@ -96,14 +111,17 @@ def _stated(context: Context, cells: Sequence[Expression], assumed: Mapping[str,
     yield from context.announced("with numbers assumed for the symbols that have none in the robot file:", lines)
 
 
-def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Block]:
+def _dynamics(context: Context, robot: Robot, q: Sequence[float], rates: Array) -> Iterator[Block]:
+    matrix, torques = value_at(robot, "B", q), value_at(robot, "g", q)
+    if robot.coupled:
+        matrix, torques = (rates.T @ matrix @ rates).tolist(), (rates.T @ torques).tolist()
     square = "\\mathrm{kg\\,m^2}"
-    if robot.n > _LARGEST:
+    if robot.dof > _LARGEST:
         yield context.paragraph("The inertia matrix is too large to print; `inertia_matrix` computes it.")
     else:
-        if all(joint.is_revolute for joint in robot.joints):
+        if all(joint.is_revolute for joint in robot.variables):
             yield context.paragraph("The inertia matrix, in $%(square)s$:", square=square)
-        elif not any(joint.is_revolute for joint in robot.joints):
+        elif not any(joint.is_revolute for joint in robot.variables):
             yield context.paragraph("The inertia matrix, in kg:")
         else:
             yield context.paragraph(
@@ -112,13 +130,13 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float]) -> Iterator[Bl
                 square=square,
             )
         task = context.text("Compute the inertia matrix in numbers.")
-        yield _matrix(context, bold(context.symbols.inertia_letter), value_at(robot, "B", q), "inertia_matrix", task)
+        yield _matrix(context, bold(context.symbols.inertia_letter), matrix, "inertia_matrix", task)
     yield context.paragraph("The gravity vector:")
-    values = [row[0] for row in _cleaned(value_at(robot, "g", q))]
-    names = [context.symbols.component("g", i) for i in range(1, context.robot.n + 1)]
+    values = [row[0] for row in _cleaned(torques)]
+    names = [context.symbols.component("g", i) for i in range(1, robot.dof + 1)]
     numbers = [_number(context, value) for value in values]
     newton, moment = Box("\\,\\mathrm{N}", 10.0), Box("\\,\\mathrm{N\\,m}", 20.0)
-    units = [moment if joint.is_revolute else newton for joint in context.robot.joints]
+    units = [moment if joint.is_revolute else newton for joint in robot.variables]
     lines = pack(concatenate(name, EQUALS, *pair) for name, *pair in zip(names, numbers, units, strict=True))
     rows = zip(names, numbers, values, strict=True)
     entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
@@ -179,7 +197,7 @@ def _unnumbered(robot: Robot) -> tuple[str, ...]:
 def configuration(robot: Robot) -> tuple[Sequence[Expression], tuple[float, ...]]:
     """Where the example is evaluated: values of the joint variables, exact and in floats [rad or m]."""
     values, cells = numbers_of(robot), list(robot.figure.q or ())
-    for i, joint in enumerate(() if cells else robot.joints):
+    for i, joint in enumerate(() if cells else robot.variables):
         sixths = Number(Fraction(ANGLES[i % len(ANGLES)], 6))
         cell: Expression = Product((sixths, Pi())) if joint.is_revolute else _DISPLACEMENT
         if joint.limits is not None:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from fractions import Fraction
 
 from derive.errors import DeriveError
@@ -15,7 +14,7 @@ from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Figure, Paragraph
 from derive.handouts.sheet.formula import textbook
 from derive.robot import tree
-from derive.robot.description import Joint
+from derive.robot.description import Joint, Variable
 from derive.robot.expression import ZERO, Expression
 from derive.workspace.poses import RobotPoses
 
@@ -25,9 +24,10 @@ _DIGITS = 4  # significant digits of a number in a caption
 
 def arm(context: Context) -> tuple[Block, ...]:
     """The arm at its zero configuration and at the one that the robot file asks for."""
-    with suppress(DeriveError):  # a value that does not exist with the numbers of the figure
+    try:
         return () if context.poses is None else tuple(_figures(context, context.poses))
-    return ()
+    except DeriveError:  # a value that does not exist with the numbers of the figure
+        return (context.paragraph("The loops are open at this configuration."),) if context.robot.loops else ()
 
 
 def _figures(context: Context, poses: RobotPoses) -> Iterator[Block]:
@@ -66,7 +66,7 @@ def _arm(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: Vi
 def _tree(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: View) -> Iterator[Block]:
     """The tree at the configuration that the robot file asks for, else at the zero configuration."""
     _, robot = context.text, context.robot
-    cells = zip(robot.joints, robot.figure.q or poses.zero_cells, strict=True)
+    cells = zip(robot.variables, robot.figure.q or poses.zero_cells, strict=True)
     values = _positions(context, [(joint, cell) for joint, cell in cells if cell != ZERO])
     where = values or "$\\mathbf{q} = \\mathbf{0}$"
     caption = _("The robot with its Denavit-Hartenberg frames at %(configuration)s.", configuration=where)
@@ -74,7 +74,7 @@ def _tree(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: V
     yield Figure(arm_drawing(robot, context.data, frames[-1], title, view), caption)
 
 
-def _positions(context: Context, values: Sequence[tuple[Joint, Expression]]) -> str:
+def _positions(context: Context, values: Sequence[tuple[Joint | Variable, Expression]]) -> str:
     return context.text.listing(
         f"${context.notation.glyph(joint.variable).box.tex.strip()} = {joined(context.data.position(joint, cell)).tex}$"
         for joint, cell in values

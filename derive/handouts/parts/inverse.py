@@ -45,7 +45,7 @@ def inverse(context: Context) -> Iterator[Block]:
     found = context.entries.model.inverse
     if task != found.graph.task:
         found = Model(replace(context.robot, inverse=InverseOptions(task))).inverse
-    part = _InversePart(context, found)
+    part = InversePart(context, found)
     if context.places != tuple(range(context.robot.n)):
         yield context.paragraph(
             "Joints, axes and frames are counted along this arm from 1: they are joints %(joints)s of the tree.",
@@ -59,7 +59,7 @@ def inverse(context: Context) -> Iterator[Block]:
     yield from part.decoupled()
     yield from part.derived()
     if task != context.entries.model.inverse.graph.task:
-        whole = _InversePart(context, context.entries.model.inverse)
+        whole = InversePart(context, context.entries.model.inverse)
         yield context.paragraph(
             "If the orientation is also given, the arm has fewer joints than the pose has coordinates, and fewer "
             "solutions remain."
@@ -79,7 +79,7 @@ def _too_long(context: Context) -> Paragraph:
     return Paragraph(words, is_answer=True)
 
 
-class _InversePart:
+class InversePart:
     """One arm's inverse kinematics on its way to the page."""
 
     def __init__(self, context: Context, found: InverseKinematics) -> None:
@@ -237,7 +237,8 @@ class _InversePart:
         if sum(map(len, written)) > LONGEST_SUM:
             yield _too_long(self.context)
             return
-        is_chain = not self.context.robot.is_tree  # singularities are those of one chain
+        # Singularities are those of one chain; an arm of the unknown joints of a loop is none.
+        is_chain = not (self.context.robot.is_tree or self.context.whole.robot.loops)
         factors = self.context.entries.model.singularities.factors if is_chain else ()
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
             if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):

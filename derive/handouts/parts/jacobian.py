@@ -85,6 +85,12 @@ def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
         yield Rows((concatenate(column, EQUALS, matrix(sliding)).tex,))
     if any(joint.sign < 0 for joint in joints):
         yield context.paragraph("with the opposite sign where the joint variable has a minus sign in the table.")
+    if context.robot.coupled:
+        yield context.answer(
+            "and $%(jacobian)s$ is the matrix of these columns times $\\mathbf{S}$, a column for each variable.",
+            jacobian=context.symbols.of_end("J").tex,
+        )
+        return
     moving = {place: axes.halves(i) for i, place in enumerate(context.places, 1)}
     every = (moving.get(place, (_ZERO, _ZERO)) for place in range(context.whole.robot.n))
     upper, lower = zip(*every, strict=True)
@@ -101,7 +107,7 @@ def _steps(context: Context, axes: JointAxes) -> Iterator[Block]:
     origins = [axes.of_joint("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]
     if origins:
         origins.append(axes.end())
-    columns = [axes.column(i) for i in joints]
+    columns = [] if context.robot.coupled else [axes.column(i) for i in joints]
     for title, vectors in (
         (_("Axes:"), [axes.of_joint("z", i) for i in joints]),
         (_("Origins, and that of the end effector:"), origins),

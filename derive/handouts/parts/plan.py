@@ -66,7 +66,7 @@ def _blocks(
     yield _speeds(context, segments)
     if any(peaks.loads for peaks in segments):
         yield context.paragraph("Largest torques [N m] and forces [N], and the work of all joints [J]:")
-        symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.n + 1))
+        symbols = (f"${context.symbols.torque(i).tex}$" for i in range(1, context.robot.dof + 1))
         numbers = ((peaks.segment, (*(load.peak for load in peaks.loads), peaks.work)) for peaks in segments)
         rows = tuple((_title(segment), *(f"${_decimal(context, x)}$" for x in row)) for segment, row in numbers)
         yield Table((_("segment"), *symbols, _("work")), rows, long=len(rows) > 30)
@@ -105,7 +105,7 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
     rows = []
     for peaks in segments:
         cells = (_title(peaks.segment), f"${_exact(context, peaks.segment.duration)}$")
-        for variable, *of_joint in zip(context.robot.joints, peaks.speeds, peaks.accelerations, strict=True):
+        for variable, *of_joint in zip(context.robot.variables, peaks.speeds, peaks.accelerations, strict=True):
             if any(peak.value != 0 for peak in of_joint):
                 row = [*cells, f"${context.notation.glyph(variable.variable).box.tex}$"]
                 for value in (peak.value for peak in of_joint):
@@ -121,7 +121,7 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
 
 def _plots(context: Context, segments: Sequence[SegmentPeaks], times: Array, *curves: Array) -> Drawing:
     """Panels of positions, velocities, accelerations and torques, of angles and of slides beside each other."""
-    joints = context.robot.joints
+    joints = context.robot.variables
     kinds = [[j for j, joint in enumerate(joints) if joint.is_revolute is kind] for kind in (True, False)]
     rows = []
     for values, (letter, *units) in zip(curves, _QUANTITIES, strict=False):
@@ -199,7 +199,7 @@ def _formulas(context: Context, segments: Sequence[SegmentPeaks]) -> Iterator[Bl
     for segment in (peaks.segment for peaks in segments):
         yield Paragraph(f"{_title(segment)}, $0 \\le t \\le {_exact(context, segment.duration)}$")
         equations, counts = [], set()
-        for joint, pieces in zip(context.robot.joints, segment.joints, strict=True):
+        for joint, pieces in zip(context.robot.variables, segment.joints, strict=True):
             if len(pieces) > MOST_PRINTED:
                 counts.add(len(pieces))
                 continue

@@ -4,8 +4,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from itertools import chain
 
-import sympy
-
 from derive.handouts.layout.lines import Equation, equation_lines, pack
 from derive.handouts.notation.pieces import (
     BRACKET_WIDTH,
@@ -26,6 +24,7 @@ from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
 from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot import tree
+from derive.robot.coupling import coupling, position
 from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, RootType, Stand
 from derive.robot.expression import ZERO
 from derive.robot.inertial_parameters import coulomb_parts
@@ -62,6 +61,7 @@ def dh_table(context: Context) -> Iterator[Block]:
             n=len(symbols),
         )
     yield from table_rows(context)
+    yield from _variables(context)
     if context.robot.is_tree:
         yield from _mounts_and_ends(context)
     else:
@@ -71,6 +71,37 @@ def dh_table(context: Context) -> Iterator[Block]:
             end_lines(context),
             n=n,
         )
+
+
+def _variables(context: Context) -> Iterator[Block]:
+    """What the variables of coupled joints are, how joints move with them, and within which limits."""
+    robot = context.robot
+    if not robot.coupled:
+        return
+    symbols = {
+        q.variable: context.notation.glyph(q.variable).box.tex.strip() for q in (*robot.variables, *robot.passive)
+    }
+    named = ", ".join(f"${symbols[variable.variable]}$" for variable in robot.variables)
+    if robot.passive:
+        yield context.paragraph(
+            "Variables $\\mathbf{q}$: %(variables)s. Loops determine the passive joints: %(passive)s. Joints move at "
+            "the rates $\\mathbf{S}\\,\\dot{\\mathbf{q}}$, in the order of the table; $G$ are derivatives of passive "
+            "joints by variables.",
+            variables=named,
+            passive=", ".join(f"${symbols[joint.variable]}$" for joint in robot.passive),
+        )
+    else:
+        yield context.paragraph(
+            "Variables $\\mathbf{q}$: %(variables)s. Positions of joints, in the order of the table, are "
+            "$\\mathbf{S}\\,\\mathbf{q}$ and constants.",
+            variables=named,
+        )
+    rows = [list(map(context.data.value, row)) for row in coupling(robot)]
+    yield Rows(tuple(matrix_lines(bold("S"), rows, entry_namer(bold("S"), ","))))
+    of_rows = {joint.variable: joint.limits for joint in robot.joints}
+    other = [each for each in robot.variables if each.limits and each.limits != of_rows.get(each.variable)]
+    if limits := ", ".join(f"${symbols[q.variable]} \\in {joined(context.data.limits(q)).tex}$" for q in other):
+        yield context.paragraph("Limits of the variables: %(limits)s.", limits=limits)
 
 
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
@@ -169,7 +200,8 @@ def _cells(context: Context, row: Joint | FixedRow, *, has_turns: bool, has_limi
     data, length = context.data, row_in_file_units(row, context.robot.units).d
     theta, d = expression_to_sympy(row.theta), expression_to_sympy(length)
     if isinstance(row, Joint):
-        variable = row.sign * sympy.Symbol(row.variable)
+        variable = expression_to_sympy(position(row))
+        data = data.driven(row)
         theta, d = (theta + variable, d) if row.is_revolute else (theta, d + variable)
     moving, fixed = [data.angle(theta), data.value(d)], [data.length(row.a), data.angle(row.alpha)]
     cells = moving + fixed if context.is_standard else fixed[::-1] + moving

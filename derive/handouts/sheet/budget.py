@@ -18,7 +18,7 @@ PAGE = 780.0
 USEFULNESS = (
     *("conversion", "skew", "christoffel", "link-jacobians", "newton-euler", "coriolis", "energies", "orientation"),
     *("singularities", "motion", "example", "parameters", "convention", "gravity", "inverse", "transforms", "inertia"),
-    *("jacobian", "kinematics", "figure", "table"),
+    *("jacobian", "closure", "kinematics", "figure", "table"),
 )
 _LINE, _ROW, _FRACTION, _DISPLAY, _HEADING, _LANDSCAPE = 12.0, 15.0, 14.0, 22.0, 36.0, 440.0
 """Heights of a line of text, of a row of a display, more for a fraction, around a display, of a heading, of a page

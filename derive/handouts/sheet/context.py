@@ -90,9 +90,9 @@ class Context:
 
     @property
     def J(self) -> Entries:
-        """The geometric Jacobian, 6xn: joints of a tree that do not move its end have columns of zeros."""
+        """The geometric Jacobian, a column for each variable: zeros where it does not move an end of a tree."""
         own, columns = self.entries.J, {place: k for k, place in enumerate(self.places, 1)}
-        if not self.end:
+        if not self.end or self.robot.coupled:
             return own
         return Entries(
             (6, self.whole.robot.n),

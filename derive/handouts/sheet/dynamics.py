@@ -110,7 +110,7 @@ class DynamicsLayout:
 
     def rate_sums(self, name: str) -> LaidOut:
         """C, or the entries of N above the diagonal, as sums of Christoffel symbols times velocities."""
-        n, namer = self.entries.robot.n, partial(self.symbols.entry, name)
+        n, namer = self.entries.robot.dof, partial(self.symbols.entry, name)
         if name == "C":
             sums = {place: self.entries.coriolis_sum(*place) for place in self.entries.C.places}
         else:
@@ -134,13 +134,13 @@ class DynamicsLayout:
     def named_torque(self) -> LaidOut:
         """Each equation of motion by entries of B, Christoffel symbols, g and friction."""
         entries, rates, two, lines = self.entries, self._rates, italic("2"), list[str]()
-        joints = range(1, entries.robot.n + 1)
+        joints = range(1, entries.robot.dof + 1)
         names = {i: self.symbols.torque(i) for i in joints}
         glyph = self.layouter.printer.notation.glyph
         for i in joints:
             terms: list[Signed] = [
                 (1, (self.inertia_entry(i, j), glyph(acceleration_name(joint.variable)).box))
-                for j, joint in enumerate(entries.robot.joints, 1)
+                for j, joint in enumerate(entries.robot.variables, 1)
                 if entries.B.terms(min(i, j), max(i, j))
             ]
             for row, j, k in entries.triples:
@@ -166,7 +166,7 @@ class DynamicsLayout:
     @cached_property
     def _rates(self) -> dict[int, Glyph]:
         glyph = self.layouter.printer.notation.glyph
-        return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.joints, 1)}
+        return {k: glyph(velocity_name(joint.variable)) for k, joint in enumerate(self.entries.robot.variables, 1)}
 
 
 def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:

@@ -293,9 +293,8 @@ def positions(
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
     values = parameter_values(robot) if values is None else values
-    slopes, shape = {*derivatives(robot).values()}, np.shape(q[0])
-    matrix = coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
-    full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in matrix]
+    shape = np.shape(q[0])
+    full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in constant_rows(robot, values)]
     missing = np.zeros(shape)
     for one in loops:
         run, leaf = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
@@ -306,6 +305,34 @@ def positions(
             if place in one.passive:
                 full[place] = np.broadcast_to(angle, shape)
     return full, missing < _OPEN
+
+
+def constant_rows(robot: Robot, values: Mapping[str, Any]) -> list[list[float]]:
+    """S in numbers; rows of passive joints are zero."""
+    slopes = {*derivatives(robot).values()}
+    return coupling(robot, lambda factor: 0.0 if factor in slopes else to_float(factor, values))
+
+
+def rates(
+    robot: Robot, loops: Sequence[SolvedLoop], full: Sequence[Any], values: Mapping[str, Any]
+) -> tuple[Array, Array]:
+    """S where the joints are at ``full``, (joints, n, ...), and how far loops are from dead points, (...).
+
+    That is |det J_p| by its columns' lengths.
+    """
+    shape = np.shape(full[0])
+    matrix, far = np.multiply.outer(np.array(constant_rows(robot, values), dtype=float), np.ones(shape)), np.ones(shape)
+    for one in loops:
+        columns, _ = twists(robot, one, ArrayDomain(robot, full, values))
+        own = [[np.broadcast_to(columns[p][row], shape) for p in one.passive] for row in one.rows]
+        # J_p qd_p + J_a qd_a = 0; the rates of its own joints are still zero.
+        rest = [sum(columns[m][row] * matrix[m] for m in columns) for row in one.rows]
+        left, right = (np.moveaxis(np.array(part, dtype=float), (0, 1), (-2, -1)) for part in (own, rest))
+        volume = np.asarray(np.linalg.det(left))
+        far = np.minimum(np.abs(volume) / np.linalg.norm(left, axis=-2).prod(axis=-1), far)
+        left = np.where(volume[..., None, None] == 0.0, np.nan, left)
+        matrix[list(one.passive)] = -np.moveaxis(np.linalg.solve(left, right), (-2, -1), (0, 1))
+    return matrix, far
 
 
 def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:

@@ -22,9 +22,7 @@ from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.functions import joint_positions
-from derive.robot.robot import Robot
-from derive.robot.tree import arm, ends
+from derive.robot.tree import ends
 from derive.workspace.poses import RobotPoses
 
 SUFFIXES = (".gif", ".mp4")
@@ -41,22 +39,16 @@ _GHOST, _TRACE, _INK = (214, 222, 236), (178, 58, 42), (60, 60, 66)
 
 def frames_of(motion: Motion, times: Array, q: Array) -> Array:
     """Where the frames of the arm are."""
-    return _frames(motion, motion.plan.robot, times, joint_positions(motion.plan.robot, q, motion.values)[0])
-
-
-def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
-    """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
-    arms = [arm(motion.plan.robot, end.name) for end in ends(motion.plan.robot)]
-    q = joint_positions(motion.plan.robot, q, motion.values)[0]
-    return [_frames(motion, serial, times, q[:, list(places)])[:, -1, :3, 3] for serial, places in arms]
-
-
-def _frames(motion: Motion, robot: Robot, times: Array, q: Array) -> Array:
-    values = (*robot.parameters, *motion.plan.values.items())
+    robot, values = motion.plan.robot, (*motion.plan.robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
     frames = np.array([poses.frames([float(value) for value in row]) for row in q])
     moving = motion.base
     return frames if moving is None else moving(times, 0)[:, None] @ frames
+
+
+def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:
+    """The way of the end effector, or of each end of a tree, (times, 3) [m]."""
+    return list(np.moveaxis(frames_of(motion, times, q)[:, -len(ends(motion.plan.robot)) :, :3, 3], 1, 0))
 
 
 def motion_normal(motion: Motion) -> Array | None:

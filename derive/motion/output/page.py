@@ -133,7 +133,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
 
 def _tracks(motion: Motion, room: int) -> tuple[tuple[tuple[PlayedPiece, ...], ...], int]:
     """The pieces of each joint; Hermite pieces between as many places if they have more numbers than there is room."""
-    joints, segments = range(motion.plan.robot.n), motion.trajectory.segments
+    joints, segments = range(motion.plan.robot.dof), motion.trajectory.segments
     tracks: list[list[PlayedPiece]] = [[] for _ in joints]
     for piece, track in ((piece, tracks[j]) for segment in segments for j in joints for piece in segment.joints[j]):
         start, duration = float(piece.start), float(piece.duration)
@@ -166,7 +166,7 @@ def _base_of(
 
 def _played_run(motion: Motion, run: Run) -> PlayedRun:
     """Its rows, or as many as a page should hold, the last one among them."""
-    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.n) / (MOST_NUMBERS // 2))
+    step = ceil(run.t.size * (1 + 3 * motion.plan.robot.dof) / (MOST_NUMBERS // 2))
     kept = np.unique(np.append(np.arange(0, run.t.size, step), run.t.size - 1))
     times = run.t[kept]
     if kept.size == 1:  # given up before the second row

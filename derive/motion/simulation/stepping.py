@@ -14,12 +14,10 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import TargetError, optional
 from derive.interrupts import TemporaryFolder
-from derive.mechanics.floats import FloatDomain
 from derive.motion.torques.base_torques import BaseTorques
 from derive.motion.torques.functions import COMPILING, Functions, bare_robot, program_of
 from derive.programs.program import Program
 from derive.publish.modules import KEPT
-from derive.robot.coupling import coupling, derivatives
 from derive.robot.robot import Robot
 from derive.targets.compiler import compile_shared, find_compiler
 
@@ -135,23 +133,15 @@ def integrated(
 
 def rows_of(robot: Robot, values: Mapping[str, float], functions: Functions) -> Rows:
     """S at the variables, (joints, n), and how far loops are from dead points: |det J_p| by its columns' lengths."""
-    from derive.inverse.loops.linkage import linkage, twists  # the inverse kinematics, which few motions need
+    from derive.inverse.loops.linkage import constant_rows, linkage, rates  # which few motions need
 
-    own = FloatDomain(robot, (), {**values, **{name.name: 0.0 for name in derivatives(robot).values()}})
-    matrix, loops = np.array(coupling(robot, own.constant), dtype=float), linkage(robot)
+    matrix, loops = np.array(constant_rows(robot, values)), linkage(robot)
 
     def _at(q: Array) -> tuple[Array, float]:
-        rates, far, places = matrix.copy(), 1.0, matrix @ q
+        places = matrix @ q
         places[[bool(joint.follows) for joint in robot.joints]] = functions("passive_positions", q) if loops else ()
-        for one in loops:
-            # J_p qd_p + J_a qd_a = 0, by Cramer's rule; the rates of its own joints are still zero.
-            columns, _ = twists(robot, one, FloatDomain(robot, places.tolist(), values))
-            right = [sum(columns[m][row] * rates[m] for m in columns) for row in one.rows]
-            sizes = [np.linalg.norm([columns[p][row] for row in one.rows]) for p in one.passive]
-            determinant = one.determinant(columns) or np.nan
-            rates[list(one.passive)] = np.array(one.numerators(columns, right)) / determinant
-            far = min(float(abs(determinant) / np.prod(sizes)), far)
-        return rates, far
+        found, far = rates(robot, loops, places.tolist(), values)
+        return found, float(far)
 
     return _at
 

@@ -9,7 +9,7 @@ from derive.errors import QuantityError, listed, near_miss, quoted
 from derive.robot.expression import Expression
 
 PARTS = (
-    *("figure", "table", "convention", "parameters", "transforms", "conversion"),
+    *("figure", "table", "convention", "parameters", "transforms", "closure", "conversion"),
     *("kinematics", "orientation", "jacobian", "singularities", "inverse"),
     *("link-jacobians", "energies", "inertia", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler"),
     "example",
