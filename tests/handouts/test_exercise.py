@@ -168,10 +168,11 @@ def test_each_form_is_a_file_of_the_robots_name() -> None:
 
 def test_every_part_is_there_in_its_order() -> None:
     usual = context_of(Robot.load("planar-2r-perugia"))
-    assert [section.part for section in document(usual).sections] == list(USUAL_PARTS)
+    without_loops = [part for part in PARTS if part != "closure"]
+    assert [section.part for section in document(usual).sections] == [p for p in without_loops if p in USUAL_PARTS]
     assert "conversion" not in USUAL_PARTS
     context = context_of(Robot.load("planar-2r-perugia"), HandoutOptions(parts=PARTS))
-    assert [section.part for section in document(context).sections] == list(PARTS)
+    assert [section.part for section in document(context).sections] == without_loops
     assert all(section.title and section.blocks for section in document(context).sections)
 
 

@@ -35,7 +35,6 @@ REFUSED = (
     "export {} --format csv",
     *(f"show {{}} {name}" for name in ("inverse", "singularities", "workspace", "aspects", "manipulability", "detJv")),
     *("plot {} --workspace -o arm.svg", "convert {} -o other.yaml"),
-    *("check {} --quantity T[1,4] --expression q1", "style {} --example T[1,4]=a1"),
 )
 
 

@@ -10,8 +10,8 @@ from derive.motion.simulation import stepping
 from derive.motion.simulation.simulation import NEEDS, Controller, Run, stages_of
 from derive.motion.simulation.stepping import DIVERGED, Plant, held_arm, smooth
 from derive.motion.simulation.sticking import exact, stepped
-from derive.motion.torques import functions
 from derive.motion.torques.functions import Functions
+from derive.publish import modules
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE, PUMA_FALLS
@@ -101,7 +101,7 @@ SAMPLED = "control: {law: LAW, kp: 100, kd: 20, period: 0.004}\n"
 @pytest.fixture
 def held_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """All other functions are in NumPy: their compilation is tested elsewhere."""
-    monkeypatch.setattr(functions, "find_compiler", lambda: None)
+    monkeypatch.setattr(modules, "find_compiler", lambda: None)
 
 
 def runs(extra: str) -> tuple[Run, Run]:
