@@ -22,7 +22,7 @@ from derive.workspace.point import TURN, Range, joint_ranges
 from derive.workspace.poses import RobotPoses
 
 _MOST = 2**19  # poses of a block: half a second of compiled code, and a few megabytes
-_ROUNDING = 1e-9  # parts of a cell by which the arm's box may be in the next one
+_ROUNDING = 1e-6  # parts of a cell by which the arm's box may be in the next one
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # the angle from one direction to the next
 
 

@@ -127,8 +127,8 @@ class MapStore:
     def _open(self) -> Any:
         return data_module("zarr", _NEEDED).open_group(self.path, mode="r+")
 
-    def fill(self, workers: Cluster, tell: Tell | None = None) -> int:
-        """Compute and write the blocks that are missing; how many there were."""
+    def fill(self, workers: Cluster, tell: Tell | None = None, every: int = 1) -> int:
+        """Compute and write the blocks that are missing, or every so many-th of them; how many there were."""
         zarr, group, grid = data_module("zarr", _NEEDED), self._open(), self.grid
         names = sorted((*value_names(grid), _SHARE), key=lambda name: name == _LAST)
         last, further = group[_LAST], (0,) * len(grid.orientations.sizes)
@@ -136,7 +136,7 @@ class MapStore:
         def _is_there(block: tuple[int, ...]) -> bool:
             return Path(self.path, _LAST, last.metadata.encode_chunk_key((*block, *further))).exists()
 
-        blocks = [block for block in grid.blocks if not _is_there(block)]
+        blocks = [block for block in grid.blocks if not _is_there(block)][::every]
         done = workers.in_order(computed, blocks, workers.shared(grid), what=f"map of {grid.robot.name}", tell=tell)
         # A chunk exists once it is written, whatever is in it.
         with zarr.config.set({"array.write_empty_chunks": True}):

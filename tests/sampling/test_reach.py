@@ -16,7 +16,7 @@ ARMS = pytest.mark.parametrize("arm", [UR5E, PUMA, PLANAR, SCARA, ELBOW], ids=la
 
 def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, starts: int = 50) -> tuple[int, int]:
     """Random pairs of cell and orientation of a map against numbers; how many are reached, and not."""
-    grid = MapGrid.of(arm.robot, step, turns, conditioning=True)
+    grid = MapGrid.of(arm.robot, step, turns, conditioning=pairs < 100)
     rng = np.random.default_rng(5)
     goals, values = [np.zeros((0, 4, 4))], []
     for block in grid.blocks:
@@ -44,7 +44,9 @@ def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, st
     best = [max(arm.manipulability(searched[k])) for k in some]
     assert np.allclose(found["manipulability"][some], best, atol=1e-6)
     assert np.allclose(found["margin"][some], [max(arm.margins(searched[k])) for k in some], atol=1e-6)
-    assert np.allclose(found["conditioning"][some], [conditioning(arm, grid, searched[k]) for k in some], atol=1e-5)
+    if grid.conditioning:
+        ratios = [conditioning(arm, grid, searched[k]) for k in some]
+        assert np.allclose(found["conditioning"][some], ratios, atol=1e-5)
     return len(some), len(counts) - len(some)
 
 
@@ -65,7 +67,7 @@ def test_postures_and_their_worth_are_those_of_numbers(arm: NumericArm) -> None:
 @pytest.mark.sweep
 @ARMS
 def test_postures_of_many_poses_are_those_of_numbers(arm: NumericArm) -> None:
-    compare(arm, 0.07, (16, 3), 600)
+    compare(arm, 0.05, (16, 6), 2000)
 
 
 @pytest.mark.parametrize("arm", [PUMA, SCARA], ids=lambda arm: arm.name)
