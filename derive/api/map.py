@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, listed
@@ -87,19 +87,26 @@ def map(
         QuantityError: An arm of which not all solutions are found, or that has infinitely many.
         TargetError: Dask or xarray is not installed.
     """
-    made = MapGrid.of(load(robot, remarks_on_bodies=False), grid, (orientations, rolls), box, conditioning=conditioning)
-    return map_dataset(made)
+    return map_dataset(_grid_of(robot, grid, orientations, rolls, box, conditioning=conditioning))
+
+
+def _grid_of(
+    robot: RobotLike,
+    grid: float = 0.05,
+    orientations: int = 64,
+    rolls: int = 12,
+    box: Sequence[float] | None = None,
+    *,
+    conditioning: bool = False,
+) -> MapGrid:
+    chosen = load(robot, remarks_on_bodies=False)
+    return MapGrid.of(chosen, grid, (orientations, rolls), box, conditioning=conditioning)
 
 
 def write_map(
     robot: RobotLike,
     path: str | Path,
     *,
-    grid: float = 0.05,
-    orientations: int = 64,
-    rolls: int = 12,
-    box: Sequence[float] | None = None,
-    conditioning: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
@@ -107,17 +114,13 @@ def write_map(
     picture: str | Path | None = None,
     force: bool = False,
     progress: Callable[[str, str], None] | None = None,
+    **asked: Any,
 ) -> WrittenMap:
     """Write the map of a workspace to a Zarr store, as ``derive map`` does.
 
     Args:
         robot: As of `map`.
         path: The store.
-        grid: As of `map`.
-        orientations: As of `map`.
-        rolls: As of `map`.
-        box: As of `map`.
-        conditioning: As of `map`.
         workers: Threads; None for one for each core.
         scheduler: Address of a Dask scheduler whose workers compute instead.
         resume: Whether blocks that the store has already are kept.
@@ -125,6 +128,7 @@ def write_map(
         picture: File of a slice, ending in .pdf, .svg or .png.
         force: Whether a picture that exists is overwritten; a store never is.
         progress: Called with what is computed, and how far it is.
+        asked: ``grid``, ``orientations``, ``rolls``, ``box`` and ``conditioning``, as of `map`.
 
     Returns:
         What was written.
@@ -140,8 +144,7 @@ def write_map(
         require_matplotlib()
         refuse_taken([picture], force=force)
     suffix = "" if picture is None else ending_of(picture, SUFFIXES)
-    loaded = load(robot, remarks_on_bodies=False)
-    made = MapGrid.of(loaded, grid, (orientations, rolls), box, conditioning=conditioning)
+    made = _grid_of(robot, **asked)
     _require_small(made, large=large)
     store = MapStore(path, made)
     with cluster(workers, scheduler) as found:
@@ -154,7 +157,7 @@ def write_map(
         write_files({picture: data}, force=force)
         remarks += (f"{picture}: {title}",)
     counts = int((shares > 0.0).sum()), int((shares == 1.0).sum())
-    return WrittenMap(loaded.name, path, shares.size, made.poses, computed, len(made.blocks), *counts, remarks)
+    return WrittenMap(made.robot.name, path, shares.size, made.poses, computed, len(made.blocks), *counts, remarks)
 
 
 def _require_small(grid: MapGrid, *, large: bool) -> None:

@@ -30,7 +30,7 @@ _CONDITION = "the smallest by the largest singular value of J of the task, lengt
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class MapValue:
     """What is known of a cell and orientation."""
 
     kind: str  # type of its numbers
@@ -40,10 +40,10 @@ class Value:
 
 
 VALUES = {
-    "postures": Value("u1", 0, "1", "postures within the joint limits, counted modulo full turns"),
-    "manipulability": Value("f4", np.nan, "", "largest sqrt(det(J J^T)) of the postures, J of the task, in SI units"),
-    "margin": Value("f4", np.nan, "1", f"largest margin to the limits of the postures: {_MARGIN}"),
-    "conditioning": Value("f4", np.nan, "1", f"largest of the postures: {_CONDITION}"),
+    "postures": MapValue("u1", 0, "1", "postures within the joint limits, counted modulo full turns"),
+    "manipulability": MapValue("f4", np.nan, "", "largest sqrt(det(J J^T)) of the postures, J of the task"),
+    "margin": MapValue("f4", np.nan, "1", f"largest margin to the limits of the postures: {_MARGIN}"),
+    "conditioning": MapValue("f4", np.nan, "1", f"largest of the postures: {_CONDITION}"),
 }
 """What a map has, in this order; the last on request."""
 

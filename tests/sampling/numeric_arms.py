@@ -109,66 +109,37 @@ class NumericArm:
         return np.sqrt(np.maximum(np.linalg.det(rows @ np.swapaxes(rows, -1, -2)), 0.0))
 
 
+def _rows(*table: tuple[float, ...]) -> tuple[tuple[float, float, float, bool, tuple[float, float] | None], ...]:
+    """Rows of joints that turn, by length, offset, twist and, of those with limits, these."""
+    return tuple((a, d, alpha, False, (limits[0], limits[1]) if limits else None) for a, d, alpha, *limits in table)
+
+
 _POSE = tuple((i, j) for i in range(3) for j in range(4))
 _POSITION = ((0, 3), (1, 3), (2, 3))
 _ANGLE = ((0, 0), (1, 0))
-_WHOLE = (-TURN, TURN)
-
-UR5E = NumericArm(
-    "ur5e",
-    (
-        (0.0, 0.1625, PI / 2, False, _WHOLE),
-        (-0.425, 0.0, 0.0, False, _WHOLE),
-        (-0.3922, 0.0, 0.0, False, _WHOLE),
-        (0.0, 0.1333, PI / 2, False, _WHOLE),
-        (0.0, 0.0997, -PI / 2, False, _WHOLE),
-        (0.0, 0.0996, 0.0, False, _WHOLE),
-    ),
-    _POSE,
-    (0, 1, 2, 3, 4, 5),
-    8,
+_ALL = (0, 1, 2, 3, 4, 5)
+_SIZES = (
+    (0, 0.1625, PI / 2),
+    (-0.425, 0, 0),
+    (-0.3922, 0, 0),
+    (0, 0.1333, PI / 2),
+    (0, 0.0997, -PI / 2),
+    (0, 0.0996, 0),
 )
+
+UR5E = NumericArm("ur5e", _rows(*((*row, -TURN, TURN) for row in _SIZES)), _POSE, _ALL, 8)
 PUMA = NumericArm(
     "puma-like",
-    (
-        (0.0, 0.0, -PI / 2, False, (-2.7, 2.7)),
-        (0.4318, 0.15, 0.0, False, (-3.9, 0.8)),
-        (-0.02, 0.0, PI / 2, False, (-0.9, 3.9)),
-        (0.0, 0.43, -PI / 2, False, (-1.9, 2.9)),
-        (0.0, 0.0, PI / 2, False, (-1.7, 1.7)),
-        (0.0, 0.06, 0.0, False, (-4.6, 4.6)),
-    ),
+    _rows((0, 0, -PI / 2, -2.7, 2.7), (0.4318, 0.15, 0, -3.9, 0.8), (-0.02, 0, PI / 2, -0.9, 3.9))
+    + _rows((0, 0.43, -PI / 2, -1.9, 2.9), (0, 0, PI / 2, -1.7, 1.7), (0, 0.06, 0, -4.6, 4.6)),
     _POSE,
-    (0, 1, 2, 3, 4, 5),
+    _ALL,
     8,
 )
-PLANAR = NumericArm(
-    "planar",
-    ((0.5, 0.0, 0.0, False, (-1.5, 1.5)), (0.4, 0.0, 0.0, False, (-2.4, 2.0)), (0.2, 0.0, 0.0, False, None)),
-    ((0, 3), (1, 3), *_ANGLE),
-    (0, 1, 5),
-    2,
-)
-SCARA = NumericArm(
-    "scara",
-    (
-        (0.5, 0.0, 0.0, False, (-2.0, 2.0)),
-        (0.4, 0.0, PI, False, (-2.5, 7.0)),
-        (0.0, 0.0, 0.0, True, (0.05, 0.3)),
-        (0.0, 0.1, 0.0, False, (-3.0, 3.0)),
-    ),
-    (*_POSITION, *_ANGLE),
-    (0, 1, 2, 5),
-    2,
-)
-ELBOW = NumericArm(
-    "elbow",
-    (
-        (0.1, 0.3, PI / 2, False, (-1.0, 4.0)),
-        (0.4, 0.0, 0.0, False, None),
-        (0.3, 0.05, 0.0, False, (0.0, 3.0)),
-    ),
-    _POSITION,
-    (0, 1, 2),
-    4,
-)
+_THREE = _rows((0.5, 0, 0, -1.5, 1.5), (0.4, 0, 0, -2.4, 2.0), (0.2, 0, 0))
+PLANAR = NumericArm("planar", _THREE, ((0, 3), (1, 3), *_ANGLE), (0, 1, 5), 2)
+_SLIDE = (0, 0, 0, True, (0.05, 0.3))
+_FOUR = (*_rows((0.5, 0, 0, -2.0, 2.0), (0.4, 0, PI, -2.5, 7.0)), _SLIDE, *_rows((0, 0.1, 0, -3.0, 3.0)))
+SCARA = NumericArm("scara", _FOUR, (*_POSITION, *_ANGLE), (0, 1, 2, 5), 2)
+_BENT = _rows((0.1, 0.3, PI / 2, -1.0, 4.0), (0.4, 0, 0), (0.3, 0.05, 0, 0.0, 3.0))
+ELBOW = NumericArm("elbow", _BENT, _POSITION, (0, 1, 2), 4)
