@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from threading import Lock
@@ -14,12 +14,16 @@ import numpy.typing as npt
 from derive.arrays import Array
 from derive.errors import QuantityError, listed
 from derive.inverse.numeric.chain import NumericChain
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Inverse, InverseSearch, Program
-from derive.publish.imported import bare_robot, imported, program_of
+from derive.publish.loaded import loaded
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.sampling.grid import MapGrid
 from derive.targets.numpy import FILE
+from derive.targets.target import Source
+from derive.version import __version__
 from derive.workspace.point import TURN, Range
 
 _MARGIN = (
@@ -108,13 +112,15 @@ class MapFunctions:
 def functions_of(grid: MapGrid) -> MapFunctions:
     """What computes a map here; compiled where there is a compiler."""
     with _one_at_a_time:
-        return _functions_of(bare_robot(grid.robot), grid.ranges)
+        bare = replace(grid.robot, title="", digest="", source="", remarks=())
+        return _functions_of(bare, grid.ranges)
 
 
 @lru_cache(8)
 def _functions_of(robot: Robot, ranges: tuple[Range, ...]) -> MapFunctions:
-    branches = _solver(robot, program_of(robot, _NAMES, inverse=True)).branches
-    module, folder = imported(robot, _NAMES, inverse=True, compiled=True)
+    program = build_program(robot, Effort.QUICK, names=_NAMES, inverse=True)
+    branches = _solver(robot, program).branches
+    module, folder = loaded(Source(robot, program, __version__), compiled=True)
     limits = np.array([(-np.inf, np.inf) if way.assumed and way.revolute else (way.lower, way.upper) for way in ranges])
     is_limited = np.isfinite(limits).all(axis=-1)
     low, high = np.where(is_limited[:, None], limits, 0.0).T
