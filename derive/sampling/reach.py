@@ -17,7 +17,7 @@ from derive.inverse.numeric.chain import NumericChain
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Inverse, InverseSearch, Program
-from derive.publish.loaded import loaded
+from derive.publish.modules import loaded
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.sampling.grid import MapGrid

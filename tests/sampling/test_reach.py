@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.arrays import Array
-from derive.publish import loaded
+from derive.publish import modules
 from derive.sampling.grid import MapGrid
 from derive.sampling.reach import computed, functions_of, value_names
 from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, NumericArm
@@ -74,7 +74,7 @@ def test_postures_of_many_poses_are_those_of_numbers(arm: NumericArm) -> None:
 def test_without_a_compiler_it_is_the_same_map(arm: NumericArm, monkeypatch: pytest.MonkeyPatch) -> None:
     grid = MapGrid.of(arm.robot, 0.3, (4, 2), conditioning=True)
     compiled = computed(grid.blocks[0], grid)
-    monkeypatch.setattr(loaded, "find_compiler", lambda: None)
+    monkeypatch.setattr(modules, "find_compiler", lambda: None)
     plain = MapGrid.of(replace(arm, name="plain").robot, 0.3, (4, 2), conditioning=True)
     assert not functions_of(plain).is_compiled
     other = computed(plain.blocks[0], plain)
