@@ -99,6 +99,7 @@ class NumericArm:
         worst = np.ones(q.shape[:-1])
         for (*_, slides, limits), value in zip(self.rows, np.moveaxis(q, -1, 0), strict=True):
             if limits:
+                value = value if slides else value - TURN * np.round(value / TURN)  # Newton's method may go far
                 turns = value[..., None] + (0.0 if slides else TURN) * np.arange(-4, 5)
                 nearer = np.minimum(turns - limits[0], limits[1] - turns).max(axis=-1)
                 worst = np.minimum(worst, 2.0 * nearer / (limits[1] - limits[0]))

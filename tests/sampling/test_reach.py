@@ -43,7 +43,7 @@ def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, st
     some = np.flatnonzero(reached)
     best = [max(arm.manipulability(searched[k])) for k in some]
     assert np.allclose(found["manipulability"][some], best, atol=1e-6)
-    assert np.allclose(found["margin"][some], [max(arm.margins(searched[k])) for k in some], atol=1e-4)
+    assert np.allclose(found["margin"][some], [max(arm.margins(searched[k])) for k in some], atol=1e-5)
     if grid.conditioning:
         ratios = [conditioning(arm, grid, searched[k]) for k in some]
         assert np.allclose(found["conditioning"][some], ratios, atol=1e-5)
