@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from derive.api.handout import fragment, handout
     from derive.api.identify import identify
     from derive.api.importing import import_all, import_tree, import_urdf, verify_import
+    from derive.api.map import map
     from derive.api.move import move
     from derive.api.plot import plot
     from derive.api.robots import Robot, catalogue, load
@@ -64,6 +65,7 @@ __all__ = [
     "import_tree",
     "import_urdf",
     "load",
+    "map",
     "move",
     "plot",
     "possible",
@@ -82,6 +84,7 @@ _NAMES = {
     "derive.api.handout": ("fragment", "handout"),
     "derive.api.identify": ("identify",),
     "derive.api.importing": ("import_all", "import_tree", "import_urdf", "verify_import"),
+    "derive.api.map": ("map",),
     "derive.api.move": ("move",),
     "derive.api.plot": ("plot",),
     "derive.api.robots": ("Robot", "catalogue", "load"),

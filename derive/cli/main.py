@@ -27,6 +27,7 @@ COMMANDS = {
     "move": "compute a motion: speeds, torques, work, plots, animations, simulation",
     "identify": "identify masses, inertias and friction from a log",
     "sample": "reduce functions over many configurations: extremes, means, quantiles",
+    "map": "map the workspace: poses reached, postures, manipulability, margins",
     "import": "convert a URDF to a robot file, with a proven error bound",
     "export": "write a robot for another program: URDF, MJCF, MATLAB, ...",
     "convert": "convert a robot to the other Denavit-Hartenberg convention",
@@ -37,7 +38,7 @@ COMMANDS = {
 # Commands that read robot files.
 OF_A_ROBOT = (
     "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "identify",
-    "new", "sample",
+    "map", "new", "sample",
 )  # fmt: skip
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.

@@ -17,6 +17,7 @@ from derive.cli import (
     identify,
     import_,
     list,
+    map,
     move,
     new,
     plot,
@@ -29,7 +30,8 @@ from derive.cli import (
 from derive.cli.main import COMMANDS
 
 OF_FILES = (
-    build, check, convert, export, handout, identify, import_, move, new, plot, sample, show, style, verify,
+    build, check, convert, export, handout, identify, import_, map, move, new, plot, sample, show, style,
+    verify,
 )  # fmt: skip
 MODULES = {module.__name__.rpartition(".")[2].rstrip("_"): module for module in (*OF_FILES, completion, list, schema)}
 
@@ -52,7 +54,7 @@ def test_a_command_says_what_it_is_and_reads_its_arguments(module: ModuleType) -
     name = module.__name__.rpartition(".")[2].rstrip("_")
     assert len(COMMANDS[name]) < 80
     more = {"plot": ["-o", "arm.svg"], "identify": ["log.csv"], "export": ["--format", "urdf"], "sample": ["tau"]}
-    more = more.get(name, [])
+    more = more.get(name, ["-o", "reach.zarr"] if name == "map" else [])
     needed = [] if name in ("list", "build", "schema") else ["bash"] if name == "completion" else ["arm", *more]
     assert parser.parse_args(needed) is not None
 

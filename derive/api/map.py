@@ -1,0 +1,181 @@
+"""Maps of the workspace from Python: a lazy data set, or a Zarr store that is filled block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from derive.api.robots import RobotLike, load
+from derive.errors import DeriveError, listed
+from derive.handouts.figure.writers import require_matplotlib
+from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
+from derive.sampling.clusters import cluster, data_module
+from derive.sampling.grid import MapGrid
+from derive.sampling.picture import slice_picture
+from derive.sampling.reach import VALUES, value_names
+from derive.sampling.store import MapStore, map_dataset
+
+if TYPE_CHECKING:
+    import xarray
+
+SUFFIXES = (".pdf", ".svg", ".png")
+"""Forms of a picture, by the ending of its file."""
+
+_MOST = 10**10  # poses of a map that nobody is asked about
+_SECONDS = 1e-6  # for a pose of an arm with formulas, compiled
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenMap:
+    """A map that was written.
+
+    Attributes:
+        robot: Name of the robot.
+        path: The Zarr store.
+        cells: Number of cells of the grid.
+        poses: Cells times orientations.
+        computed: Blocks that were computed now.
+        blocks: Blocks within reach.
+        reached: Cells that are reached in some orientation.
+        everywhere: Cells that are reached in all orientations.
+        remarks: What was assumed, and what the picture shows.
+    """
+
+    robot: str
+    path: Path
+    cells: int
+    poses: int
+    computed: int
+    blocks: int
+    reached: int
+    everywhere: int
+    remarks: tuple[str, ...]
+
+
+def map(
+    robot: RobotLike,
+    *,
+    grid: float = 0.05,
+    orientations: int = 64,
+    rolls: int = 12,
+    box: Sequence[float] | None = None,
+    conditioning: bool = False,
+) -> xarray.Dataset:
+    """The map of a workspace, lazily: nothing is computed before it is asked for.
+
+    Each cell of a grid is tried at its middle, in directions of the end effector's z axis on a Fibonacci sphere and
+    rolls about it, or in what else the task of the robot file prescribes, within the joint limits. Dask computes the
+    blocks; its schedulers and `distributed.Client` say where. ``derive map`` writes the same to a Zarr store.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue; all symbols have numbers.
+        grid: Side of a cell [m].
+        orientations: Directions, or angles of a task with ``phi``.
+        rolls: Turns about each direction.
+        box: Lower and upper end along each coordinate of the task [m]; None for all that the arm reaches.
+        conditioning: Whether the condition of the Jacobian is computed, too, which takes as long as everything else.
+
+    Returns:
+        ``postures`` (0 where a pose is out of reach), ``manipulability``, ``margin`` and, on request, ``conditioning``,
+        each along x, y, z [m], direction and roll [rad] (or what the task has of them), and ``reachability``, the
+        share of orientations, of each cell. Attributes say units and definitions.
+
+    Raises:
+        DeriveError: A grid or box that is none.
+        QuantityError: An arm of which not all solutions are found, or that has infinitely many.
+        TargetError: Dask or xarray is not installed.
+    """
+    return map_dataset(_grid_of(robot, grid, orientations, rolls, box, conditioning=conditioning))
+
+
+def _grid_of(
+    robot: RobotLike,
+    grid: float = 0.05,
+    orientations: int = 64,
+    rolls: int = 12,
+    box: Sequence[float] | None = None,
+    *,
+    conditioning: bool = False,
+) -> MapGrid:
+    chosen = load(robot, remarks_on_bodies=False)
+    return MapGrid.of(chosen, grid, (orientations, rolls), box, conditioning=conditioning)
+
+
+def write_map(
+    robot: RobotLike,
+    path: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    large: bool = False,
+    picture: str | Path | None = None,
+    force: bool = False,
+    progress: Callable[[str, str], None] | None = None,
+    **asked: Any,
+) -> WrittenMap:
+    """Write the map of a workspace to a Zarr store, as ``derive map`` does.
+
+    Args:
+        robot: As of `map`.
+        path: The store.
+        workers: Threads; None for one for each core.
+        scheduler: Address of a Dask scheduler whose workers compute instead.
+        resume: Whether blocks that the store has already are kept.
+        large: Whether more than 10^10 poses are computed unasked.
+        picture: File of a slice, ending in .pdf, .svg or .png.
+        force: Whether a picture that exists is overwritten; a store never is.
+        progress: Called with what is computed, and how far it is.
+        asked: ``grid``, ``orientations``, ``rolls``, ``box`` and ``conditioning``, as of `map`.
+
+    Returns:
+        What was written.
+
+    Raises:
+        OutputError: There is such a store, or with ``resume`` it is of another map, or it cannot be written.
+        DeriveError: Besides what `map` refuses: too many poses, or a scheduler that does not answer.
+    """
+    path, picture = Path(path), None if picture is None else Path(picture)
+    for module in ("zarr", "xarray", "dask"):
+        data_module(module, "maps")
+    if picture is not None:
+        require_matplotlib()
+        refuse_taken([picture], force=force)
+    suffix = "" if picture is None else ending_of(picture, SUFFIXES)
+    made = _grid_of(robot, **asked)
+    _require_small(made, large=large)
+    store = MapStore(path, made)
+    with cluster(workers, scheduler) as found:
+        store.begin(resume=resume)
+        computed = store.fill(found, progress)
+    shares = store.shares()
+    remarks = _assumed(made)
+    if picture is not None:
+        data, title = slice_picture(made, shares, suffix)
+        write_files({picture: data}, force=force)
+        remarks += (f"{picture}: {title}",)
+    counts = int((shares > 0.0).sum()), int((shares == 1.0).sum())
+    return WrittenMap(made.robot.name, path, shares.size, made.poses, computed, len(made.blocks), *counts, remarks)
+
+
+def _require_small(grid: MapGrid, *, large: bool) -> None:
+    """Ask before much is computed."""
+    if grid.poses <= _MOST or large:
+        return
+    size = grid.poses * sum(int(VALUES[name].kind[1]) for name in value_names(grid)) / 1e9
+    hours = grid.poses * _SECONDS / 3600
+    raise DeriveError(
+        f"a map of {grid.poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
+        allowed=f"allowed: {_MOST:.0e} unasked",
+        remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
+    )
+
+
+def _assumed(grid: MapGrid) -> tuple[str, ...]:
+    """Limits that the file does not give."""
+    turning = [way.variable for way in grid.ranges if way.assumed and way.revolute]
+    sliding = [f"{way.variable} {way.interval}" for way in grid.ranges if way.assumed and not way.revolute]
+    found = [f"without limits: {listed(turning)}, full turns"] if turning else []
+    return (*found, *([f"limits assumed: {listed(sliding)}"] if sliding else []))

@@ -1,0 +1,82 @@
+"""Maps against damped Newton from many starts, which knows neither formulas nor polynomials."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from derive.arrays import Array
+from derive.publish import modules
+from derive.sampling.grid import MapGrid
+from derive.sampling.reach import computed, functions_of, value_names
+from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, NumericArm
+
+ARMS = pytest.mark.parametrize("arm", [UR5E, PUMA, PLANAR, SCARA, ELBOW], ids=lambda arm: arm.name)
+
+
+def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, starts: int = 50) -> tuple[int, int]:
+    """Random pairs of cell and orientation of a map against numbers; how many are reached, and not."""
+    grid = MapGrid.of(arm.robot, step, turns, conditioning=pairs < 100)
+    rng = np.random.default_rng(5)
+    goals, values = [np.zeros((0, 4, 4))], []
+    for block in grid.blocks:
+        middles, near = grid.cells(block)
+        records = computed(block, grid).reshape(*near.shape, -1)
+        cells = rng.permutation(np.argwhere(near))[: 1 + pairs // len(grid.blocks)]
+        turned = rng.integers(records.shape[-1], size=len(cells))
+        goal = np.tile(np.eye(4), (len(cells), 1, 1))
+        goal[:, :3, :3] = grid.orientations.rotations[turned]
+        goal[:, ["xyz".index(name) for name in grid.axes], 3] = middles[tuple(cells.T)]
+        goals.append(goal)
+        values.append(records[(*cells.T, turned)])
+    poses, found = np.concatenate(goals), np.concatenate(values)
+    searched = arm.solutions(poses, starts)
+    counts = np.array([len(q) for q in searched])
+    again = np.flatnonzero(counts < found["postures"])  # a few starts more for what few lead to
+    for k, q in zip(again, arm.solutions(poses[again], 8 * starts, seed=1), strict=True):
+        searched[k], counts[k] = q, len(q)
+    assert np.array_equal(counts, found["postures"])
+    assert counts.max() <= arm.postures
+    reached = counts > 0
+    for name in value_names(grid)[1:]:
+        assert np.array_equal(np.isfinite(found[name]), reached), name
+    some = np.flatnonzero(reached)
+    best = [max(arm.manipulability(searched[k])) for k in some]
+    assert np.allclose(found["manipulability"][some], best, atol=1e-6)
+    assert np.allclose(found["margin"][some], [max(arm.margins(searched[k])) for k in some], atol=1e-5)
+    if grid.conditioning:
+        ratios = [conditioning(arm, grid, searched[k]) for k in some]
+        assert np.allclose(found["conditioning"][some], ratios, atol=1e-5)
+    return len(some), len(counts) - len(some)
+
+
+def conditioning(arm: NumericArm, grid: MapGrid, q: Array) -> float:
+    """By the eigenvalues of J J^T."""
+    rows = arm.pose_and_jacobian(q)[1][:, arm.speeds] / functions_of(grid).units
+    squares = np.linalg.eigvalsh(rows @ np.swapaxes(rows, 1, 2))
+    return float(np.sqrt(np.maximum(squares[:, 0], 0.0) / squares[:, -1]).max())
+
+
+@ARMS
+def test_postures_and_their_worth_are_those_of_numbers(arm: NumericArm) -> None:
+    reached, missed = compare(arm, 0.11, (5, 2), 60)
+    assert reached > 5
+    assert missed > 5
+
+
+@pytest.mark.sweep
+@ARMS
+def test_postures_of_many_poses_are_those_of_numbers(arm: NumericArm) -> None:
+    compare(arm, 0.05, (16, 6), 2000)
+
+
+@pytest.mark.parametrize("arm", [PUMA, SCARA], ids=lambda arm: arm.name)
+def test_without_a_compiler_it_is_the_same_map(arm: NumericArm, monkeypatch: pytest.MonkeyPatch) -> None:
+    grid = MapGrid.of(arm.robot, 0.3, (4, 2), conditioning=True)
+    compiled = computed(grid.blocks[0], grid)
+    monkeypatch.setattr(modules, "find_compiler", lambda: None)
+    plain = MapGrid.of(replace(arm, name="plain").robot, 0.3, (4, 2), conditioning=True)
+    assert not functions_of(plain).is_compiled
+    other = computed(plain.blocks[0], plain)
+    for name in value_names(grid):
+        assert np.allclose(compiled[name], other[name], atol=1e-6, equal_nan=True), name

@@ -1,0 +1,166 @@
+"""Stores that were interrupted, killed, made elsewhere or belong to something else, and lazy data sets."""
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from derive.api.map import map as lazy_map
+from derive.api.map import write_map
+from derive.errors import DeriveError
+from derive.robot.robot import Robot
+from derive.sampling import grid
+from derive.sampling.clusters import cluster
+from derive.sampling.store import MapStore, map_dataset
+from tests.places import ROOT
+from tests.sampling.numeric_arms import ELBOW, SCARA
+
+xarray = pytest.importorskip("xarray")
+ROBOT = SCARA.robot
+HOW = {"grid": 0.1, "orientations": 9}
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grid, "_MOST", 1200)
+
+
+def contents(store: Path) -> dict[str, bytes]:
+    return {str(file.relative_to(store)): file.read_bytes() for file in sorted(store.rglob("*")) if file.is_file()}
+
+
+@pytest.fixture
+def whole(tmp_path: Path) -> dict[str, bytes]:
+    written = write_map(ROBOT, tmp_path / "whole.zarr", **HOW)
+    assert written.computed == written.blocks > 15
+    return contents(written.path)
+
+
+def stopping(after: int, stop: Callable[[], object]) -> Callable[[str, str], None]:
+    told: list[str] = []
+
+    def _tell(_: str, text: str) -> None:
+        told.append(text)
+        if len(told) == after:
+            stop()
+
+    return _tell
+
+
+def _interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def test_an_interrupted_map_goes_on_to_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    path = tmp_path / "part.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        write_map(ROBOT, path, **HOW, progress=stopping(7, _interrupt))
+    (path / "margin" / "c.partial").write_bytes(b"half")
+    again = write_map(ROBOT, path, **HOW, resume=True)
+    assert again.computed == again.blocks - 7
+    assert contents(path) == whole
+    assert write_map(ROBOT, path, **HOW, resume=True).computed == 0
+
+
+KILLED = """
+import os, signal, sys
+from derive.robot.robot import Robot
+from derive.api.map import write_map
+from derive.sampling import grid
+grid._MOST = 1200
+tell = lambda _, text: text.startswith('3') and os.kill(os.getpid(), signal.SIGKILL)
+write_map(Robot.from_text(sys.argv[2]), sys.argv[1], grid=0.1, orientations=9, progress=tell)
+"""
+
+
+def test_a_killed_map_goes_on_to_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    path, text = tmp_path / "killed.zarr", SCARA.text
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path), text], cwd=ROOT, timeout=300)
+    assert done.returncode == -signal.SIGKILL
+    again = write_map(ROBOT, path, **HOW, resume=True)
+    assert 0 < again.computed < again.blocks
+    assert contents(path) == whole
+
+
+@pytest.mark.slow
+def test_a_cluster_that_loses_a_worker_makes_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    distributed = pytest.importorskip("distributed")
+    path = tmp_path / "cluster.zarr"
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local:
+        victim = local.workers[0]
+        write_map(
+            ROBOT, path, **HOW, scheduler=local.scheduler_address, progress=stopping(5, victim.process.process.kill)
+        )
+    assert contents(path) == whole
+
+
+def test_a_data_set_is_lazy_and_equals_the_store_and_a_box_is_a_part_of_it(tmp_path: Path) -> None:
+    since = time.monotonic()
+    with pytest.MonkeyPatch.context() as usual:
+        usual.setattr(grid, "_MOST", 2**19)
+        fine = lazy_map(ROBOT, grid=0.004, orientations=360)
+    assert time.monotonic() - since < 30.0  # a thousand times as many poses as can be computed in that time
+    assert fine.postures.size > 1e9
+    lazy = lazy_map(ROBOT, **HOW, conditioning=True)
+    store = write_map(ROBOT, tmp_path / "s.zarr", **HOW, conditioning=True).path
+    stored = xarray.open_zarr(store)
+    xarray.testing.assert_identical(stored.compute(), lazy.compute()[list(stored.variables)])
+    assert stored.postures.dims == ("x", "y", "z", "angle")
+    assert stored.manipulability.units == "m^2"
+    assert stored.attrs["robot_file_sha256"] == ROBOT.digest
+    assert np.allclose(stored.reachability, (stored.postures > 0).mean("angle"))
+    box = lazy_map(ROBOT, **HOW, box=(0.2, 0.6, -0.3, 0.3, -0.4, 0.0))
+    there = lazy.sel(x=box.x, y=box.y, z=box.z)
+    assert box.sizes["x"] == 4
+    xarray.testing.assert_equal(box.postures.compute(), there.postures.compute())
+    alone = lazy_map(ELBOW.robot, grid=0.2)
+    assert alone.postures.dims == ("x", "y", "z")
+
+
+def test_a_store_of_another_map_is_refused_and_stays(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    path = tmp_path / "whole.zarr"
+    with pytest.raises(DeriveError, match=r"whole.zarr exists already; choose another name, remove it, or go on"):
+        write_map(ROBOT, path, **HOW)
+    with pytest.raises(DeriveError, match=r"is the store of another map: .*cell_m.* differ"):
+        write_map(ROBOT, path, grid=0.2, orientations=9, resume=True)
+    with pytest.raises(DeriveError, match=r"is the store of another map: .*postures.* differ"):
+        write_map(ROBOT, path, grid=0.1, orientations=8, resume=True)
+    other = Robot.from_text(SCARA.text.replace("0.4", "0.41"))
+    with pytest.raises(DeriveError, match="is the store of another map: robot_file_sha256"):
+        write_map(other, path, **HOW, resume=True)
+    with pytest.raises(DeriveError, match=r"is the store of another map: first_cell.* differ"):
+        write_map(ROBOT, path, **HOW, box=(-1, 1, 0, 1, -1, 1), resume=True)
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(DeriveError, match="is not the store of this map"):
+        write_map(ROBOT, tmp_path / "folder", **HOW, resume=True)
+    assert contents(path) == whole
+
+
+def test_a_store_is_filled_where_it_lacks_blocks(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    made = grid.MapGrid.of(ROBOT, 0.1, (9, 12))
+    store = MapStore(tmp_path / "whole.zarr", made)
+    assert map_dataset(made).sizes["angle"] == 9
+    for chunk in [file for file in (store.path / "postures" / "c").rglob("*") if file.is_file()][:3]:
+        chunk.unlink()
+    with cluster(1) as workers:
+        assert store.fill(workers) == 3
+    assert contents(store.path) == whole
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"grid": 1e-4}, r"a map of 4.*e\+.* poses: up to .* GB and about .* h of one core; .*--yes"),
+        ({"picture": "slice.txt"}, "has the ending of another kind of file"),
+        ({"workers": 2, "scheduler": "tcp://127.0.0.1:9"}, "--workers with --scheduler"),
+    ],
+)
+def test_what_is_refused_before_anything_is_written(options: dict[str, object], said: str, tmp_path: Path) -> None:
+    with pytest.raises(DeriveError, match=said):
+        write_map(ROBOT, tmp_path / "s.zarr", **options)  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []
