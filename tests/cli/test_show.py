@@ -45,18 +45,14 @@ PRINTED = {
 
 
 @pytest.mark.parametrize(("typed", "lines"), PRINTED.items())
-def test_numbers_have_the_digits_asked_for_and_a_line_says_where_they_are_rounded(
-    typed: str, lines: list[str], folder: Path
-) -> None:
+def test_numbers_have_the_digits_asked_for_and_a_line_says_so(typed: str, lines: list[str], folder: Path) -> None:
     assert printed(folder, *shlex.split(typed)) == lines
     assert EXACT in "".join(printed(folder, "B[1,1]", "--format", "json"))
 
 
-@pytest.mark.parametrize(
-    "options", [("--digits", "0"), ("--digits", "4", "--exact"), ("--digits", "4", "--format", "json")]
-)
-def test_digits_that_make_no_sense_are_refused(options: tuple[str, ...], folder: Path) -> None:
-    refused("show", "rod.yaml", "B", *options, folder=folder)
+@pytest.mark.parametrize("options", ["--digits 0", "--digits 4 --exact", "--digits 4 --format json"])
+def test_digits_that_make_no_sense_are_refused(options: str, folder: Path) -> None:
+    refused("show", "rod.yaml", "B", *options.split(), folder=folder)
 
 
 DEGREES = """\

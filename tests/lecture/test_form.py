@@ -127,9 +127,7 @@ def test_anything_else_is_refused(expression: object) -> None:
         expression_from_sympy(expression)
 
 
-@pytest.mark.parametrize(
-    "text", ["a*(b - 2)/3", "sqrt(a + b)**3", "sin(a + b)*tan(b)", "atan2(a, b) + pi/5", "lambda + I"]
-)
+@pytest.mark.parametrize("text", ["a*(b - 2)/3", "sqrt(a + b)**3", "sin(a+b)*tan(b)", "atan2(a, b)+pi/5", "lambda + I"])
 def test_there_and_back_is_the_same_number(text: str) -> None:
     tree = parse_expression(text, HERE, functions=FORMULA_FUNCTIONS, limits=FORMULA_LIMITS)
     numbers = {"a": 0.4, "b": 1.7, "lambda": 2.5, "I": 3.5}

@@ -166,9 +166,7 @@ def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, bas
 def test_poses_and_jacobians_are_those_of_the_oracle(limb: Arm) -> None:
     chain = limb.chain
     assert_close(kinematics.forward_kinematics(chain).rows(0.0, 1.0), limb.expected("forward_kinematics"))
-    assert_close(
-        [frame.rows(0.0, 1.0) for frame in kinematics.link_transforms(chain)], limb.expected("link_transforms")
-    )
+    assert_close([f.rows(0.0, 1.0) for f in kinematics.link_transforms(chain)], limb.expected("link_transforms"))
     assert_close(kinematics.jacobian(chain), limb.expected("jacobian"))
     slopes = np.reshape(kinematics.jacobian_hessian(kinematics.jacobian(chain), 0.0), (6, chain.n, chain.n))
     assert_close(slopes, limb.expected("jacobian_hessian"))

@@ -33,9 +33,7 @@ def random_text(rng: random.Random) -> str:
         row = f"type: {'prismatic' if slides else 'revolute'}, {'d' if slides else 'theta'}: {cell} + {rest}"
         joints.append(f"  - {{{row}, name: r{i}, a: {rng.choice(('0', f'a{i}'))}, alpha: {rng.choice(TURNS)}}}")
         motor = rng.choice(("", ", motor: {mass: 1/2, inertia: 1/9, ratio: 7}, armature: 1/5"))
-        links.append(
-            f"  - {{mass: m{i}, com: [x{i}, 0, 1/3], inertia: {{xx: 2, zz: I{i}, xy: 1/7}}, {FRICTION}{motor}}}"
-        )
+        links.append(f"  - {{mass: m{i}, com: [x{i}, 0, 2], inertia: {{xx: 2, zz: I{i}, xy: 1/7}}, {FRICTION}{motor}}}")
     if branches := rng.random() < 0.3:
         joints[-1] = joints[-1].replace("name:", "after: r0, name:")
     ends = f"ends: {{left: r{n - 2}, right: r{n - 1}}}\n" * branches
@@ -127,9 +125,7 @@ def test_relative_and_absolute_angles_are_two_sheets_of_one_arm() -> None:
         (("q1", "q2", "pi - q1 - q2"), {"q1", "q1 + q2"}, "-1"),
     ],
 )
-def test_angles_that_are_the_same_or_cancel_are_contracted(
-    cells: tuple[str, ...], angles: set[str], turned: str
-) -> None:
+def test_angles_that_are_equal_or_cancel_are_contracted(cells: tuple[str, ...], angles: set[str], turned: str) -> None:
     model = planar(*cells)
     shown = {str(call.args[0]) for call in model.T.atoms(sympy.sin, sympy.cos)}
     assert (shown, str(model.T[0, 0])) == (angles, turned)
@@ -148,9 +144,7 @@ def test_base_parameters_are_as_few_as_the_rank_of_the_regressor(cells: tuple[st
     model, rng = planar(*cells, more=", friction: {viscous: b, coulomb: f}"), np.random.default_rng(1)
     y = model.regressor_base
     symbols = sorted(y.free_symbols - {*model.q, *model.qd, *model.qdd}, key=str)
-    numeric = sympy.lambdify(
-        [*model.q, *model.qd, *model.qdd], y.subs({symbol: rng.uniform(0.3, 1) for symbol in symbols})
-    )
+    numeric = sympy.lambdify([*model.q, *model.qd, *model.qdd], y.subs({s: rng.uniform(0.3, 1) for s in symbols}))
     rows = np.vstack([np.array(numeric(*rng.uniform(-2, 2, 3 * model.n)), dtype=float) for _ in range(60)])
     assert (np.linalg.matrix_rank(rows), y.shape[1]) == (kept, kept)
     n = Numbers(model.robot, 1)

@@ -37,9 +37,7 @@ class Numbers:
     def __init__(self, robot: Robot, seed: int, contraction: str | None = None) -> None:
         rng = random.Random(seed)
         self.model = Model(robot, contraction=contraction)
-        parameters = {
-            name: rng.uniform(0.3, 1.7) for name in robot_symbols(robot) if name not in dict(robot.parameters)
-        }
+        parameters = {s: rng.uniform(0.3, 1.7) for s in robot_symbols(robot) if s not in dict(robot.parameters)}
         self.oracle = Oracle.of(robot, parameters)
         self.q, self.qd, self.qdd = (np.array([rng.uniform(-2, 2) for _ in range(robot.dof)]) for _ in range(3))
         self.values: dict[str, float] = dict(parameters)
@@ -193,9 +191,7 @@ def test_what_is_printed_is_checked() -> None:
     "angles",
     [("q1 + pi/4", "-q2 + pi/4", "q3 - pi/4"), ("q1 - 2*pi/3", "q2 + pi/4", "q3 + pi/4"), ("-q1 + 1", "q2", "q3")],
 )
-def test_transforms_and_jacobians_are_those_of_the_oracle(
-    angles: tuple[str, ...], convention: str, contraction: str
-) -> None:
+def test_transforms_and_jacobians_are_the_oracle_s(angles: tuple[str, ...], convention: str, contraction: str) -> None:
     check_kinematics(Numbers(_robot(*angles, convention=convention), seed=3, contraction=contraction))
 
 

@@ -43,9 +43,7 @@ class Perfect:
 
     def call(self, function: str, arguments: Sequence[Array], parameters: Mapping[str, Any]) -> Array:
         if np.ndim(parameters["m1"]):
-            return np.stack(
-                [one.oracle.evaluate(function, *(a[k] for a in arguments)) for k, one in enumerate(self.sets)]
-            )
+            return np.stack([s.oracle.evaluate(function, *(a[k] for a in arguments)) for k, s in enumerate(self.sets)])
         oracle = next(one.oracle for one in self.sets if one.parameters == dict(parameters))
         assert isinstance(oracle, Oracle)
         return oracle.evaluate(function, *arguments)

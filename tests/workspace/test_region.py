@@ -174,16 +174,12 @@ def test_a_redundant_planar_arm_covers_its_disc(link: str, count: int, parts: in
 pytest.importorskip("matplotlib")
 
 
-@pytest.mark.parametrize(
-    ("joints", "picture"), [("holed", Picture.TOP), ("tube", Picture.SECTION)], ids=["planar", "torus"]
-)
+@pytest.mark.parametrize(("joints", "picture"), [("holed", Picture.TOP), ("tube", Picture.SECTION)])
 def test_formulas_and_critical_curves_bound_the_same_area(joints: str, picture: Picture) -> None:
     seen = plane(joints, picture)
     found = Postures.of(seen.point)
     assert found.has_formulas
-    area = region.formula_area(
-        seen, lambda parts: found.curves(seen, parts // 5), lambda places: found.within(seen, places)
-    )
+    area = region.formula_area(seen, lambda parts: found.curves(seen, parts // 5), lambda q: found.within(seen, q))
     other = region.exact_area(seen, 100)
     assert area.region.symmetric_difference(other.region).area < 4e-3 * other.region.area
 

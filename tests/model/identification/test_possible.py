@@ -242,9 +242,7 @@ NO_BODIES = {
 
 
 @pytest.mark.parametrize("links", NO_BODIES.values(), ids=NO_BODIES)
-def test_a_witness_is_found_beside_slanted_axes_and_links_without_weight(
-    links: tuple[tuple[str, str, str], ...],
-) -> None:
+def test_a_witness_is_found_beside_slanted_axes_and_weightless_links(links: tuple[tuple[str, str, str], ...]) -> None:
     prove(with_links(arm("spatial", "modified"), *links))
 
 
