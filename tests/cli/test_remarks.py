@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from textwrap import indent
 
 import pytest
 
@@ -55,10 +56,8 @@ def test_a_built_in_plan_is_told_nothing_of_bodies(tmp_path: Path) -> None:
 
 
 def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is(tmp_path: Path) -> None:
-    load = "payload: {mass: 1, inertia: [1, 1, 3]}"
-    (tmp_path / "plan.yaml").write_text(
-        f"robot: scara-matlab\npoints: {{a: [0, 0, 1, 0]}}\npath: [a, {{to: a, time: 1, {load}}}]\n"
-    )
+    path = "[a, {to: a, time: 1, payload: {mass: 1, inertia: [1, 1, 3]}}]"
+    (tmp_path / "plan.yaml").write_text(f"robot: scara-matlab\npoints: {{a: [0, 0, 1, 0]}}\npath: {path}\n")
     done = derive("move", "plan.yaml", folder=tmp_path)
     assert (done.status, done.stderr.count("physically inconsistent")) == (0, 2)
     assert "path entry 2, payload, inertia: physically inconsistent: one principal moment exceeds" in done.stderr
@@ -66,9 +65,7 @@ def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is(tmp_path: Pa
 
 
 def test_json_carries_it(folder: Path) -> None:
-    (folder / "notes.yaml").write_text(
-        "robot:\n" + "".join(f"  {line}\n" for line in SLIP.splitlines()) + "expected: []\n"
-    )
+    (folder / "notes.yaml").write_text(f"robot:\n{indent(SLIP, '  ')}expected: []\n")
     shown = json.loads(derive("show", "slip.yaml", "T", "--format", "json", folder=folder).stdout)
     (built,) = json.loads(derive("build", "slip.yaml", "--target", "numpy", "--json", folder=folder).stdout)
     verified = json.loads(derive("verify", "slip.yaml", "--json", folder=folder).stdout)

@@ -8,12 +8,11 @@ import pytest
 import sympy
 
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
-from derive.model.ends import OfEnds
 from derive.model.equality import compare
 from derive.model.model import Model
-from derive.robot import tree
 from derive.robot.robot import Robot
-from tests.model.test_model_against_oracle import Numbers, close
+from tests.model.test_model_against_oracle import Numbers, check_dynamics, close
+from tests.model.test_trees import check_ends
 from tests.random_robots import seeds
 from tests.rows import robot_of_rows
 
@@ -46,31 +45,12 @@ def random_text(rng: random.Random) -> str:
 FRICTION = "friction: {viscous: 1/4, coulomb: [1/3, 1/8]}"
 
 
-def of_end(quantity: object, name: str) -> object:
-    return quantity[name] if isinstance(quantity, OfEnds) else quantity
-
-
 @pytest.mark.parametrize("seed", seeds(60, 6, 60))
 def test_closed_forms_agree_with_the_oracle(seed: int) -> None:
     n = Numbers(Robot.from_text(random_text(random.Random(seed))), seed)
-    model, oracle = n.model, n.oracle
-    for end in tree.ends(model.robot):
-        suffix = f"_{end.name}" * bool(end.name)
-        n.check(f"forward_kinematics{suffix}", of_end(model.T, end.name))
-        n.check(f"jacobian{suffix}", of_end(model.J, end.name))
-        n.check(f"jacobian_end{suffix}", of_end(model.J_end, end.name))
-        n.check(f"jacobian_dot{suffix}", of_end(model.J_dot, end.name), n.qd)
-        for k in range(model.n):
-            close(
-                n.value(of_end(model.hessian(k + 1), end.name)),
-                oracle.evaluate(f"jacobian_hessian{suffix}", n.q)[..., k],
-            )
-    b = n.check("inertia_matrix", model.B)
-    n.check("coriolis_matrix", model.C, n.qd)
-    n.check("gravity_vector", model.g)
-    tau = n.check("inverse_dynamics", model.tau, n.qd, n.qdd)
-    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
-    close(n.value(model.energy.potential), oracle.evaluate("potential_energy", n.q))
+    model = n.model
+    check_ends(n)
+    _, tau = check_dynamics(n)
     close((n.value(model.regressor) @ n.value(model.standard_parameters)).ravel(), tau)
     close((n.value(model.regressor_base) @ n.value(model.base_parameters)).ravel(), tau)
     skew = model.rate_coefficient("N")
@@ -95,13 +75,8 @@ def test_relative_and_absolute_angles_are_two_sheets_of_one_arm() -> None:
     """With q = S a: T(S a), S^T B S, S^T C(S a, S ad) S and S^T g, exactly."""
     relative, absolute = planar("q1", "q2", more=", friction: {viscous: b}"), planar("q1", "q2 - q1")
     s = sympy.Matrix([[1, 0], [-1, 1]])
-    changed = dict(
-        zip(
-            (*relative.q, *relative.qd),
-            (*(s * sympy.Matrix(absolute.q)), *(s * sympy.Matrix(absolute.qd))),
-            strict=True,
-        )
-    )
+    there = (*(s * sympy.Matrix(absolute.q)), *(s * sympy.Matrix(absolute.qd)))
+    changed = dict(zip((*relative.q, *relative.qd), there, strict=True))
     pairs = [
         (absolute.T, relative.T.subs(changed, simultaneous=True)),
         (absolute.J, relative.J.subs(changed, simultaneous=True) * s),

@@ -75,15 +75,22 @@ def check_kinematics(n: Numbers) -> None:
     close(n.value(n.model.J_end), np.vstack([turned @ jacobian[:3], turned @ jacobian[3:]]))
 
 
+def check_dynamics(n: Numbers) -> tuple[Any, Any]:
+    """The numbers of C and tau; B, g and the energies have to be right, too."""
+    model = n.model
+    b, c = n.check("inertia_matrix", model.B), n.check("coriolis_matrix", model.C, n.qd)
+    n.check("gravity_vector", model.g)
+    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
+    n.check("potential_energy", model.energy.potential)
+    return c, n.check("inverse_dynamics", model.tau, n.qd, n.qdd)
+
+
 def check(n: Numbers) -> None:
     check_kinematics(n)
     model = n.model
     if not model.robot.has_dynamics:
         return
-    b, c = n.check("inertia_matrix", model.B), n.check("coriolis_matrix", model.C, n.qd)
-    n.check("gravity_vector", model.g)
-    n.check("inverse_dynamics", model.tau, n.qd, n.qdd)
-    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
+    c, _ = check_dynamics(n)
     skew = n.value(model.N)
     close(skew, -skew.T)
     close(skew, n.value(model.Bdot) - 2 * c)
