@@ -155,8 +155,6 @@ def _terms_in(tree: Tree, p: fmpq_mpoly) -> tuple[Contracted, ...]:
     size = len(tree)
     terms = []
     for exponents, coefficient in p.terms():
-        factors = tuple(
-            Trig(position < size, tree[position % size], int(e)) for position, e in enumerate(exponents) if e
-        )
+        factors = tuple(Trig(k < size, tree[k % size], int(e)) for k, e in enumerate(exponents) if e)
         terms.append(Contracted(fraction(coefficient), factors))
     return tuple(terms)

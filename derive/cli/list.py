@@ -40,7 +40,5 @@ def run(arguments: argparse.Namespace) -> None:
         print_json([dict(zip(keys, row, strict=True)) for row in rows])
         return
     if not arguments.plans:
-        rows = [
-            (name, j if len(j) <= 8 else f"{len(j)} joints", c, "yes" if d else "-", t) for name, j, c, d, t in rows
-        ]
+        rows = [(n, j if len(j) <= 8 else f"{len(j)} joints", c, "yes" if d else "-", t) for n, j, c, d, t in rows]
     print_columns([[one_line(str(cell)) for cell in row] for row in rows], keys)

@@ -85,9 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
     digits = None if arguments.exact else arguments.digits or DIGITS
     if with_numbers:
         remark, shown = _put_in(model, shown, arguments)
-    values = [
-        part for name, value in shown if name not in DESCRIBED for part in getattr(value, "expressions", (value,))
-    ]
+    values = [part for name, v in shown if name not in DESCRIBED for part in getattr(v, "expressions", (v,))]
     printer, loses = _printer(robot, form, digits, values, numbers=with_numbers)
     written = [(name, _written(robot, form, name, value, digits, printer)) for name, value in shown]
     if form == "json":

@@ -34,9 +34,7 @@ BOLD, RED, YELLOW = 1, 31, 33  # numbers of colours in terminals (ECMA-48)
 
 def one_line(text: str) -> str:
     """A text on one line, with control characters escaped: it may quote a stranger's file."""
-    return "".join(
-        character if character.isprintable() else character.encode("unicode_escape").decode() for character in text
-    )
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def print_columns(rows: Sequence[Sequence[str]], header: Sequence[str] = ()) -> None:

@@ -125,10 +125,7 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
     coefficient, sums, outer = fraction(content), [], Monomial()
     # irreducible factors over the rationals: single terms go in front, sums are what makes it a product
     for factor, exponent in factors:
-        inner = {
-            tuple((names[i], int(e)) for i, e in enumerate(exponents) if e): fraction(c)
-            for exponents, c in factor.terms()
-        }
+        inner = {tuple((names[i], int(e)) for i, e in enumerate(key) if e): fraction(c) for key, c in factor.terms()}
         if len(inner) > 1:
             sums.append((inner, int(exponent)))
             continue

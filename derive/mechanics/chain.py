@@ -262,30 +262,16 @@ def _chain_joint(
     else:
         cosine, sine = domain.cosine_sine(joint.theta)
         offset = domain.joint_offset(index, joint)
-    parent, mount, fixed = place
+    *_, fixed = place
     rotor = fixed.position
     if robot.convention is Convention.MODIFIED:
         rotor = add(rotor, scale(domain.constant(joint.d), vectors.column(fixed.rotation, 2)))
     motor = link.motor or Motor()
     ratio = domain.constant(motor.ratio)
     spin = ratio * domain.constant(motor.inertia)
-    odd, even = link.signed
-    return ChainJoint(
-        revolute=joint.is_revolute,
-        sign=joint.sign,
-        parent=parent,
-        mount=mount,
-        fixed=fixed,
-        rotor=rotor,
-        cosine=cosine,
-        sine=sine,
-        offset=offset,
-        coupling=spin if joint.sign > 0 else -spin,
-        armature=ratio * spin + domain.constant(link.armature),
-        viscous=domain.constant(link.viscous),
-        coulomb=domain.constant(odd),
-        coulomb_even=domain.constant(even),
-    )
+    coupling, armature = spin if joint.sign > 0 else -spin, ratio * spin + domain.constant(link.armature)
+    friction = [domain.constant(cell) for cell in (link.viscous, *link.signed)]
+    return ChainJoint(joint.is_revolute, joint.sign, *place, rotor, cosine, sine, offset, coupling, armature, *friction)
 
 
 def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S], Link]]:

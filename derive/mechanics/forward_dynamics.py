@@ -112,8 +112,8 @@ class _Articulated(Generic[F]):
         moment = add(to_parent(joint, self.moment), cross(p, force))
         # I' = I + p^ H^T - H' p^, its upper triangle alone.
         left, right = [cross(p, row) for row in turned], [cross(p, row) for row in moved]
-        i, above = inertia.matrix, ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-        shifted = Symmetric(*(i[r][c] + (left[c][r] + right[r][c]) for r, c in above))
+        i = inertia.matrix
+        shifted = Symmetric(*(i[r][c] + (left[c][r] + right[r][c]) for r, c in vectors.UPPER))
         return _Articulated(mass, moved, shifted, force, moment)
 
     def release(self, joint: ChainJoint[F], torque: F) -> tuple[_Release[F], _Articulated[F]]:

@@ -25,9 +25,10 @@ from dataclasses import dataclass, replace
 from typing import Generic
 
 from derive.errors import QuantityError
+from derive.mechanics import vectors
 from derive.mechanics.chain import Chain, Domain, build_chain, central_inertia, constant_vector
 from derive.mechanics.joint_motion import along_axes
-from derive.mechanics.vectors import Matrix, S, Vector, add, column, cross, dot, matmul, multiply, scale, transpose
+from derive.mechanics.vectors import Matrix, S, Vector, add, column, conjugate, cross, dot, multiply, scale, transpose
 from derive.robot.description import Convention, Motor
 from derive.robot.expression import ZERO
 from derive.robot.robot import Robot
@@ -179,18 +180,10 @@ def _link_data(
     joint, link = chain.joints[i], robot.links[i]
     # A_i gives R_i = R_{i-1} R, and p* = o_i - o_{i-1} in the coordinates of the set.
     row = chain.row(i + 1, robot.convention)
-    rotation, back = matmul(before, row.rotation), transpose(row.rotation)
-    com, tensor = constant_vector(link.com, domain), central_inertia(link, domain).matrix
-    return LinkData(
-        revolute=joint.revolute,
-        qd=rates[0],
-        qdd=rates[1],
-        rotation=rotation,
-        before=back,
-        z=column(before, 2) if base else column(back, 2),
-        p=multiply(before if base else back, row.position),
-        s=multiply(rotation, com) if base else com,
-        mass=domain.constant(link.mass),
-        inertia=matmul(matmul(rotation, tensor), transpose(rotation)) if base else tensor,
-        viscous=joint.viscous,
-    )
+    rotation, back = vectors.matmul(before, row.rotation), transpose(row.rotation)
+    axes = before if base else back
+    s, tensor = constant_vector(link.com, domain), central_inertia(link, domain).matrix
+    if base:
+        s, tensor = multiply(rotation, s), conjugate(rotation, tensor)
+    places = (column(axes, 2), multiply(axes, row.position), s)
+    return LinkData(joint.revolute, *rates, rotation, back, *places, domain.constant(link.mass), tensor, joint.viscous)

@@ -22,6 +22,7 @@ S = TypeVar("S", bound=Scalar)
 
 Vector = tuple[S, S, S]
 Matrix = tuple[Vector[S], Vector[S], Vector[S]]
+UPPER = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # places of the entries of a symmetric tensor
 
 
 def add(a: Vector[S], b: Vector[S]) -> Vector[S]:
@@ -121,19 +122,13 @@ class Symmetric(Generic[S]):
         return ((self.xx, self.xy, self.xz), (self.xy, self.yy, self.yz), (self.xz, self.yz, self.zz))
 
     def __add__(self, other: Symmetric[S]) -> Symmetric[S]:
-        return Symmetric(
-            self.xx + other.xx,
-            self.yy + other.yy,
-            self.zz + other.zz,
-            self.xy + other.xy,
-            self.xz + other.xz,
-            self.yz + other.yz,
-        )
+        a, b = self.matrix, other.matrix
+        return Symmetric(*(a[i][j] + b[i][j] for i, j in UPPER))
 
 
 def from_matrix(m: Matrix[S]) -> Symmetric[S]:
     """A symmetric tensor from the upper triangle of its matrix."""
-    return Symmetric(m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2])
+    return Symmetric(*(m[i][j] for i, j in UPPER))
 
 
 def axial_tensor(inertia: S, u: Vector[S]) -> Symmetric[S]:

@@ -240,9 +240,7 @@ class ModelEntries:
 
     def _rate_matrix(self, name: str) -> Entries:
         model = self.model
-        return self._by_inertia(
-            self.model.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1]
-        )
+        return self._by_inertia(model.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1])
 
     @cached_property
     def g(self) -> Entries:

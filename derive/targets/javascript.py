@@ -106,9 +106,7 @@ def _inverse(inverse: Inverse, parameters: Sequence[str], robot: Robot) -> dict[
     return {
         "kernel": _function(function, parameters, robot.dof),  # the texts of its program
         "step": _function(inverse.step, parameters, robot.dof),  # those of its Newton step
-        "step_entries": tuple(
-            (name, wrapped(entry_names(inverse.step, name, robot.dof))) for name in inverse.step.arguments
-        ),
+        "step_entries": tuple((n, wrapped(entry_names(inverse.step, n, robot.dof))) for n in inverse.step.arguments),
         "documentation": tuple(f" * {line}".rstrip() for line in documentation),  # lines of its comment
         "entries": wrapped(entry_names(function, POSE, 0)),  # lines of the names of the entries of a pose
         "near_entries": wrapped(entry_names(function, NEAR, 0)),  # lines of those of ``near``

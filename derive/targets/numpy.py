@@ -84,9 +84,7 @@ def python_context(source: Source) -> dict[str, object]:
         "arms": [],  # inverse kinematics of the ends
         "inverse_in_one_call": False,
         "nearest_is_compiled": False,
-        "functions": [
-            _python_function(each, program.parameters, robot.dof, felt.get(each.name, ())) for each in program
-        ],
+        "functions": [_python_function(f, program.parameters, robot.dof, felt.get(f.name, ())) for f in program],
         "has_felt": bool(felt),
         "functions_of_ends": [{"name": name, "arguments": arguments} for name, arguments in of_ends.items()],
         "ends": [end.name for end in robot.ends],

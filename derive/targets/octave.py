@@ -33,9 +33,7 @@ def render_octave(source: Source) -> dict[str, str]:
         "package": package,
         "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.variables),
         "parameters": wrapped([matlab_string(name) for name in program.parameters], " ..."),
-        "limits": [
-            ", ".join(bound_text(bound, "Inf") for bound in pair or (-inf, inf)) for pair in joint_limits(robot)
-        ],
+        "limits": [", ".join(bound_text(bound, "Inf") for bound in p or (-inf, inf)) for p in joint_limits(robot)],
         "bounds": {
             name.lower(): "; ".join(bound_text(inf if most is None else most, "Inf") for most in row)
             for name, row in joint_bounds(robot).items()
@@ -182,9 +180,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         *map(one_line, inverse.order),
         *inverse.function.notes,
     )
-    turning = [
-        "true" if joint.is_revolute and i not in inverse.given else "false" for i, joint in enumerate(robot.variables)
-    ]
+    turning = ["true" if j.is_revolute and i not in inverse.given else "false" for i, j in enumerate(robot.variables)]
     return {
         "kernel": _function(inverse.function, program.parameters, robot, package),  # the texts of its program
         "step": _function(inverse.step, program.parameters, robot, package),  # those of its Newton step

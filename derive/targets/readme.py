@@ -57,9 +57,7 @@ def render(source: Source) -> dict[str, str]:
             f"`{line}` {markdown_text(joint.name)}".rstrip()
             for line, joint in zip(joint_lines(robot), robot.variables, strict=True)
         ],
-        "files": [
-            (name, FILES.get("+" if name.startswith("+") else name, "")) for name in source.files if name != "README.md"
-        ],
+        "files": [(n, FILES.get("+" if n.startswith("+") else n, "")) for n in source.files if n != "README.md"],
         "has_numpy": "model_numpy.py" in source.files,
         "has_casadi": "model_casadi.py" in source.files,
         "matlab": next((name[1:-1] for name in source.files if name.startswith("+")), ""),

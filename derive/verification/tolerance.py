@@ -182,12 +182,8 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
         "first moment": np.where(arm.revolute, pull, 0.0) + lever * spin,
         "inertia": np.full(arm.n, spin),
     }
-    of_joint = {
-        "Im": ratio**2 * acceleration,
-        "Ia": acceleration,
-        "b": rate,
-        **dict.fromkeys(("f", "fp", "fm"), np.ones(arm.n)),
-    }
+    of_joint = dict.fromkeys(("f", "fp", "fm"), np.ones(arm.n))
+    of_joint |= {"Im": ratio**2 * acceleration, "Ia": acceleration, "b": rate}
     columns = []
     for parameter in known.standard if function == "regressor" else known.base:
         part, i = parameter.part, parameter.joint - 1

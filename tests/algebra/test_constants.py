@@ -110,9 +110,7 @@ def test_a_multiple_of_pi_is_right_angles_and_a_rest_of_half_of_one(multiple: Fr
     assert (multiple - Fraction(quarter, 2) - rest) % 2 == 0
 
 
-@pytest.mark.parametrize(
-    "value", [Fraction(8), Fraction(1, 2), Fraction(18, 50), Fraction(49), Fraction(10_007**2 * 6)]
-)
+@pytest.mark.parametrize("value", [Fraction(8), Fraction(1, 2), Fraction(18, 50), Fraction(49), Fraction(10007**2 * 6)])
 def test_a_square_root_is_a_rational_times_roots_of_different_primes(value: Fraction) -> None:
     factor, primes = square_free(value)
     assert factor**2 * math.prod(primes) == value

@@ -55,14 +55,12 @@ def _printed(stream: io.TextIOWrapper) -> str:
     return stream.buffer.getvalue().decode("utf-8")  # type: ignore[attr-defined]
 
 
-def _run_main(
-    arguments: Sequence[str], folder: Path, variables: Mapping[str, str], out: io.TextIOWrapper, err: io.TextIOWrapper
-) -> int:
+def _run_main(arguments: Sequence[str], folder: Path, variables: Mapping[str, str], *streams: io.TextIOWrapper) -> int:
     with (
         contextlib.chdir(folder),
         mock.patch.dict(os.environ, variables),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
+        contextlib.redirect_stdout(streams[0]),
+        contextlib.redirect_stderr(streams[1]),
     ):
         try:
             return main(arguments)

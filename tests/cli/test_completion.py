@@ -52,17 +52,13 @@ def test_what_is_typed_is_completed(
     (tmp_path / "script").write_text(scripts[shell])
     (tmp_path / "puma.yaml").touch()
     words = typed if shell == "bash" else typed.replace("''", "")
-    done = subprocess.run(
-        [shell, "-c", program % words], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True
-    )
-    assert set(done.stdout.split()) == expected
+    printed = subprocess.check_output([shell, "-c", program % words], cwd=tmp_path, text=True, timeout=60)
+    assert set(printed.split()) == expected
 
 
 @pytest.mark.parametrize("shell", SHELLS)
 def test_every_script_names_every_command_robot_and_no_old_option(shell: str, scripts: dict[str, str]) -> None:
-    assert all(
-        word in scripts[shell] for word in (*COMMANDS, *catalogue_names(), "christoffel", "scara-pick-and-place")
-    )
+    assert all(one in scripts[shell] for one in (*COMMANDS, *catalogue_names(), "christoffel", "scara-pick-and-place"))
     assert "--to " not in scripts[shell]
 
 

@@ -43,9 +43,7 @@ def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None
         (("--format", "latex"), "--format latex without --derivation; add --derivation"),
     ],
 )
-def test_wrong_options_are_one_message_and_nothing_is_written(
-    options: tuple[str, ...], message: str, tmp_path: Path
-) -> None:
+def test_wrong_options_are_one_message_and_no_file(options: tuple[str, ...], message: str, tmp_path: Path) -> None:
     (tmp_path / "taken.yaml").write_text("x")
     (tmp_path / "folder").mkdir()
     done = refused("convert", "thumb", *options, folder=tmp_path)

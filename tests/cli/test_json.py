@@ -49,10 +49,7 @@ def test_the_schema_is_that_of_robot_files(tmp_path: Path) -> None:
 ERRORS = {
     "place": ("show arm.yaml T", {"file": "arm.yaml", "line": 4, "column": 22, "kind": "RobotFileError"}),
     "remark": ("show arm.yaml T --strict", {"file": "arm.yaml", "line": 4, "kind": "RobotFileWarning"}),
-    "name": (
-        "show nobody T",
-        {"kind": "UnknownRobotError", "found": "'nobody' is neither a file nor a built-in robot"},
-    ),
+    "name": ("show nemo T", {"kind": "UnknownRobotError", "found": "'nemo' is neither a file nor a built-in robot"}),
     "option": ("show arm.yaml --frob", {"kind": "DeriveError", "found": "no option '--frob'"}),
     "usage": ("export arm.yaml", {"kind": "DeriveError", "remedy": "see 'derive export --help'"}),
     "command": ("shwo", {"kind": "DeriveError"}),

@@ -1,5 +1,6 @@
 """``derive new``: files that load, from nothing or from what exists."""
 
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -40,12 +41,8 @@ def test_a_copy_differs_in_its_name_alone(model: str) -> None:
     text = copied_robot_text("mine", model)
     copy, original = Robot.from_text(text), Robot.load(model)
     assert copy.name == "mine"
-    assert (copy.joints, copy.links, copy.parameters, copy.units) == (
-        original.joints,
-        original.links,
-        original.parameters,
-        original.units,
-    )
+    parts = attrgetter("joints", "links", "parameters", "units")
+    assert parts(copy) == parts(original)
     comments = [line for line in robot_file_bytes(model).decode().splitlines() if line.startswith("#")]
     assert all(line in text for line in comments)
 
@@ -60,13 +57,9 @@ def test_of_a_corpus_file_only_the_robot_is_copied(tmp_path: Path) -> None:
 
 
 def test_a_quoted_name_and_json_are_exchanged_too(tmp_path: Path) -> None:
-    for number, text in enumerate(
-        (
-            PENDULUM.replace("name: pendulum", "'name': \"pendulum\"  # mine"),
-            '{"name": "p", "convention": "standard", "joints": [{"type": "revolute"}]}',
-        )
-    ):
-        path = tmp_path / f"{number}.yaml"
+    quoted = PENDULUM.replace("name: pendulum", "'name': \"pendulum\"  # mine")
+    path = tmp_path / "arm.yaml"
+    for text in (quoted, '{"name": "p", "convention": "standard", "joints": [{"type": "revolute"}]}'):
         path.write_text(text)
         assert Robot.from_text(copied_robot_text("other", str(path))).name == "other"
 

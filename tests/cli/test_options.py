@@ -64,13 +64,11 @@ def test_old_names_mean_the_new_ones_and_are_not_shown(command: str) -> None:
         assert not re.search(rf"{old}\b", parser.format_help())
 
 
-@pytest.mark.parametrize(
-    "old", ["-q 0.5,-0.5", "-q=-0.5,0.5", "-q-0.5,0.5", "-q -0.5,0.5", "--at -0.5,0.5", "--at=0,1"]
-)
-def test_joint_values_are_read_however_they_are_given(old: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("at", ["-q 0.5,-0.5", "-q=-0.5,0.5", "-q-0.5,0.5", "-q -0.5,0.5", "--at -0.5,0.5", "--at=0,1"])
+def test_joint_values_are_read_however_they_are_given(at: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    values = re.sub(r"(-q|--at)[ =]?", "", old).replace(" ", ",").split(",")
-    done = derive("plot", "planar-2r-perugia", *old.split(), "-o", "a.svg", folder=tmp_path)
+    values = re.sub(r"(-q|--at)[ =]?", "", at).replace(" ", ",").split(",")
+    done = derive("plot", "planar-2r-perugia", *at.split(), "-o", "a.svg", folder=tmp_path)
     assert f"q1 = {float(values[0]):.4g} rad, q2 = {float(values[1]):.4g} rad" in done.stdout, done.stderr
 
 

@@ -159,9 +159,7 @@ def test_standard_output_and_the_null_device_are_always_free(typed: str, folder:
     assert contents(folder) == before
 
 
-def test_a_folder_of_somebody_else_is_not_built_into_and_nothing_is_derived_for_it(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_derived_for_a_folder_of_somebody_else(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "out" / "pendulum").mkdir(parents=True)
     (folder / "out" / "pendulum" / "notes.txt").write_text("mine")
     before = contents(folder)

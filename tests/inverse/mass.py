@@ -164,9 +164,7 @@ def _reported(name: str, found: Verdict, begin: float) -> Verdict:
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.inverse.mass", description=__doc__)
     parser.add_argument("what", choices=["every", "arms", "poses", "general"])
-    parser.add_argument(
-        "--class", dest="kinds", action="append", metavar="CLASS", help="every, arms: only this class; repeat"
-    )
+    parser.add_argument("--class", dest="kinds", action="append", metavar="CLASS", help="only this class; repeat")
     parser.add_argument("--arms", type=int, help="every, arms: random ones of each class; 10, 1,000")
     parser.add_argument("--first", type=int, default=0, help="number of the first random arm")
     parser.add_argument("--poses", type=int, help="of each arm; by default 10, 1,000 (general: 100), 1,000,000, 10,000")

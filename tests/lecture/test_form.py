@@ -9,21 +9,8 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, Location
+from derive.lecture import plan
 from derive.lecture.form import LectureForm, SymbolRoles
-from derive.lecture.plan import (
-    LARGE_FACTOR,
-    Plan,
-    Plus,
-    Term,
-    Times,
-    cheapest,
-    factored,
-    flat,
-    grouped,
-    nested,
-    product_form,
-    with_plain_numbers,
-)
 from derive.lecture.sympy_conversion import (
     Expr,
     columns_matrix,
@@ -140,9 +127,7 @@ def test_anything_else_is_refused(expression: object) -> None:
         expression_from_sympy(expression)
 
 
-@pytest.mark.parametrize(
-    "text", ["a*(b - 2)/3", "sqrt(a + b)**3", "sin(a + b)*tan(b)", "atan2(a, b) + pi/5", "lambda + I"]
-)
+@pytest.mark.parametrize("text", ["a*(b - 2)/3", "sqrt(a + b)**3", "sin(a+b)*tan(b)", "atan2(a, b)+pi/5", "lambda + I"])
 def test_there_and_back_is_the_same_number(text: str) -> None:
     tree = parse_expression(text, HERE, functions=FORMULA_FUNCTIONS, limits=FORMULA_LIMITS)
     numbers = {"a": 0.4, "b": 1.7, "lambda": 2.5, "I": 3.5}
@@ -164,15 +149,15 @@ def test_linear_rows_stand_above_angular_ones() -> None:
 NUMBERS = [Fraction(n) for n in (2, 3, 5, 7, 11)]
 
 
-def value(plan: Plan) -> Fraction:
-    match plan:
-        case Term(coefficient, monomial):
+def value(tree: plan.Plan) -> Fraction:
+    match tree:
+        case plan.Term(coefficient, monomial):
             total = coefficient
-        case Times(coefficient, monomial, inner):
+        case plan.Times(coefficient, monomial, inner):
             total = coefficient
             for part, exponent in inner:
                 total *= value(part) ** exponent
-        case Plus(parts):
+        case plan.Plus(parts):
             return sum((value(part) for part in parts), Fraction(0))
     for factor, exponent in monomial:
         total *= NUMBERS[factor] ** exponent
@@ -187,51 +172,51 @@ def test_every_rule_keeps_the_value(seed: int, signs: tuple[int, ...]) -> None:
     terms = {m: Fraction(rng.choice(signs) * rng.randint(1, 4)) for m in sorted(monomials)}
     levels = [frozenset({0}), frozenset({1, 2})]
     plans = [
-        flat(terms),
-        factored(terms, flat),
-        factored(terms, flat, frozenset({0, 1})),
-        grouped(terms, levels[1], flat),
-        nested(terms, levels),
+        plan.flat(terms),
+        plan.factored(terms, plan.flat),
+        plan.factored(terms, plan.flat, frozenset({0, 1})),
+        plan.grouped(terms, levels[1], plan.flat),
+        plan.nested(terms, levels),
     ]
-    assert {value(plan) for plan in plans} == {value(plans[0])}
-    assert cheapest(plans).operations == min(plan.operations for plan in plans)
+    assert {*map(value, plans)} == {value(plans[0])}
+    assert plan.cheapest(plans).operations == min(tree.operations for tree in plans)
 
 
 def test_a_common_factor_saves_its_multiplications_and_a_sum_of_negatives_has_its_sign_outside() -> None:
     """x*y + x*z takes three operations, x*(y + z) two."""
     one = Fraction(1)
     terms = {((0, 1), (1, 1)): one, ((0, 1), (2, 1)): one}
-    assert (flat(terms).operations, factored(terms, flat).operations) == (3, 2)
+    assert (plan.flat(terms).operations, plan.factored(terms, plan.flat).operations) == (3, 2)
     terms = {((0, 1), (1, 1)): Fraction(-1), ((0, 1), (2, 1)): Fraction(-2)}
-    found = factored(terms, flat)
-    assert isinstance(found, Times)
+    found = plan.factored(terms, plan.flat)
+    assert isinstance(found, plan.Times)
     assert found.coefficient == -1
 
 
 def test_squares_of_sums_are_found_and_sums_that_are_no_products_left() -> None:
     square = {((0, 2),): Fraction(1), ((0, 1), (1, 1)): Fraction(2), ((1, 2),): Fraction(1)}
-    found = product_form(square)
-    assert isinstance(found, Times)
+    found = plan.product_form(square)
+    assert isinstance(found, plan.Times)
     assert [exponent for _, exponent in found.inner] == [2]
-    assert value(found) == value(flat(square))
-    assert product_form({((0, 2),): Fraction(1), ((1, 2),): Fraction(1)}) is None
+    assert value(found) == value(plan.flat(square))
+    assert plan.product_form({((0, 2),): Fraction(1), ((1, 2),): Fraction(1)}) is None
     single = {((0, 1), (1, 1)): Fraction(1), ((0, 1), (2, 1)): Fraction(1)}
-    assert product_form(single) is None
-    assert product_form(single, monomials=True) is not None
+    assert plan.product_form(single) is None
+    assert plan.product_form(single, monomials=True) is not None
 
 
-def _sum(*numbers: str) -> Plan:
+def _sum(*numbers: str) -> plan.Plan:
     """Number of factor 0, number of factor 1, ...; the first term is plain."""
-    return Plus(tuple(Term(Fraction(n), ((k, 1),) if k else ()) for k, n in enumerate(numbers)))
+    return plan.Plus(tuple(plan.Term(Fraction(n), ((k, 1),) if k else ()) for k, n in enumerate(numbers)))
 
 
-def _numbers(plan: Plan) -> list[Fraction]:
-    match plan:
-        case Term(coefficient, _):
+def _numbers(tree: plan.Plan) -> list[Fraction]:
+    match tree:
+        case plan.Term(coefficient, _):
             return [coefficient]
-        case Times(coefficient, _, inner):
+        case plan.Times(coefficient, _, inner):
             return [coefficient, *(n for part, _ in inner for n in _numbers(part))]
-        case Plus(parts):
+        case plan.Plus(parts):
             return [n for part in parts for n in _numbers(part)]
 
 
@@ -249,11 +234,11 @@ def _numbers(plan: Plan) -> list[Fraction]:
 def test_products_of_decimals_have_numbers_of_usual_size(
     coefficient: str, sums: list[tuple[tuple[str, ...], int]], expected: list[str]
 ) -> None:
-    plan = Times(Fraction(coefficient), (), tuple((_sum(*numbers), exponent) for numbers, exponent in sums))
-    plain = with_plain_numbers(plan)
-    assert value(plain) == value(plan)
+    given = plan.Times(Fraction(coefficient), (), tuple((_sum(*numbers), exponent) for numbers, exponent in sums))
+    plain = plan.with_plain_numbers(given)
+    assert value(plain) == value(given)
     assert _numbers(plain) == [Fraction(n) for n in expected]
-    assert plain.operations <= plan.operations
+    assert plain.operations <= given.operations
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -264,7 +249,7 @@ def test_plain_numbers_keep_the_value(seed: int) -> None:
         return str(rng.choice([-1, 1]) * Fraction(rng.randint(1, 10 ** rng.randint(1, 5)), rng.choice([1, 100])))
 
     sums = tuple((_sum(drawn(), drawn(), drawn()), rng.randint(1, 2)) for _ in range(rng.randint(1, 2)))
-    plan = Times(Fraction(rng.randint(1, 999), 10**6), ((3, 1),), sums)
-    plain = with_plain_numbers(plan)
-    assert value(plain) == value(plan)
-    assert all(abs(n) < LARGE_FACTOR for part, _ in getattr(plain, "inner", ()) for n in _numbers(part))
+    given = plan.Times(Fraction(rng.randint(1, 999), 10**6), ((3, 1),), sums)
+    plain = plan.with_plain_numbers(given)
+    assert value(plain) == value(given)
+    assert all(abs(n) < plan.LARGE_FACTOR for part, _ in getattr(plain, "inner", ()) for n in _numbers(part))

@@ -70,9 +70,7 @@ def tree_of(seed: int) -> Arm:
 def trees_of(count: int, usual: int, swept: int) -> list[Any]:
     """What makes a tree, for each seed as `seeds` has them."""
     drawn = seeds(count, usual, swept)
-    return [
-        pytest.param(partial(tree_of, *seed.values), marks=seed.marks, id=f"tree{seed.values[0]}") for seed in drawn
-    ]
+    return [pytest.param(partial(tree_of, *s.values), marks=s.marks, id=f"tree{s.values[0]}") for s in drawn]
 
 
 def moving(robot: Robot, seed: int) -> Arm:

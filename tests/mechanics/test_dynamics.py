@@ -11,21 +11,13 @@ from hypothesis import strategies as st
 
 from derive.algebra.domain import PolynomialDomain
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.exact_dynamics import Dynamics
 from derive.mechanics.exact_kinematics import Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
-from derive.mechanics.forward_kinematics import (
-    TILTED,
-    analytic_jacobian,
-    forward_kinematics,
-    jacobian,
-    jacobian_hessian,
-    jacobian_rate,
-    link_transforms,
-)
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
@@ -92,7 +84,7 @@ def test_both_ways_to_the_accelerations_undo_newton_and_euler(arm: Arm) -> None:
 
 
 def test_inertia_is_carried_into_the_task(arm: Arm) -> None:
-    rows, inertia = np.array(jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
+    rows, inertia = np.array(kinematics.jacobian(arm.chain)), np.array(inertia_matrix(arm.chain))
     (_, pivots, lifted), tolerance = factorised(inertia.tolist(), rows.tolist()), 1e-13 * np.linalg.cond(inertia)
     assert_close(carried(lifted, pivots, 0.0), rows @ np.linalg.solve(inertia, rows.T), tolerance)
 
@@ -173,12 +165,12 @@ def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, bas
 
 def test_poses_and_jacobians_are_those_of_the_oracle(limb: Arm) -> None:
     chain = limb.chain
-    assert_close(forward_kinematics(chain).rows(0.0, 1.0), limb.expected("forward_kinematics"))
-    assert_close([frame.rows(0.0, 1.0) for frame in link_transforms(chain)], limb.expected("link_transforms"))
-    assert_close(jacobian(chain), limb.expected("jacobian"))
-    slopes = np.reshape(jacobian_hessian(jacobian(chain), 0.0), (6, chain.n, chain.n))
+    assert_close(kinematics.forward_kinematics(chain).rows(0.0, 1.0), limb.expected("forward_kinematics"))
+    assert_close([f.rows(0.0, 1.0) for f in kinematics.link_transforms(chain)], limb.expected("link_transforms"))
+    assert_close(kinematics.jacobian(chain), limb.expected("jacobian"))
+    slopes = np.reshape(kinematics.jacobian_hessian(kinematics.jacobian(chain), 0.0), (6, chain.n, chain.n))
     assert_close(slopes, limb.expected("jacobian_hessian"))
-    assert_close(jacobian_rate(chain, limb.qd.tolist()), limb.expected("jacobian_dot", limb.q, limb.qd))
+    assert_close(kinematics.jacobian_rate(chain, limb.qd.tolist()), limb.expected("jacobian_dot", limb.q, limb.qd))
 
 
 class Rooted(float):
@@ -196,11 +188,11 @@ for _name in ("add", "radd", "sub", "rsub", "mul", "rmul", "truediv", "rtruediv"
 @pytest.mark.parametrize("kind", ["rpy", "zyz"])
 def test_analytic_jacobian_is_the_geometric_one_in_rates_of_angles(limb: Arm, kind: str) -> None:
     """J_A = diag(1, E^-1) J with omega = E phidot (Siciliano et al., Robotics, section 3.6)."""
-    pose = forward_kinematics(limb.chain)
-    tilted = tuple(map(Rooted, column(pose.rotation, TILTED[kind])))
+    pose = kinematics.forward_kinematics(limb.chain)
+    tilted = tuple(map(Rooted, column(pose.rotation, kinematics.TILTED[kind])))
     distance = np.hypot(*tilted[:2])
     if distance < 1e-9:  # these angles are singular wherever the arm is
         return
-    rows = [[Rooted(x) for x in row] for row in jacobian(limb.chain)]
-    found = np.array(analytic_jacobian(kind, tilted, rows), dtype=float)
+    rows = [[Rooted(x) for x in row] for row in kinematics.jacobian(limb.chain)]
+    found = np.array(kinematics.analytic_jacobian(kind, tilted, rows), dtype=float)
     assert_close(found, limb.expected(f"analytic_jacobian_{kind}"), 1e-12 / distance**2)

@@ -8,12 +8,11 @@ import pytest
 import sympy
 
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
-from derive.model.ends import OfEnds
 from derive.model.equality import compare
 from derive.model.model import Model
-from derive.robot import tree
 from derive.robot.robot import Robot
-from tests.model.test_model_against_oracle import Numbers, close
+from tests.model.test_model_against_oracle import Numbers, check_dynamics, close
+from tests.model.test_trees import check_ends
 from tests.random_robots import seeds
 from tests.rows import robot_of_rows
 
@@ -33,9 +32,7 @@ def random_text(rng: random.Random) -> str:
         row = f"type: {'prismatic' if slides else 'revolute'}, {'d' if slides else 'theta'}: {cell} + {rest}"
         joints.append(f"  - {{{row}, name: r{i}, a: {rng.choice(('0', f'a{i}'))}, alpha: {rng.choice(TURNS)}}}")
         motor = rng.choice(("", ", motor: {mass: 1/2, inertia: 1/9, ratio: 7}, armature: 1/5"))
-        links.append(
-            f"  - {{mass: m{i}, com: [x{i}, 0, 1/3], inertia: {{xx: 2, zz: I{i}, xy: 1/7}}, {FRICTION}{motor}}}"
-        )
+        links.append(f"  - {{mass: m{i}, com: [x{i}, 0, 2], inertia: {{xx: 2, zz: I{i}, xy: 1/7}}, {FRICTION}{motor}}}")
     if branches := rng.random() < 0.3:
         joints[-1] = joints[-1].replace("name:", "after: r0, name:")
     ends = f"ends: {{left: r{n - 2}, right: r{n - 1}}}\n" * branches
@@ -48,31 +45,12 @@ def random_text(rng: random.Random) -> str:
 FRICTION = "friction: {viscous: 1/4, coulomb: [1/3, 1/8]}"
 
 
-def of_end(quantity: object, name: str) -> object:
-    return quantity[name] if isinstance(quantity, OfEnds) else quantity
-
-
 @pytest.mark.parametrize("seed", seeds(60, 6, 60))
 def test_closed_forms_agree_with_the_oracle(seed: int) -> None:
     n = Numbers(Robot.from_text(random_text(random.Random(seed))), seed)
-    model, oracle = n.model, n.oracle
-    for end in tree.ends(model.robot):
-        suffix = f"_{end.name}" * bool(end.name)
-        n.check(f"forward_kinematics{suffix}", of_end(model.T, end.name))
-        n.check(f"jacobian{suffix}", of_end(model.J, end.name))
-        n.check(f"jacobian_end{suffix}", of_end(model.J_end, end.name))
-        n.check(f"jacobian_dot{suffix}", of_end(model.J_dot, end.name), n.qd)
-        for k in range(model.n):
-            close(
-                n.value(of_end(model.hessian(k + 1), end.name)),
-                oracle.evaluate(f"jacobian_hessian{suffix}", n.q)[..., k],
-            )
-    b = n.check("inertia_matrix", model.B)
-    n.check("coriolis_matrix", model.C, n.qd)
-    n.check("gravity_vector", model.g)
-    tau = n.check("inverse_dynamics", model.tau, n.qd, n.qdd)
-    close(n.value(model.energy.kinetic), n.qd @ b @ n.qd / 2)
-    close(n.value(model.energy.potential), oracle.evaluate("potential_energy", n.q))
+    model = n.model
+    check_ends(n)
+    _, tau = check_dynamics(n)
     close((n.value(model.regressor) @ n.value(model.standard_parameters)).ravel(), tau)
     close((n.value(model.regressor_base) @ n.value(model.base_parameters)).ravel(), tau)
     skew = model.rate_coefficient("N")
@@ -97,13 +75,8 @@ def test_relative_and_absolute_angles_are_two_sheets_of_one_arm() -> None:
     """With q = S a: T(S a), S^T B S, S^T C(S a, S ad) S and S^T g, exactly."""
     relative, absolute = planar("q1", "q2", more=", friction: {viscous: b}"), planar("q1", "q2 - q1")
     s = sympy.Matrix([[1, 0], [-1, 1]])
-    changed = dict(
-        zip(
-            (*relative.q, *relative.qd),
-            (*(s * sympy.Matrix(absolute.q)), *(s * sympy.Matrix(absolute.qd))),
-            strict=True,
-        )
-    )
+    there = (*(s * sympy.Matrix(absolute.q)), *(s * sympy.Matrix(absolute.qd)))
+    changed = dict(zip((*relative.q, *relative.qd), there, strict=True))
     pairs = [
         (absolute.T, relative.T.subs(changed, simultaneous=True)),
         (absolute.J, relative.J.subs(changed, simultaneous=True) * s),
@@ -127,9 +100,7 @@ def test_relative_and_absolute_angles_are_two_sheets_of_one_arm() -> None:
         (("q1", "q2", "pi - q1 - q2"), {"q1", "q1 + q2"}, "-1"),
     ],
 )
-def test_angles_that_are_the_same_or_cancel_are_contracted(
-    cells: tuple[str, ...], angles: set[str], turned: str
-) -> None:
+def test_angles_that_are_equal_or_cancel_are_contracted(cells: tuple[str, ...], angles: set[str], turned: str) -> None:
     model = planar(*cells)
     shown = {str(call.args[0]) for call in model.T.atoms(sympy.sin, sympy.cos)}
     assert (shown, str(model.T[0, 0])) == (angles, turned)
@@ -148,9 +119,7 @@ def test_base_parameters_are_as_few_as_the_rank_of_the_regressor(cells: tuple[st
     model, rng = planar(*cells, more=", friction: {viscous: b, coulomb: f}"), np.random.default_rng(1)
     y = model.regressor_base
     symbols = sorted(y.free_symbols - {*model.q, *model.qd, *model.qdd}, key=str)
-    numeric = sympy.lambdify(
-        [*model.q, *model.qd, *model.qdd], y.subs({symbol: rng.uniform(0.3, 1) for symbol in symbols})
-    )
+    numeric = sympy.lambdify([*model.q, *model.qd, *model.qdd], y.subs({s: rng.uniform(0.3, 1) for s in symbols}))
     rows = np.vstack([np.array(numeric(*rng.uniform(-2, 2, 3 * model.n)), dtype=float) for _ in range(60)])
     assert (np.linalg.matrix_rank(rows), y.shape[1]) == (kept, kept)
     n = Numbers(model.robot, 1)

@@ -39,10 +39,8 @@ every = pytest.mark.parametrize("name", ROBOTS)
 
 def text_of(name: str) -> str:
     rows = ROBOTS[name][0]
-    numbers = ", ".join(
-        f"{k}: {x}" for k, x in {**LENGTHS, "g": 9.8, "m": 2, "c": 0.2}.items() if k in rows or k in "gmc"
-    )
-    text = f"name: {name}\nconvention: standard\ngravity: [0, -g, 0]\nparameters: {{{numbers}}}\njoints:\n{rows}"
+    cells = ", ".join(f"{k}: {x}" for k, x in (LENGTHS | {"g": 9.8, "m": 2, "c": 0.2}).items() if k in f"gmc{rows}")
+    text = f"name: {name}\nconvention: standard\ngravity: [0, -g, 0]\nparameters: {{{cells}}}\njoints:\n{rows}"
     bodies = ", ".join(["{mass: m, com: [c, 0, 0], inertia: {zz: m*c**2}}"] * rows.count("\n"))
     return f"{text}loops: [{{join: [coupler, rocker], by: revolute}}]\nends: {{pin: coupler}}\nlinks: [{bodies}]\n"
 

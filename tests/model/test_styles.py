@@ -23,9 +23,7 @@ links:
   - {mass: m3, com: [r3 - a3, 0, 0], inertia: {xx: Ix3, yy: Iy3, zz: Iz3}}
 """
 ELBOW = robot_of_rows("R alpha: pi/2, d: d1 | R a: a2 | R a: a3", BODIES, name="elbow")
-WRIST = robot_of_rows(
-    "R alpha: -pi/2 | R alpha: pi/2, d: d2 | P | R alpha: -pi/2 | R alpha: pi/2 | R d: d6", name="wrist"
-)
+WRIST = robot_of_rows("R alpha: -pi/2|R alpha: pi/2, d: d2|P|R alpha: -pi/2|R alpha: pi/2|R d: d6", name="wrist")
 PLANAR = robot_of_rows("R a: a1 | R a: a2", "gravity: [0, -g, 0]\nlinks: [{mass: m1}, {mass: m2}]", name="planar")
 SCARA = robot_of_rows("R a: a1 | R a: a2, alpha: pi | P | R", name="scara")
 QUANTITIES = {

@@ -114,9 +114,7 @@ def walker() -> Walker:
     return Walker(Robot.load("skeleton"), VALUES)
 
 
-def test_the_error_before_correction_falls_with_the_step_and_the_hand_follows_the_line_to_its_target(
-    walker: Walker,
-) -> None:
+def test_the_error_before_correction_falls_with_the_step_and_the_hand_follows_the_line(walker: Walker) -> None:
     target = place(walker, np.array([0.8, 1.4]))
     coarse, fine = walker.walk(START, target, 200), walker.walk(START, target, 400)
     assert coarse.error / fine.error == pytest.approx(2, abs=0.05)
@@ -145,9 +143,7 @@ def test_near_the_straight_arm_steps_are_damped_and_the_vanishing_factor_is_name
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.5, 0.0], [0.5, np.pi], [0.3, 1.0], [0.3, 1e-8]])
 @pytest.mark.parametrize("share", [0.3, -0.3, 0.6, -0.9])
 @pytest.mark.parametrize("steps", [50, 400])
-def test_a_target_across_or_along_the_axis_of_a_joint_is_closed_on(
-    walker: Walker, start: list[float], share: float, steps: int
-) -> None:
+def test_targets_across_or_along_an_axis_are_met(walker: Walker, start: list[float], share: float, steps: int) -> None:
     """J^+ of a straight arm leads along it and never aside."""
     pivot, q = np.array([0.1, 0.2, 0]), np.array(start)
     way = place(walker, q) - pivot

@@ -58,10 +58,7 @@ def test_a_robot_file_is_looked_for_beside_the_plan(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (
-            PICK_AND_PLACE.replace("2, 0, 1, 0]", "2, 0, 1]", 1),
-            r"plan.yaml:8:6: .*3 values for 4 joints; allowed: one for",
-        ),
+        (PICK_AND_PLACE.replace("2, 0, 1, 0]", "2, 0, 1]", 1), r"plan.yaml:8:6: .*3 values for 4 joints"),
         (PICK_AND_PLACE.replace("quintic", "quintc"), r"plan.yaml:2:10: profile: found .*did you mean 'quintic'"),
         (PICK_AND_PLACE.replace("scara-matlab", "scara-matlb"), r"plan.yaml:1:8: .*did you mean 'scara-matlab'"),
         (BARE.replace("revolute, a: 1", "prismatic").replace("[1]", "[90 deg]"), r"plan.yaml:2:\d+"),
@@ -255,18 +252,10 @@ plant: {payload: {mass: 1}}
     [
         ("i1", "i1", ""),
         ("[0.1, 0.1, 0.2]", "[0, 0, 0.2]", ""),
-        (
-            "[0.1, 0.1, 0.2]",
-            "[0.1, 0.1, 0.25]",
-            r"10:\d+: path entry 2, payload, inertia: physically inconsistent: .* 0.05 kg",
-        ),
+        ("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0.25]", r"10:\d+: path entry 2, payload, inertia: physically .* 0.05 kg"),
         ("1}}", "1, inertia: [1, 0, 3]}}", r"11:\d+: plant, payload, inertia: physically inconsistent: .* by 2 kg"),
         ("i3: 0.3", "i3: 0.4", r"8:9: with these values links 1, inertia: physically inconsistent: .* by 0.1 kg"),
-        (
-            "plant: {",
-            "plant: {i1: 0.6, ",
-            r"11:8: with these plant links 1, inertia: physically inconsistent: .* by 0.2 kg",
-        ),
+        ("plant: {", "plant: {i1: 0.6, ", r"11:8: with these plant links 1, inertia: physically .* by 0.2 kg"),
         ("zz: i3", "zz: 0.6", r"7:\d+: links entry 1, inertia: physically inconsistent: .* by 0.3 kg"),
     ],
 )

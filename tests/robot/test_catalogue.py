@@ -16,9 +16,7 @@ def test_all_lecture_robots_and_the_arms_that_the_notes_ask_for_are_there() -> N
     names = catalogue_names()
     assert len(names) == LECTURE_ROBOTS + 3 + len(TREES | LINKAGES)
     assert {name for name in names if Robot.load(name).is_tree} == TREES | LINKAGES
-    assert {"scara-perugia", "puma560-usp", "thumb", "human-body", "puma560-corke", "kuka-lwr4", "kuka-kr5"} <= set(
-        names
-    )
+    assert {"scara-perugia", "puma560-usp", "human-body", "puma560-corke", "kuka-lwr4", "kuka-kr5"} <= set(names)
     assert list(names) == sorted(names)
 
 

@@ -56,9 +56,7 @@ def test_names_are_never_anything_but_symbols(name: str) -> None:
 
 
 def test_links_have_zeros_where_the_file_is_silent() -> None:
-    robot = arm(
-        "{type: revolute}", "{type: revolute}", tail="gravity: [0, 0, -9.81]\nlinks: [{mass: 2}, {motor: {ratio: 5}}]\n"
-    )
+    robot = arm("{type: revolute}", "{type: revolute}", tail="links: [{mass: 2}, {motor: {ratio: 5}}]\n")
     first, second = robot.links
     assert first.motor is None
     assert (first.com, first.inertia.xx, first.armature, first.viscous) == ((ZERO, ZERO, ZERO), ZERO, ZERO, ZERO)

@@ -24,10 +24,7 @@ def remarks(row: str, units: str = "", tail: str = "") -> list[str]:
 @pytest.mark.parametrize(
     ("row", "words"),
     [
-        (
-            "alpha: 90",
-            "arm.yaml:4:29: joints row 1, alpha: 90 rad is more than a turn; if degrees are meant write pi/2",
-        ),
+        ("alpha: 90", "yaml:4:29: joints row 1, alpha: 90 rad is more than a turn; if degrees are meant write pi/2"),
         ("theta: q1 - 45", "-45 rad is more than a turn; if degrees are meant write -pi/4"),
         ("theta: 2*b - 135 - q1", "write -3*pi/4"),
         ("alpha: 1.5708", "1.5708 rad is nearly pi/2, but not exactly; did you mean pi/2?"),

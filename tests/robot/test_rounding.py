@@ -51,9 +51,7 @@ def test_what_is_exact_and_short_stays_and_the_rest_has_six_digits(value: str, d
 
 
 @given(NUMBERS, st.booleans(), st.integers(1, 12))
-def test_a_rounded_number_is_off_by_half_of_its_last_digit_at_most(
-    value: Fraction, decimals: bool, digits: int
-) -> None:
+def test_a_rounded_number_is_off_by_half_its_last_digit_at_most(value: Fraction, decimals: bool, digits: int) -> None:
     printed = read(number_text(value, decimals=decimals, digits=digits))
     assert (printed == 0) == (value == 0)
     if value:

@@ -48,22 +48,15 @@ def value(expression: Expression, **values: float) -> float:
         ("a", "a1*1.5", "3*a1/2"),
     ],
 )
-def test_plain_numbers_are_degrees_in_angle_cells_and_millimetres_in_length_cells(
-    key: str, cell: str, converted: str
-) -> None:
+def test_plain_numbers_are_degrees_in_angles_and_millimetres_in_lengths(key: str, cell: str, converted: str) -> None:
     assert to_text(getattr(robot(f"{{type: revolute, {key}: {cell}}}").joints[0], key)) == converted
 
 
 @pytest.mark.parametrize(
     ("row", "sign", "theta", "d"),
-    [
-        ("revolute, theta: -q1 + 90", -1, "pi/2", "0"),
-        ("prismatic, d: q1 + 100, theta: beta + 90", 1, "beta + pi/2", "1/10"),
-    ],
+    [("revolute, theta: -q1 + 90", -1, "pi/2", "0"), ("prismatic, d: q1 + 100, theta: b + 90", 1, "b + pi/2", "1/10")],
 )
-def test_the_offset_of_an_angle_is_in_degrees_and_of_a_length_in_millimetres(
-    row: str, sign: int, theta: str, d: str
-) -> None:
+def test_offsets_are_in_degrees_or_millimetres(row: str, sign: int, theta: str, d: str) -> None:
     joint = robot(f"{{type: {row}}}").joints[0]
     assert (joint.sign, to_text(joint.theta), to_text(joint.d)) == (sign, theta, d)
 

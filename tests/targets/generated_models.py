@@ -99,10 +99,7 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None and not REQUIRED_C, 
 
 
 def write_c_model(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
-    texts = render_c(source_of(robot, program))
-    for name, text in texts.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    return texts
+    return written(folder, render_c(source_of(robot, program)))
 
 
 def c_model(robot: Robot, program: Program | None = None) -> CModel:
@@ -116,7 +113,10 @@ needs_octave = pytest.mark.skipif(find_octave() is None and not REQUIRED_OCTAVE,
 
 
 def write_package(folder: Path, robot: Robot, program: Program | None = None) -> dict[str, str]:
-    texts = render_octave(source_of(robot, program))
+    return written(folder, render_octave(source_of(robot, program)))
+
+
+def written(folder: Path, texts: dict[str, str]) -> dict[str, str]:
     for name, text in texts.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")

@@ -19,7 +19,7 @@ from derive.targets import c, casadi, javascript, native, numpy, octave
 from derive.targets.compiler import compile_shared, find_compiler, require_compiler
 from derive.verification.generated import compile_models, load_models
 from derive.verification.octave_model import FIRST_FILE, find_octave, running_octave
-from tests.targets.generated_models import needs_compiler, needs_octave, source_of
+from tests.targets.generated_models import needs_compiler, needs_octave, source_of, written
 
 TARGETS = {
     "numpy": (numpy.TARGET,),
@@ -48,9 +48,7 @@ def running(language: str, robot: Robot, program: Program | None = None) -> Iter
     """The functions of a robot in a language, as a `derive.verification.generated.GeneratedModel`."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        for name, text in texts_of(language, robot, program).items():
-            (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_text(text, encoding="utf-8")
+        written(folder, texts_of(language, robot, program))
         if language == "javascript":
             inverse = source_of(robot, program).program.inverse
             text = (folder / javascript.FILE).read_text(encoding="utf-8")

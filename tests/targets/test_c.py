@@ -20,19 +20,10 @@ from derive.targets.escape import c_prefix
 from derive.verification.generated import CModel
 from tests.random_robots import random_robot, seeds
 from tests.rows import robot_of_rows
-from tests.targets.generated_models import (
-    ONE_JOINT,
-    PARAMETERS,
-    STRICT,
-    c_model,
-    needs_compiler,
-    planar,
-    small_program,
-    write_c_model,
-)
+from tests.targets import generated_models as models
 from tests.targets.searched_arms import GENERAL, program_of, robot_of
 
-pytestmark = needs_compiler
+pytestmark = models.needs_compiler
 
 SLIDE = "name: slide\nconvention: standard\njoints: [{type: prismatic}]\ngravity: [0, 0, 1]\nlinks: [{mass: 1}]\n"
 TORQUES = ("inverse_dynamics", "forward_dynamics")
@@ -40,15 +31,15 @@ TORQUES = ("inverse_dynamics", "forward_dynamics")
 
 def number() -> Program:
     graph = Graph()
-    return small_program(graph, [Value(graph, graph.number(Fraction(2)))])
+    return models.small_program(graph, [Value(graph, graph.number(Fraction(2)))])
 
 
 CASES: dict[str, tuple[Callable[[], tuple[Robot, Program | None]], str]] = {
-    "plain": (lambda: (planar(), None), "-O0"),
-    "optimised": (lambda: (planar(), None), "-O3 -march=native"),
-    "fast": (lambda: (planar(), None), "-O2 -ffast-math"),
+    "plain": (lambda: (models.planar(), None), "-O0"),
+    "optimised": (lambda: (models.planar(), None), "-O3 -march=native"),
+    "fast": (lambda: (models.planar(), None), "-O2 -ffast-math"),
     "without angles": (lambda: (Robot.from_text(SLIDE), None), "-O0"),
-    "without inputs": (lambda: (Robot.from_text(ONE_JOINT), number()), "-O0"),
+    "without inputs": (lambda: (Robot.from_text(models.ONE_JOINT), number()), "-O0"),
     "without formulas": (lambda: (robot_of(GENERAL), program_of(GENERAL)), "-O2"),
 }
 
@@ -62,20 +53,20 @@ def compiled(folder: Path, *options: str) -> Path:
 @pytest.mark.parametrize("case", CASES)
 def test_no_compiler_warns_and_nothing_is_allocated(tmp_path: Path, case: str) -> None:
     made, options = CASES[case]
-    text = write_c_model(tmp_path, *made())["model.c"]
+    text = models.write_c_model(tmp_path, *made())["model.c"]
     assert not re.search(r"\b(malloc|calloc|free)\(|\bstatic (double|int) \w+[^\w(]", text)
-    compiled(tmp_path, *STRICT, *options.split())
+    compiled(tmp_path, *models.STRICT, *options.split())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(4, usual=1))
 def test_no_compiler_warns_about_random_robots(tmp_path: Path, seed: int) -> None:
-    write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed), 2 + seed).text))
-    compiled(tmp_path, *STRICT)
+    models.write_c_model(tmp_path, Robot.from_text(random_robot(random.Random(seed), 2 + seed).text))
+    compiled(tmp_path, *models.STRICT)
 
 
 def test_there_is_nothing_global(tmp_path: Path) -> None:
-    write_c_model(tmp_path, planar())
+    models.write_c_model(tmp_path, models.planar())
     names = subprocess.run(["nm", compiled(tmp_path, "-c")], capture_output=True, text=True, check=True).stdout
     kinds = {line.split()[-1]: line.split()[-2] for line in names.splitlines()}
     assert {name for name, kind in kinds.items() if kind in "BbCDdGgSs"} <= set()
@@ -85,7 +76,7 @@ def test_there_is_nothing_global(tmp_path: Path) -> None:
 
 
 def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
-    header = write_c_model(tmp_path, planar())["model.h"]
+    header = models.write_c_model(tmp_path, models.planar())["model.h"]
     inputs = "q, nullptr, r" if "forward_kinematics_constants" in header else "q, r"
     call = f"void f(const double *q, double *r) {{ planar_forward_kinematics({inputs}); }}"
     (tmp_path / "use.cpp").write_text(f'#include "model.h"\n{call}\n')
@@ -97,8 +88,8 @@ def test_the_header_can_be_read_by_cpp(tmp_path: Path) -> None:
 @pytest.mark.parametrize("count", [0, 1, 31, 32, 33, 64, 1003])
 def test_a_batch_of_any_length_gives_what_its_configurations_give(planar_model: CModel, count: int) -> None:
     q, qd, qdd = np.random.default_rng(count).uniform(-2, 2, (3, count, 2))
-    batch = planar_model.call("inverse_dynamics", [q, qd, qdd], PARAMETERS)
-    ones = [planar_model.call("inverse_dynamics", rows, PARAMETERS) for rows in zip(q, qd, qdd, strict=True)]
+    batch = planar_model.call("inverse_dynamics", [q, qd, qdd], models.PARAMETERS)
+    ones = [planar_model.call("inverse_dynamics", rows, models.PARAMETERS) for rows in zip(q, qd, qdd, strict=True)]
     assert batch.shape == (count, 2)
     assert np.allclose(batch, np.reshape(ones, (count, 2)), rtol=1e-13, atol=1e-13)
 
@@ -143,7 +134,7 @@ def test_batches_are_vectorised(tmp_path: Path) -> None:
     version = subprocess.run([*compiler, "--version"], capture_output=True, text=True).stdout
     if "Free Software Foundation" not in version:
         pytest.skip("the report is that of gcc")
-    texts = write_c_model(tmp_path, planar())
+    texts = models.write_c_model(tmp_path, models.planar())
     options = [*("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fopt-info-vec"), "-c", "model.c"]
     report = subprocess.run([*compiler, *options], cwd=tmp_path, capture_output=True, text=True).stderr
     vectorised = {int(line) for line in re.findall(r"model\.c:(\d+):.*loop vectorized", report)}
@@ -160,17 +151,17 @@ def test_names_of_functions_are_the_robots_own(tmp_path: Path, name: str) -> Non
     prefix = c_prefix(name)
     assert re.fullmatch(r"[a-z][a-z0-9_]*_", prefix)
     assert not re.match(r"(str|mem|is|to|wcs)[a-z]", prefix)
-    write_c_model(tmp_path, Robot.from_text(ONE_JOINT.replace("name: one", f"name: {name}")))
-    compiled(tmp_path, *STRICT)
+    models.write_c_model(tmp_path, Robot.from_text(models.ONE_JOINT.replace("name: one", f"name: {name}")))
+    compiled(tmp_path, *models.STRICT)
 
 
 @pytest.fixture(scope="module")
 def planar_model() -> CModel:
-    return c_model(planar())
+    return models.c_model(models.planar())
 
 
 @pytest.fixture(scope="module")
 def sines() -> CModel:
     graph = Graph()
     x, y = (Value(graph, graph.input("q", i)) for i in range(2))
-    return c_model(robot_of_rows("R | R"), small_program(graph, [x.sin(), y.cos()]))
+    return models.c_model(robot_of_rows("R | R"), models.small_program(graph, [x.sin(), y.cos()]))

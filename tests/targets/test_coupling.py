@@ -28,9 +28,7 @@ joints:
 links: [{mass: m, com: [-0.1, 0, 0]}, {mass: 2}, {mass: 1, inertia: {zz: 0.02}, friction: {coulomb: [0.2, 0.3]}}]
 """
 ROBOTS = {name: robot_file_bytes(name).decode() for name in ("palletiser", "two-finger-gripper")} | {"geared": GEARED}
-WORDS = (
-    "whose joints are coupled; allowed: robots of which each joint has its own variable; derive show and derive build"
-)
+WORDS = "whose joints are coupled; allowed: robots of which each joint has its own variable"
 REFUSED = (
     "export {} --format csv",
     *(f"show {{}} {name}" for name in ("inverse", "singularities", "workspace", "aspects", "manipulability", "detJv")),

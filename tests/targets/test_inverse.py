@@ -145,9 +145,7 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("pose", "options", "message"), REFUSED)
-def test_what_is_no_pose_and_what_does_not_fit_is_refused(
-    model: ModuleType, pose: Any, options: dict[str, Any], message: str
-) -> None:
+def test_what_is_no_pose_or_does_not_fit_is_refused(model: ModuleType, pose: Any, options: Any, message: str) -> None:
     name = "inverse_kinematics_nearest" if "q" in options else "inverse_kinematics"
     with pytest.raises((ValueError, TypeError), match=f"^{name}: {message}"):
         getattr(model, name)(pose, **{"params": PARAMETERS, **options})
@@ -196,9 +194,7 @@ def test_rows_are_the_printed_solutions_in_their_order_by_their_names() -> None:
     found, solutions = model_of(robot).inverse_kinematics(poses), inverse_kinematics(robot, robot.style).solutions
     for pose, rows in zip(poses, found, strict=True):
         entries = {f"r{i + 1}{j + 1}": pose[i, j] for i in range(3) for j in range(3)}
-        values = {
-            sympy.Symbol(name): x for name, x in (*entries.items(), *zip(("px", "py", "pz"), pose[:3, 3], strict=True))
-        }
+        values = {sympy.Symbol(n): x for n, x in (*entries.items(), *zip(("px", "py", "pz"), pose[:3, 3], strict=True))}
         values |= {sympy.Symbol(name): to_float(x, {}) for name, x in robot.parameters}
         for row, solution in zip(rows, solutions, strict=True):
             numbers = solution.numbers(values)

@@ -133,9 +133,7 @@ def test_names_are_given_once_and_used_afterwards(language: Language) -> None:
 
 def test_a_negative_number_is_no_atom_where_two_minus_signs_are_a_mistake() -> None:
     """``--2`` decrements nothing in C and is refused by JavaScript."""
-    written = [
-        language.operation(Op.NEGATE, [language.number(Fraction(-2))]).text for language in (PYTHON, JAVASCRIPT, C)
-    ]
+    written = [to.operation(Op.NEGATE, [to.number(Fraction(-2))]).text for to in (PYTHON, JAVASCRIPT, C)]
     assert written == ["--2.0", "-(-2.0)", "-(-2.0)"]
     assert CodePiece("a + b", 1).inside(2) == "(a + b)"
 

@@ -177,9 +177,7 @@ def without(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp
     return "no C compiler"
 
 
-def test_the_native_target_is_refused_before_anything_is_written(
-    without: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_native_is_refused_before_all_else(without: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(TargetError, match=without):
         build_robot(Robot.from_text(ONE_JOINT), tmp_path / "out", ["native"])
     file = tmp_path / "one.yaml"
@@ -191,9 +189,7 @@ def test_the_native_target_is_refused_before_anything_is_written(
     assert not (tmp_path / "out").exists()
 
 
-def test_native_code_of_an_earlier_build_can_be_left_out(
-    without: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_native_code_of_before_can_be_left_out(without: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder from a machine with a compiler: what to do is said, and works."""
     robot = Robot.from_text(ONE_JOINT)
     monkeypatch.setattr(build, "written_targets", lambda folder: ("numpy", "native"))
@@ -205,9 +201,7 @@ def test_native_code_of_an_earlier_build_can_be_left_out(
     assert "model_numpy.py" in build_robot(robot, tmp_path / "out", ["numpy"], only=True).files
 
 
-def test_c_is_written_and_left_out_of_the_verification(
-    without: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_c_is_written_and_not_verified(without: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     robot = Robot.from_text(ONE_JOINT)
     result = build_robot(robot, tmp_path / "out", ["c", "numpy"], only=True)
     assert result.report.left_out == ("model.c",)

@@ -21,18 +21,8 @@ from derive.programs.tape.tape import PARAMETER
 from derive.programs.tape.value import Value
 from derive.targets.numpy import render_numpy
 from tests.rows import robot_of_rows
-from tests.targets.generated_models import (
-    FUNCTIONS,
-    IDENTIFICATION,
-    PARAMETERS,
-    arguments,
-    call,
-    casadi_model,
-    load,
-    numpy_model,
-    planar,
-    source_of,
-)
+from tests.targets import generated_models as models
+from tests.targets.generated_models import FUNCTIONS, IDENTIFICATION, PARAMETERS, arguments, call, planar
 from tests.targets.languages import languages, running
 
 SHAPES = {
@@ -286,7 +276,7 @@ def test_the_module_says_what_it_is(model: ModuleType) -> None:
 
 
 def test_lines_are_clean_and_numpy_and_the_standard_library_are_imported_alone() -> None:
-    text = render_numpy(source_of(planar()))["model_numpy.py"]
+    text = render_numpy(models.source_of(planar()))["model_numpy.py"]
     assert not set(text) & {"\t", "\r"}
     assert text.endswith("\n")
     assert not any(line != line.rstrip() for line in text.split("\n"))
@@ -298,7 +288,7 @@ def test_lines_are_clean_and_numpy_and_the_standard_library_are_imported_alone()
 def test_sines_and_cosines_of_batches_are_exact_to_four_ulps(scale: float) -> None:
     turns = np.pi / 2 * np.random.default_rng(0).integers(-3, 4, 5000)
     q = np.random.default_rng(1).uniform(-scale, scale, 5000) + turns
-    found = numpy_model(robot_of_rows("R")).forward_kinematics(q[:, None])
+    found = models.numpy_model(robot_of_rows("R")).forward_kinematics(q[:, None])
     assert np.abs(found[:, 0, 0] - np.cos(q)).max() < 4.5e-16
     assert np.abs(found[:, 1, 0] - np.sin(q)).max() < 4.5e-16
     small = np.abs(q) < 1e-3
@@ -310,7 +300,7 @@ def test_functions_of_parameters_alone_have_the_batch_of_the_parameters() -> Non
     a, b = (Value(graph, graph.input(PARAMETER, i)) for i in range(2))
     tape = cut(graph, [value.ref for value in (a * b, a + b, a)])
     program = Program((Function(CONSTANT, (3,), tape, "by hand"),), ("a", "b"))
-    model = numpy_model(planar(), program)
+    model = models.numpy_model(planar(), program)
     assert model.gravity_vector({"a": 2.0, "b": 3.0}).tolist() == [6.0, 5.0, 2.0]
     table = model.gravity_vector(params={"a": np.full((4, 30), 2.0), "b": 3.0}, out=np.empty((4, 30, 3)))
     assert (table == [6.0, 5.0, 2.0]).all()
@@ -322,13 +312,13 @@ def test_functions_of_nothing_are_constants() -> None:
     graph = Graph()
     tape = cut(graph, [graph.number(Fraction(k)) for k in (1, 2)])
     program = Program((Function(CONSTANT, (2,), tape, "by hand"),), ())
-    assert numpy_model(planar(), program).gravity_vector().tolist() == [1.0, 2.0]
-    assert casadi_model(planar(), program) is not None
+    assert models.numpy_model(planar(), program).gravity_vector().tolist() == [1.0, 2.0]
+    assert models.casadi_model(planar(), program) is not None
 
 
 @pytest.mark.sweep
 def test_code_stays_compact() -> None:
     robot = robot_of_rows("|".join(["R a: 0.3, d: 0.1, alpha: pi/2"] * 64))
-    text = render_numpy(source_of(robot))["model_numpy.py"]
+    text = render_numpy(models.source_of(robot))["model_numpy.py"]
     assert len(text) < 320_000
-    assert load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)
+    assert models.load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)

@@ -34,16 +34,8 @@ def model() -> Iterator[OctaveModel]:
     [
         ("forward_kinematics", [[[1.0]]], r"forward_kinematics: q must be 2 x 1 or 2 x N; got \[1 1\]"),
         ("inertia_matrix", [[[1.0], [2.0]]], "inertia_matrix: missing in params: m1, m2"),
-        (
-            "gravity_vector",
-            [[[1.0], [2.0]], [[1.0]]],
-            "gravity_vector: params must be a struct or a vector of 2 numbers",
-        ),
-        (
-            "coriolis_vector",
-            [np.zeros((2, 3)), np.zeros((2, 2)), [[1.0], [1.0]]],
-            "coriolis_vector: qd has 2 columns, and another argument 3",
-        ),
+        ("gravity_vector", [[[1.0], [2.0]], [[1.0]]], "gravity_vector: params must be a struct or a vector"),
+        ("coriolis_vector", [np.ones((2, 3)), np.ones((2, 2)), np.ones((2, 1))], "qd has 2 columns, and another .* 3"),
     ],
 )
 def test_wrong_arguments_are_named(model: OctaveModel, function: str, inputs: list[object], message: str) -> None:

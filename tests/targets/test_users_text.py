@@ -39,9 +39,7 @@ hostile = st.builds(lambda parts: "".join(parts), st.lists(texts | commands, max
     [(escape.python_string, ast.literal_eval, "\n"), (escape.javascript_string, json.loads, "<>\n")],
 )
 @given(text=hostile)
-def test_strings_of_programs_read_back(
-    written: Callable[[str], str], read: Callable[[str], object], never: str, text: str
-) -> None:
+def test_strings_read_back(written: Callable[[str], str], read: Callable[[str], object], never: str, text: str) -> None:
     literal = written(text)
     assert read(literal) == text
     assert literal.isascii()

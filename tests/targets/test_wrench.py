@@ -25,9 +25,7 @@ def model(request: pytest.FixtureRequest) -> Iterator[ModuleType]:
 
 @pytest.mark.parametrize("frame", JACOBIANS)
 @pytest.mark.parametrize("batch", [(), (3,), (40,), (0,)])
-def test_a_wrench_takes_its_torques_off_and_forward_dynamics_undoes_that(
-    model: ModuleType, frame: str, batch: tuple[int, ...]
-) -> None:
+def test_forward_dynamics_undoes_the_torques_of_a_wrench(model: ModuleType, frame: str, batch: tuple[int, ...]) -> None:
     a, loaded = arguments(*batch), {"wrench_frame": frame, "params": PARAMETERS}
     felt = np.einsum("...ij,...i->...j", getattr(model, JACOBIANS[frame])(a["q"]), a["h"])
     tau = model.inverse_dynamics(a["q"], a["qd"], a["qdd"], wrench=a["h"], **loaded)

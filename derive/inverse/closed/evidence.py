@@ -197,9 +197,7 @@ class Evidence:
             basis = [[1, r, r * r % p] for r in (0, *self._steps)]
             degree_of = np.array([0, 1, 2])
         size = len(degree_of)
-        joined = np.hstack(
-            [np.array([row[:size] for row in basis[:size]], dtype=np.int64), np.eye(size, dtype=np.int64)]
-        )
+        joined = np.hstack([np.array([r[:size] for r in basis[:size]], dtype=np.int64), np.eye(size, dtype=np.int64)])
         inverse = echelon(joined, p)[1][:, size:].T  # of the values at the nodes, by Gauss and Jordan modulo the prime
         fitted = _product(values[:, :, :size], inverse, p)
         # What the last node contradicts is of a higher degree, and no elementary equation.

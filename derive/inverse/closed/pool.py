@@ -44,13 +44,7 @@ from derive.robot.robot import Robot
 
 _PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
 # Entries of the rotation and the position, and the invariants that lectures use.
-ENTRIES = (
-    *(f"R{place}" for place in _PLACES),
-    *(f"{name}[{k}]" for name in "pu" for k in (1, 2, 3)),
-    "p.p",
-    "p.xy",
-    "u.xy",
-)
+ENTRIES = *(f"R{ij}" for ij in _PLACES), *(f"{v}[{k}]" for v in "pu" for k in (1, 2, 3)), "p.p", "p.xy", "u.xy"
 HIGHER = tuple(f"{name}{place}" for name in "mk" for place in _PLACES)  # the invariants of Raghavan and Roth besides
 
 

@@ -95,9 +95,7 @@ class PrintedDerivation:
         self._domain = PolynomialDomain(robot, extra, contraction=Contraction.OPPOSED, rates=False)
         self._form = LectureForm(self._domain, style=style)
         # What the generators of the graph's ring are, but those that are defined by others.
-        shifted = {
-            j.variable: add(Name(j.variable), shift) for j, shift in zip(robot.joints, graph.shifts, strict=True)
-        }
+        shifted = {j.variable: add(Name(j.variable), s) for j, s in zip(robot.joints, graph.shifts, strict=True)}
         self._images = {f"T[{i},{j}]": self._domain.ring.generator(name) for (i, j), name in names.items()}
         for g in graph.domain.generators:
             if g.name not in POSE_NAMES:

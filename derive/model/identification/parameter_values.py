@@ -43,9 +43,7 @@ def base_values(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Cal
 def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Parameter, S]:
     """The parameters in joint frames after the general rule."""
     # links and the masses of rotors, without their spin; what absorbed rotors add to links and armatures
-    still = [
-        link if link.motor is None else replace(link, motor=replace(link.motor, inertia=ZERO)) for link in robot.links
-    ]
+    still = [one if one.motor is None else replace(one, motor=replace(one.motor, inertia=ZERO)) for one in robot.links]
     chain = build_chain(replace(robot, links=tuple(still)), domain)
     bodies, z, armatures = list(chain.bodies), chain.zero, dict[Parameter, S]()
     for i in absorbed_rotors(robot):

@@ -89,7 +89,5 @@ def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:
         return [entry * 0 for entry in basis[0]]
     total = [chosen[0][0] * entry for entry in chosen[0][1]]
     for weight, direction in chosen[1:]:
-        total = [
-            old + weight * entry if not is_zero(entry) else old for old, entry in zip(total, direction, strict=True)
-        ]
+        total = [old + weight * x if not is_zero(x) else old for old, x in zip(total, direction, strict=True)]
     return total

@@ -211,9 +211,7 @@ def is_semidefinite(matrix: Sequence[Sequence[Exact]]) -> bool:
         return all(map(is_zero, row)) and is_semidefinite([line[1:] for line in rest])
     if not pivot > 0:
         return False
-    return is_semidefinite(
-        [[entry - line[0] * own / pivot for entry, own in zip(line[1:], row, strict=True)] for line in rest]
-    )
+    return is_semidefinite([[e - line[0] * own / pivot for e, own in zip(line[1:], row, strict=True)] for line in rest])
 
 
 def _kinetic_energy(robot: Robot) -> Array:

@@ -55,27 +55,18 @@ _CELLS: tuple[tuple[str, Callable[[re.Match[str]], str] | str], ...] = (
     (r"[\w)]\s+rad(?:ians?)?\s*$|\drad(?:ians?)?\s*$", f"leave the unit out: {_RADIANS}"),
     (rf"(?P<number>{_NUMBER})\s*(?P<unit>{'|'.join(_IN_METRES)})\b", _length),
     (rf"(?P<number>{_NUMBER})\s*(?P<unit>kg|Nm|m|g|s|N)\b", _unit),
-    (
-        r"(?P<head>\d{1,3}),(?P<tail>\d{3}\.\d+)\b",
-        lambda found: f"write {found['head']}{found['tail']}, without the comma",
-    ),
-    (
-        r"(?<![\w.])(?P<head>\d*),(?P<tail>\d+)",
-        lambda found: f"write {found['head'] or 0}.{found['tail']}, with a decimal point",
-    ),
+    (r"(?P<head>\d{1,3}),(?P<tail>\d{3}\.\d+)\b", lambda m: f"write {m['head']}{m['tail']}, without the comma"),
+    (r"(?<![\w.])(?P<head>\d*),(?P<tail>\d+)", lambda m: f"write {m['head'] or 0}.{m['tail']}, with a decimal point"),
     (
         rf"\b(?:np|numpy|math|sympy|sp|cmath)\.(?={_WORD})",
-        lambda found: f"write {found.string.replace(found.group(), '')}, without the module",
+        lambda m: f"write {m.string.replace(m[0], '')}, without the module",
     ),
     (rf"\b(?:deg2rad|radians|deg|d2r)\s*\(\s*(?P<number>{_NUMBER})\s*\)", _degrees),
     (
         r"\b(?:arc(?:sin|cos|tan)|a(?:sin|cos|tan)2?)\b",
         "inverse functions are not available; write the angle, or a name with its number under parameters",
     ),
-    (
-        rf"\b(?P<function>sin|cos|tan|sqrt)\s+(?P<argument>{_WORD}|{_NUMBER})",
-        lambda found: f"write {found['function']}({found['argument']})",
-    ),
+    (rf"\b(?P<f>sin|cos|tan|sqrt)\s+(?P<x>{_WORD}|{_NUMBER})", lambda m: f"write {m['f']}({m['x']})"),
     (r"[^\x00-\x7f\u00b2\u00b3\u221a\u2019]", _in_letters),
 )
 

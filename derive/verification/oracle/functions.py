@@ -67,8 +67,10 @@ FUNCTIONS: Mapping[str, Definition] = {
     "jacobian_end": Definition(("q",), False, frames.jacobian_end, joints=LAST),
     "jacobian_dot": Definition(("q", "qd"), False, rates.jacobian_dot, joints=LAST),
     "jacobian_hessian": Definition(("q",), False, rates.jacobian_hessian, axes=3, most=16, joints=BOTH),
-    "analytic_jacobian_rpy": Definition(("q",), False, rates.analytic_jacobian_rpy, joints=LAST),
-    "analytic_jacobian_zyz": Definition(("q",), False, rates.analytic_jacobian_zyz, joints=LAST),
+    **{
+        f"analytic_jacobian_{k}": Definition(("q",), False, partial(rates.analytic_jacobian, kind=k), joints=LAST)
+        for k in rates.TILTED
+    },
     "inertia_matrix": Definition(("q",), True, lagrange.inertia_matrix, joints=BOTH),
     "coriolis_matrix": Definition(("q", "qd"), True, lagrange.coriolis_matrix, joints=BOTH),
     "gravity_vector": Definition(("q",), True, lagrange.gravity_vector, axes=1, joints=LAST),

@@ -86,10 +86,8 @@ class _Columns:
             seen = seen @ np.moveaxis(np.array(rows), -1, 0)
         links = arm.moves[:-1]
         self.arm, self.arguments = arm, (q, qd, qdd)
-        self.motions, self.places = (
-            link_motions(arm, frames, joint_axes(arm, frames), qd, qdd),
-            rotor_places(arm, frames),
-        )
+        self.motions = link_motions(arm, frames, joint_axes(arm, frames), qd, qdd)
+        self.places = rotor_places(arm, frames)
         # Jacobians of the frames' origins, along whose rows the unit wrenches work.
         self.rotations, self.origins = seen[..., :3, :3], seen[..., :3, 3]
         self.linear = point_jacobian(arm, frames, self.origins, links)

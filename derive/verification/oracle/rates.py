@@ -24,8 +24,7 @@ def jacobian_dot(arm: NumericArm, q: Array, qd: Array) -> Array:
 
 def jacobian_hessian(arm: NumericArm, q: Array) -> Array:
     """Entry r, i, j: d J_ri / d q_j."""
-    slopes: Array = jacobian(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
-    return np.moveaxis(slopes, -3, -1)
+    return np.moveaxis(_by_joints(arm, q, lambda q: jacobian(arm, q)), -3, -1)
 
 
 def wrench_torques(arm: NumericArm, q: Array, h: Array) -> Array:
@@ -42,7 +41,7 @@ def wrench_torques_end(arm: NumericArm, q: Array, h: Array) -> Array:
 
 def slopes(function: Callable[..., Array], arm: NumericArm, q: Array, h: Array) -> Array:
     """The derivatives of the torques of a wrench by q_j, column j."""
-    return np.swapaxes(function(arm, _each(q) + 1j * STEP * np.eye(arm.n), h[..., None, :]).imag / STEP, -1, -2)
+    return np.swapaxes(_by_joints(arm, q, lambda q: function(arm, q, h[..., None, :])), -1, -2)
 
 
 def task_mobility(arm: NumericArm, q: Array) -> Array:
@@ -68,35 +67,26 @@ def manipulability(arm: NumericArm, q: Array, part: str = "all") -> Array:
 
 def manipulability_dq(arm: NumericArm, q: Array) -> Array:
     """d w / d q_j, half of that of w^2 over w."""
-    slopes = gram_determinant(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
+    slopes = _by_joints(arm, q, lambda q: gram_determinant(arm, q))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(slopes / (2 * manipulability(arm, q)[..., None]))
 
 
-def analytic_jacobian_rpy(arm: NumericArm, q: Array) -> Array:
-    """Derivatives of position, roll, pitch and yaw; R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll)."""
-    pose, slope = _pose_and_slope(arm, q)
-    # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|), yaw = atan2(r21, r11)
-    r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
+def analytic_jacobian(arm: NumericArm, q: Array, kind: str) -> Array:
+    """Derivatives of position and angles: R = Rot(z, yaw) Rot(y, pitch) Rot(x, roll), or Rot(z) Rot(y) Rot(z)."""
+    slope, tilted = _by_joints(arm, q, lambda q: forward_kinematics(arm, q)), TILTED[kind]
+    r, dr = forward_kinematics(arm, q)[..., None, :3, :3], slope[..., :3, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
-        roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
-        cosine, cosine_rate = _length_and_rate(r[..., :2, 0], dr[..., :2, 0])
-        pitch = _angle_rate(-r[..., 2, 0], cosine, -dr[..., 2, 0], cosine_rate)
-        yaw = _angle_rate(r[..., 1, 0], r[..., 0, 0], dr[..., 1, 0], dr[..., 0, 0])
-    return _rows(slope, roll, pitch, yaw)
-
-
-def analytic_jacobian_zyz(arm: NumericArm, q: Array) -> Array:
-    """Derivatives of position, phi, theta and psi; R = Rot(z, phi) Rot(y, theta) Rot(z, psi)."""
-    pose, slope = _pose_and_slope(arm, q)
-    # phi = atan2(r23, r13), theta = atan2(|(r13, r23)|, r33), psi = atan2(r32, -r31)
-    r, dr = pose[..., None, :3, :3], slope[..., :3, :3]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        phi = _angle_rate(r[..., 1, 2], r[..., 0, 2], dr[..., 1, 2], dr[..., 0, 2])
-        sine, sine_rate = _length_and_rate(r[..., :2, 2], dr[..., :2, 2])
-        theta = _angle_rate(sine, r[..., 2, 2], sine_rate, dr[..., 2, 2])
-        psi = _angle_rate(r[..., 2, 1], -r[..., 2, 0], dr[..., 2, 1], -dr[..., 2, 0])
-    return _rows(slope, phi, theta, psi)
+        # yaw = atan2(r21, r11), phi = atan2(r23, r13)
+        first = _angle_rate(r[..., 1, tilted], r[..., 0, tilted], dr[..., 1, tilted], dr[..., 0, tilted])
+        length, rate = _length_and_rate(r[..., :2, tilted], dr[..., :2, tilted])
+        if kind == "rpy":  # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|)
+            roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
+            angles = [roll, _angle_rate(-r[..., 2, 0], length, -dr[..., 2, 0], rate), first]
+        else:  # theta = atan2(|(r13, r23)|, r33), psi = atan2(r32, -r31)
+            psi = _angle_rate(r[..., 2, 1], -r[..., 2, 0], dr[..., 2, 1], -dr[..., 2, 0])
+            angles = [first, _angle_rate(length, r[..., 2, 2], rate, dr[..., 2, 2]), psi]
+    return np.stack([*[slope[..., k, 3] for k in range(3)], *angles], axis=-2)
 
 
 def distance_from_singularity(arm: NumericArm, kind: str, q: Array) -> Array:
@@ -112,14 +102,14 @@ def weightless(arm: NumericArm) -> NumericArm:
 
 def inverse_dynamics_dq(arm: NumericArm, q: Array, qd: Array, qdd: Array) -> Array:
     """d tau_i / d q_j."""
-    return _columns(arm, lambda step: inverse_dynamics(arm, _each(q) + step, _each(qd), _each(qdd)))
+    return np.swapaxes(_by_joints(arm, q, lambda q: inverse_dynamics(arm, q, _each(qd), _each(qdd))), -1, -2)
 
 
 def inverse_dynamics_dqd(arm: NumericArm, q: Array, qd: Array) -> Array:
     """d tau_i / d qd_j; Coulomb friction counts as constant."""
     # No term of the torques holds both qd and qdd, so qdd is taken as zero.
     smooth, rest = replace(arm, coulomb=np.zeros((2, arm.n))), np.zeros_like(_each(q))
-    return _columns(arm, lambda step: inverse_dynamics(smooth, _each(q), _each(qd) + step, rest))
+    return np.swapaxes(_by_joints(arm, qd, lambda qd: inverse_dynamics(smooth, _each(q), qd, rest)), -1, -2)
 
 
 def _each(argument: Array) -> Array:
@@ -127,14 +117,9 @@ def _each(argument: Array) -> Array:
     return argument[..., None, :]
 
 
-def _columns(arm: NumericArm, function: Callable[[Array], Array]) -> Array:
-    return np.swapaxes(function(1j * STEP * np.eye(arm.n)).imag / STEP, -1, -2)
-
-
-def _pose_and_slope(arm: NumericArm, q: Array) -> tuple[Array, Array]:
-    """T, (..., 4, 4), and its derivatives by q_j, (..., n, 4, 4)."""
-    slope: Array = forward_kinematics(arm, _each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP
-    return forward_kinematics(arm, q), slope
+def _by_joints(arm: NumericArm, q: Array, function: Callable[[Array], Array]) -> Array:
+    """The derivatives of a function by each q_j, along the axis behind the batch."""
+    return np.asarray(function(_each(q) + 1j * STEP * np.eye(arm.n)).imag / STEP)
 
 
 def _angle_rate(y: Array, x: Array, dy: Array, dx: Array) -> Array:
@@ -146,8 +131,3 @@ def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
     """Length of a vector (..., 2), and its derivative."""
     length = np.sqrt((vector**2).sum(axis=-1))
     return length, (vector * rate).sum(axis=-1) / length
-
-
-def _rows(slope: Array, *angles: Array) -> Array:
-    """Rows of velocity, then of the angles."""
-    return np.stack([*[slope[..., k, 3] for k in range(3)], *angles], axis=-2)

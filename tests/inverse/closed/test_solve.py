@@ -49,9 +49,7 @@ def numbers_of(robot: Robot, rng: np.random.Generator) -> dict[str, float]:
     return values | {symbol: float(rng.uniform(0.2, 1)) for symbol in missing}
 
 
-def leaves_at(
-    graph: SolutionGraph, robot: Robot, q: np.ndarray, values: dict[str, float]
-) -> tuple[list[Any], Any, Any]:
+def leaves_at(graph: SolutionGraph, robot: Robot, q: np.ndarray, values: dict[str, float]) -> tuple[Any, Any, Any]:
     """The leaves that exist at the pose of a configuration, their joint variables, and by how much these miss it."""
     arm, given = numeric_arm(robot, values), list(map(np.float64, q[list(graph.given)]))
     pose = forward_kinematics(arm, q)
@@ -180,9 +178,7 @@ def test_a_wrist_that_is_one_by_the_numbers_of_its_parameters_alone_is_solved_wi
         ("P 0 0 0.1 0; P 0 d2 0 180; R 0 0 0.3 0", "parameters: {d2: 0.2}\nruntime: [d2]", (1,), 1),
     ],
 )
-def test_of_all_branches_the_one_that_is_real_is_counted(
-    rows: str, more: str, given: tuple[int, ...], leaves: int
-) -> None:
+def test_of_all_branches_the_real_one_is_counted(rows: str, more: str, given: tuple[int, ...], leaves: int) -> None:
     graph = solve(arm_of("standard", rows, more))
     assert (graph.given, graph.leaves, graph.count, graph.complete) == (given, leaves, 1, True)
 

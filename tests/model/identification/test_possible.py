@@ -8,20 +8,8 @@ import pytest
 
 from derive.errors import DeriveError
 from derive.mechanics.space import exactly
+from derive.model.identification import possible
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction
-from derive.model.identification.possible import (
-    MARGIN,
-    Bodies,
-    in_own_units,
-    least_eigenvalues,
-    most_room,
-    nearest,
-    needed,
-    possible,
-    pseudo_inertias,
-    targets,
-    weighed,
-)
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions, parameters_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import NoSuchBodies
@@ -88,7 +76,7 @@ def same_torques(one: Robot, other: Robot) -> None:
 
 def test_corke_s_puma_has_bodies_that_exist_and_move_the_same() -> None:
     robot = Robot.load("puma560-corke")
-    found = possible(robot)
+    found = possible.possible(robot)
     assert slack(robot.of(replace(robot, links=robot.links[1:3] * 3))) < 0 < slack(found.robot)
     same_torques(robot, found.robot)
     assert [change.link for change in found.changes] == [1, 3]
@@ -104,26 +92,26 @@ def test_bodies_that_exist_are_found_from_others_with_the_same_torques_and_stay_
     robot = arm(name, "modified")
     wrong = spoiled(robot, 0.5)
     same_torques(robot, wrong)
-    found = possible(wrong)
+    found = possible.possible(wrong)
     same_torques(robot, found.robot)
     assert found.changes
     assert slack(found.robot) > 1e-6
-    kept = possible(arm(name))
+    kept = possible.possible(arm(name))
     assert kept.robot == arm(name)
     assert kept.report == ("all links exist as they are",)
 
 
 def test_robots_without_numbers_or_links_are_refused_by_name() -> None:
     with pytest.raises(DeriveError, match="a1, a2"):
-        possible(replace(Robot.load("planar-2r-perugia"), parameters=()))
+        possible.possible(replace(Robot.load("planar-2r-perugia"), parameters=()))
     with pytest.raises(DeriveError, match="no masses"):
-        possible(Robot.load("kuka-kr5"))
+        possible.possible(Robot.load("kuka-kr5"))
 
 
 def test_a_massless_link_gets_a_mass_where_torques_allow_it() -> None:
     robot = arm("upright")
     bare = replace(robot, links=(Link(inertia=robot.links[0].inertia), *robot.links[1:]))
-    found = possible(bare)
+    found = possible.possible(bare)
     assert [change.link for change in found.changes] == [1]
     same_torques(bare, found.robot)
     assert slack(found.robot) > 1e-6
@@ -137,7 +125,7 @@ def test_a_link_whose_mass_torques_keep_at_zero_gets_no_first_moment() -> None:
         ("2.8", "0.26 -0.06 -0.05", "0.2 0.01 0.1 0.05 0 0"),
         ("0", "0 0 0", "0.3 0.2 0.4 0 0 0"),
     )
-    found = possible(given)
+    found = possible.possible(given)
     same_torques(given, found.robot)
     assert found.border == (3,)
     assert found.report[-1].startswith("link 3 is at the limit of what exists")
@@ -155,7 +143,7 @@ def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> N
         ("1.7", "-0.11 0.01 0.25", "0.16 0.25 0.19 0.01 0.02 -0.02"),
         ("0", "0 0 0", "0 0 0 0 0 0"),
     )
-    found = possible(given)
+    found = possible.possible(given)
     same_torques(given, found.robot)
     assert found.border == (4,)
     assert 2 in [change.link for change in found.changes]
@@ -164,7 +152,7 @@ def test_a_last_link_that_weighs_nothing_stays_so_beside_one_that_changes() -> N
 
 def test_a_symbol_whose_cells_become_numbers_is_no_parameter_any_more() -> None:
     """Otherwise the file that is written could not be read: no cell uses this parameter."""
-    found = possible(robot_of_rows("R a: a1 | R a: 0.3, alpha: pi/2", SYMBOLS))
+    found = possible.possible(robot_of_rows("R a: a1 | R a: 0.3, alpha: pi/2", SYMBOLS))
     assert [change.link for change in found.changes] == [1, 2]
     again = Robot.from_text(found.text)
     assert dict(again.parameters).keys() == {"a1", "g"}
@@ -201,7 +189,7 @@ def contradictory(turned: bool) -> Robot:
 def prove(robot: Robot) -> NoSuchBodies:
     """The refusal of a robot, whose witness is nowhere negative, seen by torques, and negative."""
     with pytest.raises(NoSuchBodies, match="torques fix the integral") as caught:
-        possible(robot)
+        possible.possible(robot)
     witness = caught.value.witness
     factors = np.zeros(10 * robot.n)
     for link, matrix in witness.functions:
@@ -254,9 +242,7 @@ NO_BODIES = {
 
 
 @pytest.mark.parametrize("links", NO_BODIES.values(), ids=NO_BODIES)
-def test_a_witness_is_found_beside_slanted_axes_and_links_without_weight(
-    links: tuple[tuple[str, str, str], ...],
-) -> None:
+def test_a_witness_is_found_beside_slanted_axes_and_weightless_links(links: tuple[tuple[str, str, str], ...]) -> None:
     prove(with_links(arm("spatial", "modified"), *links))
 
 
@@ -269,43 +255,43 @@ def cloud() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return masses, np.column_stack([points, np.ones(7)]), np.array([masses.sum(), *(masses @ points), *entries])
 
 
-def bodies_of(robot: Robot) -> Bodies:
+def bodies_of(robot: Robot) -> possible.Bodies:
     with exactly():
         domain = ExactDomain(robot)
         chain = bare_chain(robot, domain)
-        return in_own_units(chain, directions(robot, chain, domain))
+        return possible.in_own_units(chain, directions(robot, chain, domain))
 
 
 def test_a_pseudo_inertia_is_the_integral_of_place_by_place() -> None:
     masses, places, parameters = cloud()
-    assert np.allclose(pseudo_inertias(parameters[None]), [np.einsum("p,pa,pb->ab", masses, places, places)])
+    assert np.allclose(possible.pseudo_inertias(parameters[None]), [np.einsum("p,pa,pb->ab", masses, places, places)])
 
 
 def test_a_body_in_its_own_units_has_mass_one_and_no_first_moment() -> None:
     found = bodies_of(arm("spatial"))
     assert np.allclose(found.given[:, 6:9], 0, atol=1e-12)
     assert np.allclose(found.given[:, 9], 1)
-    assert least_eigenvalues(found).min() > 0
+    assert possible.least_eigenvalues(found).min() > 0
 
 
 def test_steps_to_the_nearest_bodies_keep_to_the_targets() -> None:
     robot = arm("spatial", "modified")
     flat = replace(robot.links[1], inertia=Inertia(number(Fraction(4)), number(1), number(1), ZERO, ZERO, ZERO))
     bodies = bodies_of(replace(robot, links=(robot.links[0], flat, *robot.links[2:])))
-    room = most_room(bodies)
-    target = targets(bodies, room)
-    assert least_eigenvalues(bodies).min() < 0 < target.min()
-    assert room.value == pytest.approx(MARGIN, rel=1e-3)
-    assert 1 in needed(bodies, target)
-    assert (least_eigenvalues(bodies, nearest(bodies, target)) >= 0.99 * target).all()
+    room = possible.most_room(bodies)
+    target = possible.targets(bodies, room)
+    assert possible.least_eigenvalues(bodies).min() < 0 < target.min()
+    assert room.value == pytest.approx(possible.MARGIN, rel=1e-3)
+    assert 1 in possible.needed(bodies, target)
+    assert (possible.least_eigenvalues(bodies, possible.nearest(bodies, target)) >= 0.99 * target).all()
 
 
 def test_a_link_that_needs_a_little_changes_beside_one_that_needs_much() -> None:
     given = packed(np.array([np.diag([-0.1, 1, 1, 1]), np.diag([0.0, 1, 1, 1]), np.diag([0.1, 1, 1, 1])]))
     along = np.zeros((3, 10, 3))
     along[[0, 1, 2], 0, [0, 1, 2]] = 1
-    bodies = Bodies(given, along, np.array([np.eye(4)] * 3), np.zeros(3))
-    assert needed(bodies, np.full(3, MARGIN / 2)) == [0, 1]
+    bodies = possible.Bodies(given, along, np.array([np.eye(4)] * 3), np.zeros(3))
+    assert possible.needed(bodies, np.full(3, possible.MARGIN / 2)) == [0, 1]
 
 
 def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None:
@@ -314,13 +300,13 @@ def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None
     small = Inertia(number(Fraction(1, 10)), number(Fraction(1, 10)), number(Fraction(1, 50)), ZERO, ZERO, ZERO)
     bare = replace(robot, links=(robot.links[0], Link(inertia=small), Link(inertia=small)))
     bodies = bodies_of(bare)
-    target = targets(bodies, most_room(bodies))
-    found = weighed(bodies, target)
+    target = possible.targets(bodies, possible.most_room(bodies))
+    found = possible.weighed(bodies, target)
     assert found.masses[0] == 0
     assert (found.masses[1:] > 1e-3).all()
     assert found.masses.min() < 0.4
-    steps = nearest(found, target)
-    assert (least_eigenvalues(found, steps) >= 0.99 * target).all()
+    steps = possible.nearest(found, target)
+    assert (possible.least_eigenvalues(found, steps) >= 0.99 * target).all()
     assert ((found.given + found.along @ steps)[1:, -1] >= 0.99 * found.masses[1:]).all()
 
 

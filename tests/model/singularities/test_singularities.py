@@ -176,12 +176,7 @@ def test_arms_of_special_geometry_have_families_of_sines(rows: str, expected: li
         ("R a: a1 | R a: a2", "", ("x", "y"), "(rows 1, 2)"),
         ("R a: a1, alpha: pi | R a: a2 | R a: a3", "", ("x", "y", "phi"), "(rows 1, 2, 6)"),
         ("P alpha: pi/2 | R a: a2 | R a: a3", "", ("x", "z", "rotation about y"), "(rows 1, 3, 5)"),
-        (
-            "P theta: 0.4, alpha: pi/2 | R a: a2 | R a: a3",
-            "",
-            ("x", "y", "phi"),
-            "(rows 1, 2, 6) in the axes of frame 1",
-        ),
+        ("P theta: 0.4, alpha: pi/2 | R a: a2 | R a: a3", "", ("x", "y", "phi"), "6) in the axes of frame 1"),
         ("R a: a1 | R a: a2", "base: [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]\n", ("x", "z"), "(rows"),
         ("R a: a1 | R a: a2, alpha: pi | P | R", "", ("x", "y", "z", "phi"), "(rows 1, 2, 3, 6)"),
         ("P alpha: 1 | R a: a1 | R a: a2 | P theta: 0.3", "", ("x", "y", "z", "phi"), "frame 1"),

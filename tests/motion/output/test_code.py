@@ -41,11 +41,7 @@ points: {a: [0.3, 0.5], b: [0.3001, 0.5002]}\npath: [a, {to: b, time: 1.5, line:
     "standing": POINTS + "path: [a, {to: a, time: 1}]\n",
 }
 
-LONG = {
-    "fastest": FASTEST,
-    "arc": LINE_AND_ARC,
-    "recorded": "robot: planar-3r\nrecorded: minute.csv\n",
-}
+LONG = {"fastest": FASTEST, "arc": LINE_AND_ARC, "recorded": "robot: planar-3r\nrecorded: minute.csv\n"}
 
 
 @pytest.mark.sweep
@@ -123,9 +119,7 @@ def test_wrong_code_is_not_written(
     assert not (tmp_path / "out").exists()
 
 
-def test_without_a_compiler_c_is_written_and_said_to_be_unverified(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_compiler_c_is_written_and_called_unverified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(code, "find_compiler", lambda: None)
     assert write_code(Motion.from_text(PLANS["standing"]), tmp_path).left_out == ("motion.c",)
 
@@ -144,9 +138,7 @@ def test_long_motions_are_looked_up_in_a_table(tmp_path: Path, monkeypatch: pyte
     assert [float(casadi.norm_inf(rate(time))) for time in (0.3, 1.2, 2.5, 4.4)] == pytest.approx([0] * 4, abs=1e-11)
 
 
-def test_a_motion_of_too_many_pieces_is_refused_with_their_number(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_many_pieces_are_refused_with_their_number(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(code, "MOST", 10)
     with pytest.raises(QuantityError, match="a motion of 20 pieces; allowed in code: 10"):
         write_code(Motion.from_text(PICK_AND_PLACE), tmp_path)

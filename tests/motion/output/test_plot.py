@@ -77,9 +77,7 @@ def numbers(axes: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize(("text", "simulated"), [(SIX, False), (SIX, True), (PICK_AND_PLACE, False)])
-def test_numbers_of_peaks_lie_in_their_panels_and_cover_no_other_and_no_dot(
-    figures: list[Any], text: str, simulated: bool
-) -> None:
+def test_numbers_of_peaks_lie_in_their_panels_and_cover_nothing(figures: list[Any], text: str, simulated: bool) -> None:
     motion = Motion.from_text(text.replace("SAMPLE", "0.02"))
     plot_bytes(motion, ".svg", motion.simulate() if simulated else None)
     figures[0].draw_without_rendering()

@@ -160,19 +160,9 @@ def test_where_joints_stand_they_stand_and_a_line_without_length_for_a_second() 
         (WHEEL + "speed: [1]\n", r"nothing limits the acceleration"),
         (WHEEL + "torque: [0]\n", r"torque.*not above zero"),
         (WHEEL.replace("a, b]", "a, {to: b, time: 2}]") + "torque: [1]\n", r"takes the time that the lim"),
-        (
-            WHEEL.replace("[a, b]", "[a, {to: b, via: pass}, b]") + "torque: [1]\n",
-            r"the arm does not move to b; leave it out, or write via: stop",
-        ),
-        (
-            ARM.replace("[60, 20]", "[20, 20]") + "path: [a, b]\n",
-            r"no motion along this way keeps to the limits; it needs 1\.\d+ times the largest torque 20 of joint 1 to "
-            r"stand at q = \(.*\); allow more torque",
-        ),
-        (
-            WHEEL.replace(",\n  links: [{mass: 1, friction: FRICTION}]", "") + "torque: [1]\n",
-            r"<text>:5:\d+: torque: wheel has no dynamics; leave it out",
-        ),
+        (WHEEL.replace("[a, b]", "[a, {to: b, via: pass}, b]") + "torque: [1]\n", r"the arm does not move to b"),
+        (ARM.replace("[60, 20]", "[20, 20]") + "path: [a, b]\n", r"needs 1\.\d+ times the largest torque 20 of joint"),
+        (WHEEL.replace(",\n  links: [{mass: 1, friction: FRICTION}]", "") + "torque: [1]\n", r":5:\d+: .* no dynamics"),
     ],
 )
 def test_what_has_no_fastest_motion_is_refused_with_its_place(text: str, message: str) -> None:

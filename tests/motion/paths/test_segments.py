@@ -109,21 +109,11 @@ def test_segments_follow_one_another_through_their_points() -> None:
     ("text", "message"),
     [
         ("path: [a, b]\n", r"<text>:3:\d+: no time from here to b; write \{to: ..., time: 3\}, or speed: and acc"),
-        (
-            "profile: trapezoidal\npath: [a, {to: b, time: 2, cruise: 3}]\n",
-            r"<text>:4:\d+: cruise 3 of the trapezoid to b; allowed: above 1, and 2 at most: a speed V with "
-            r"D/T < V <= 2 D/T, here 1.5708 < V <= 3.14159",
-        ),
+        ("profile: trapezoidal\npath: [a, {to: b, time: 2, cruise: 3}]\n", r":4:\d+: cruise 3 .* 1.5708 < V <= 3.1"),
         ("profile: trapezoidal\npath: [a, {to: b, time: 2, cruise: 1}]\n", r"cruise 1 of the trapezoid"),
         ("profile: trapezoidal\nspeed: [1, 1]\npath: [a, {to: b, cruise: 0.5}]\n", r"allowed: above 1, and 2 at most$"),
-        (
-            "profile: trapezoidal\nvia: pass\npath: [a, {to: b, time: 1}, {to: c, time: 1}]\n",
-            r"<text>:5:\d+: a trapezoidal motion stops at its points, and b is passed; write via: stop, or a profile",
-        ),
-        (
-            "profile: spline\nspeed: [1, 1]\npath: [a, {to: b, time: 1}, c]\n",
-            r"no time from here to c; write a time for each segment between two stops, or for none",
-        ),
+        ("profile: trapezoidal\nvia: pass\npath: [a, {to: b, time: 1}, {to: c, time: 1}]\n", r":5:\d+: .* b is passed"),
+        ("profile: spline\nspeed: [1, 1]\npath: [a, {to: b, time: 1}, c]\n", r"to c; write a time for each"),
         ("path: [a, {to: b, time: 1, line: yes, profile: spline}]\n", r"a line to b is no spline"),
     ],
 )

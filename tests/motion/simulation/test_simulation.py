@@ -126,9 +126,7 @@ control: {law: computed-torque, kp: 100, kd: 20}
         ("{x: t**2}", 9.81, 2),
     ],
 )
-def test_joints_and_base_do_the_work_that_they_must_on_a_slide_that_lifts_a_kilogram(
-    base: str, work: float, given: float
-) -> None:
+def test_joints_and_base_do_the_work_of_lifting_a_kilogram_on_a_slide(base: str, work: float, given: float) -> None:
     motion = Motion.from_text(SLIDE + f"base: {base}\n")
     run, planned = motion.simulate(), motion.peaks[0]
     assert [planned.work, planned.base.work] == pytest.approx([work, given], abs=1e-9)

@@ -152,9 +152,7 @@ def test_a_time_as_near_as_rounding_is_reached() -> None:
         assert rows[0] == pytest.approx(state, abs=1e-9)
 
 
-def test_few_evaluations_are_not_worth_a_compiler_and_without_one_there_is_none(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_few_evaluations_are_not_worth_a_compiler_and_without_it_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = Motion.from_text(HELD.replace("name: arm", "name: another")).plan.robot
     monkeypatch.setattr(stepping, "find_compiler", pytest.fail)
     assert held_arm(robot, {}, 1000) is None

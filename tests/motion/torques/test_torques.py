@@ -87,9 +87,7 @@ def flying(t: float) -> list[Array]:
 def flown(robot: RandomRobot, t: float, q: Array, rates: tuple[Array, Array]) -> tuple[Array, float, float]:
     """Torques of Pinocchio, without friction, on the base at a time; the power of the base, and the energy."""
     outside, base = _FreeFlyer(robot).build(), flying(t)
-    whole = [
-        np.concatenate([root, (outside.map @ of_joints)[6:]]) for root, of_joints in zip(base, (q, *rates), strict=True)
-    ]
+    whole = [np.concatenate([root, (outside.map @ own)[6:]]) for root, own in zip(base, (q, *rates), strict=True)]
     torques = pin.rnea(outside.model, outside.model.createData(), *whole)
     ground = _Ground(robot).build()
     power = (torques[:6] - pin.rnea(ground, ground.createData(), *base)) @ base[1]

@@ -14,10 +14,7 @@ from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.schema import RobotFile
 from derive.robot.reading.structure import Strict, fits, model_of
 
-TEXTS = [
-    *((RobotFile, robot_file_bytes(name)) for name in catalogue_names()),
-    *((PlanFile, plan_bytes(name)) for name in plan_names()),
-]
+ALL = [(RobotFile, robot_file_bytes(n)) for n in catalogue_names()] + [(PlanFile, plan_bytes(n)) for n in plan_names()]
 OTHERS: tuple[Any, ...] = ("", "yes", "modified", "q1", [], ["1"], ["1", "2", "3"], [["1"] * 4] * 4, {}, {"xx": "1"})
 
 
@@ -31,13 +28,11 @@ def is_accepted(block: type[Strict], value: Any) -> bool:
 
 def places(value: Any) -> list[tuple[Any, Any]]:
     """Every container in a tree with each of its keys or positions."""
-    items = (
-        list(value.items()) if isinstance(value, dict) else list(enumerate(value)) if isinstance(value, list) else []
-    )
+    items = list(value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ())
     return [pair for key, item in items for pair in ((value, key), *places(item))]
 
 
-@pytest.mark.parametrize(("block", "text"), TEXTS)
+@pytest.mark.parametrize(("block", "text"), ALL)
 def test_what_fits_is_what_pydantic_accepts(block: type[Strict], text: bytes) -> None:
     tree = yaml.load(text, yaml.BaseLoader)
     assert fits(block, tree)

@@ -250,16 +250,9 @@ class _Builder:
         self.model.armature = armature
         friction = [(0.0, 0.0)] * before + [(link.viscous, link.coulomb) for link in robot.links]
         viscous, coulomb = np.array(friction).reshape(-1, 2).T
-        return Reference(
-            model=self.model,
-            ends=tuple(self.end(row) for row in robot.joints),
-            tool=pin.SE3(robot.tool),
-            joints=tuple(joints),
-            map=mapping,
-            viscous=viscous,
-            coulomb=coulomb,
-            **others,
-        )
+        ends = tuple(self.end(row) for row in robot.joints)
+        places = (ends, pin.SE3(robot.tool), tuple(joints), mapping)
+        return Reference(self.model, *places, viscous, coulomb, **others)
 
     def end(self, row: JointNumbers) -> Any:
         """From the joint to DH frame i."""

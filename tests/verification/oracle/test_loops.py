@@ -76,9 +76,8 @@ def mechanism(name: str, seed: int) -> Robot:
             links[-1] |= {"armature": drawn(0, 0.5), "friction": friction}
     loops, ends = [], dict[str, Any]()
     for *pair, by in joins:
-        branch = rng.choice("+-") + (rng.choice("+-") + "+") * (
-            by == "spherical"
-        )  # whose own angles are the last choice
+        own = (rng.choice("+-") + "+") * (by == "spherical")  # whose own angles are the last choice
+        branch = rng.choice("+-") + own
         pair = [k if standard else f"{k}-tip" for k in pair]
         loops.append({"join": pair, "by": by, "branch": branch})
         ends |= {f"{side}{len(loops) - 1}": {"after": k} for side, k in zip("ab", pair, strict=True)}
@@ -134,10 +133,8 @@ def test_all_joints_accelerate_as_under_pinocchios_constraints(name: str, seed: 
     outside, step = Outside(name, seed), 1e-4
     qd, tau = (outside.samples.arguments[k] for k in ("qd", "tau"))
     tau = tau + np.random.default_rng(seed).uniform(-5, 5, tau.shape)
-    qdd, following = (
-        outside.oracle.evaluate("forward_dynamics", outside.q, qd, tau),
-        outside.oracle.following(outside.q),
-    )
+    qdd = outside.oracle.evaluate("forward_dynamics", outside.q, qd, tau)
+    following = outside.oracle.following(outside.q)
     states = following.arguments(("q", "qd", "qdd"), (outside.q, qd, qdd))
     for x, xd, xdd, w, t in zip(*states, following.slope, tau, strict=True):
         before, now, after = (outside.gap(x + h * xd + h * h / 2 * xdd) for h in (-step, 0.0, step))

@@ -209,6 +209,4 @@ def test_regressors_give_the_torques_and_values_have_the_axes_of_their_definitio
     rows = dict.fromkeys(("q", "qd", "qdd", "tau"), q[0]) | {"h": np.ones(6)}
     for function in oracle.functions:
         definition = FUNCTIONS[function]
-        assert oracle.evaluate(function, *(rows[kind] for kind in definition.arguments)).ndim == definition.axes, (
-            function
-        )
+        assert oracle.evaluate(function, *(rows[k] for k in definition.arguments)).ndim == definition.axes, function
