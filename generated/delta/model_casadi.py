@@ -45,6 +45,18 @@ OPERATIONS = {
     "wrench_torques_end_platform": {"mul": 0, "add": 0, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "passive_positions": {"mul": 81, "add": 50, "div": 12, "sin": 0, "cos": 0, "sqrt": 6, "atan2": 9},
 }
+SIGNATURES = {
+    "forward_kinematics_platform": "(3)->(4,4)",
+    "link_transforms": "(3)->(12,4,4)",
+    "jacobian_platform": "(3)->(6,3)",
+    "jacobian_end_platform": "(3)->(6,3)",
+    "jacobian_dot_platform": "(3),(3)->(6,3)",
+    "analytic_jacobian_rpy_platform": "(3)->(6,3)",
+    "wrench_torques_platform": "(3),(6)->(3)",
+    "wrench_torques_end_platform": "(3),(6)->(3)",
+    "passive_positions": "(3)->(9)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

@@ -57,6 +57,25 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 4, "add": 3, "div": 0, "sin": 0, "cos": 0, "sqrt": 0},
     "inverse_kinematics": {"mul": 18, "add": 18, "div": 0, "sin": 0, "cos": 0, "sqrt": 1, "atan2": 1, "cases": 13},
 }
+SIGNATURES = {
+    "forward_kinematics": "(1)->(4,4)",
+    "link_transforms": "(1)->(1,4,4)",
+    "jacobian": "(1)->(6,1)",
+    "jacobian_end": "(1)->(6,1)",
+    "jacobian_dot": "(1),(1)->(6,1)",
+    "jacobian_hessian": "(1)->(6,1,1)",
+    "analytic_jacobian_rpy": "(1)->(6,1)",
+    "analytic_jacobian_zyz": "(1)->(6,1)",
+    "manipulability": "(1)->()",
+    "manipulability_position": "(1)->()",
+    "manipulability_orientation": "(1)->()",
+    "manipulability_dq": "(1)->(1)",
+    "wrench_torques": "(1),(6)->(1)",
+    "wrench_torques_end": "(1),(6)->(1)",
+    "inverse_kinematics": "(4,4)->(1,1)",
+    "inverse_kinematics_nearest": "(4,4),(1)->(1)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

@@ -70,6 +70,30 @@ OPERATIONS = {
     "wrench_torques_end_hand": {"mul": 4, "add": 3, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "wrench_torques_end_dq_hand": {"mul": 3, "add": 2, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
 }
+SIGNATURES = {
+    "forward_kinematics_hand": "(2)->(4,4)",
+    "link_transforms": "(2)->(4,4,4)",
+    "jacobian_hand": "(2)->(6,2)",
+    "jacobian_end_hand": "(2)->(6,2)",
+    "jacobian_dot_hand": "(2),(2)->(6,2)",
+    "jacobian_hessian_hand": "(2)->(6,2,2)",
+    "analytic_jacobian_rpy_hand": "(2)->(6,2)",
+    "inertia_matrix": "(2)->(2,2)",
+    "coriolis_matrix": "(2),(2)->(2,2)",
+    "gravity_vector": "(2)->(2)",
+    "kinetic_energy": "(2),(2)->()",
+    "potential_energy": "(2)->()",
+    "inverse_dynamics": "(2),(2),(2)->(2)",
+    "forward_dynamics": "(2),(2),(2)->(2)",
+    "coriolis_vector": "(2),(2)->(2)",
+    "inverse_dynamics_dq": "(2),(2),(2)->(2,2)",
+    "inverse_dynamics_dqd": "(2),(2)->(2,2)",
+    "wrench_torques_hand": "(2),(6)->(2)",
+    "wrench_torques_dq_hand": "(2),(6)->(2,2)",
+    "wrench_torques_end_hand": "(2),(6)->(2)",
+    "wrench_torques_end_dq_hand": "(2),(6)->(2,2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

@@ -59,6 +59,26 @@ OPERATIONS = {
     "wrench_torques_end_pin": {"mul": 37, "add": 20, "div": 3, "sin": 1, "cos": 1, "sqrt": 1},
     "passive_positions": {"mul": 25, "add": 13, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2},
 }
+SIGNATURES = {
+    "forward_kinematics_pin": "(1)->(4,4)",
+    "link_transforms": "(1)->(3,4,4)",
+    "jacobian_pin": "(1)->(6,1)",
+    "jacobian_end_pin": "(1)->(6,1)",
+    "jacobian_dot_pin": "(1),(1)->(6,1)",
+    "analytic_jacobian_rpy_pin": "(1)->(6,1)",
+    "inertia_matrix": "(1)->(1,1)",
+    "coriolis_matrix": "(1),(1)->(1,1)",
+    "gravity_vector": "(1)->(1)",
+    "kinetic_energy": "(1),(1)->()",
+    "potential_energy": "(1)->()",
+    "inverse_dynamics": "(1),(1),(1)->(1)",
+    "forward_dynamics": "(1),(1),(1)->(1)",
+    "coriolis_vector": "(1),(1)->(1)",
+    "wrench_torques_pin": "(1),(6)->(1)",
+    "wrench_torques_end_pin": "(1),(6)->(1)",
+    "passive_positions": "(1)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

@@ -12,6 +12,7 @@ arguments broadcast against each other, and the batch's shape leads in the resul
 With `out=`, an array of float64 of the result's shape, the result is written there and returned.
 Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
 dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
+Arrays of Dask give a lazy array of Dask, computed block by block with the signature in SIGNATURES.
 Every parameter has its number in this file; `params` must stay None.
 Self-check: `derive verify four-bar` compares every function with an independent recursion; and
 inverse_dynamics(q, qd, qdd) is inertia_matrix(q) @ qdd + coriolis_matrix(q, qd) @ qd + gravity_vector(q) and
@@ -49,6 +50,26 @@ OPERATIONS = {
     "wrench_torques_end_pin": {"mul": 37, "add": 20, "div": 3, "sin": 1, "cos": 1, "sqrt": 1},
     "passive_positions": {"mul": 25, "add": 13, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2},
 }
+SIGNATURES = {
+    "forward_kinematics_pin": "(1)->(4,4)",
+    "link_transforms": "(1)->(3,4,4)",
+    "jacobian_pin": "(1)->(6,1)",
+    "jacobian_end_pin": "(1)->(6,1)",
+    "jacobian_dot_pin": "(1),(1)->(6,1)",
+    "analytic_jacobian_rpy_pin": "(1)->(6,1)",
+    "inertia_matrix": "(1)->(1,1)",
+    "coriolis_matrix": "(1),(1)->(1,1)",
+    "gravity_vector": "(1)->(1)",
+    "kinetic_energy": "(1),(1)->()",
+    "potential_energy": "(1)->()",
+    "inverse_dynamics": "(1),(1),(1)->(1)",
+    "forward_dynamics": "(1),(1),(1)->(1)",
+    "coriolis_vector": "(1),(1)->(1)",
+    "wrench_torques_pin": "(1),(6)->(1)",
+    "wrench_torques_end_pin": "(1),(6)->(1)",
+    "passive_positions": "(1)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",
@@ -57,6 +78,7 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "SIGNATURES",
     "ENDS",
     "forward_kinematics_pin",
     "link_transforms",
@@ -1082,7 +1104,7 @@ class _Signature:
     def argument(self, label, value):
         """An argument as a NumPy array of floats, (..., its entries)."""
         try:
-            array = np.asarray(value)
+            array = value if hasattr(value, "numblocks") else np.asarray(value)  # Dask's array stays one
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
@@ -1150,8 +1172,8 @@ class _Parameters:
         if unknown:
             raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
         self.numbers = {label: self._number(label, value) for label, value in params.items()}
-        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
-        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None or _is_lazy(None, value))
+        self.extent = self._extent({label: getattr(value, "shape", ()) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
@@ -1163,7 +1185,7 @@ class _Parameters:
         return dict(zip(PARAMETERS, columns))
 
     def _number(self, label, value):
-        if _library(value) is not None:
+        if _library(value) is not None or _is_lazy(None, value):
             return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
@@ -1177,6 +1199,85 @@ class _Parameters:
         except ValueError:
             text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
             raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
+
+
+# Arrays of Dask.
+
+def _is_lazy(params, *values):
+    """Whether there are arrays of Dask's among the parameters or values: they alone count their blocks."""
+    for value in values:
+        if hasattr(value, "numblocks"):
+            return True
+    params = getattr(params, "numbers", params)
+    given = dict(params).values() if hasattr(params, "keys") else (params,) if hasattr(params, "shape") else params
+    return params is not None and any(hasattr(value, "numblocks") for value in given)
+
+
+class _Block:
+    """A function on blocks of its arguments and parameters; to Dask, a generalised ufunc. An error names the block."""
+
+    def __init__(self, function, labels, varying, numbers, options):
+        self.function, self.options = function, options
+        self.labels, self.varying, self.numbers = labels, varying, numbers
+
+    def __call__(self, places, *arrays):
+        try:
+            return self.apply(arrays)
+        except (TypeError, ValueError) as error:
+            block = tuple(map(int, np.unravel_index(places.flat[0], self.counts)))
+            raise type(error)(f"block {block} of {self.counted}: {error}") from None
+
+    def apply(self, arrays):
+        """The function, first of the arrays its arguments, then those parameters that are arrays."""
+        inputs, params = zip(self.labels, arrays), zip(self.varying, arrays[len(self.labels) :])
+        return self.function(**dict(inputs), params={**self.numbers, **dict(params)} or None, **self.options)
+
+
+def _by_blocks(signature, inputs, params, out, **options):
+    """A function of this module on Dask's arrays: a lazy array, by the `apply_gufunc` of their ufunc protocol."""
+    if out is not None:
+        raise ValueError(f"{signature.name}: out is for NumPy's arrays; a lazy result is not computed yet")
+    taken = {label: value for label, value in inputs.items() if value is not None}
+    inputs = {label: value if hasattr(value, "ndim") else np.asarray(value) for label, value in taken.items()}
+    numbers = signature.parameters(params).numbers
+    varying = {label: value for label, value in numbers.items() if hasattr(value, "ndim")}
+    still = {label: value for label, value in numbers.items() if label not in varying}
+    block = _Block(globals()[signature.name], [*inputs], [*varying], still, options)
+    arrays = [*inputs.values(), *varying.values()]
+    if any(length != length for array in arrays for length in array.shape):
+        raise ValueError(f"{signature.name}: blocks of unknown length; call compute_chunk_sizes() of the arrays first")
+    axes = [2 if label == "T" else 1 for label in inputs] + [0] * len(varying)
+    cores = [array.shape[array.ndim - count :] for array, count in zip(arrays, axes)]
+    results = block.apply([np.empty((0, *core), array.dtype) for array, core in zip(arrays, cores)])  # refuses what is wrong
+    results = results if isinstance(results, tuple) else (results,)
+    labels = [*inputs, *varying]
+    first, lazy = next((place, array) for place, array in enumerate(arrays) if hasattr(array, "numblocks"))
+    block.counted, block.counts = labels[first], lazy.numblocks
+    ends = [result.shape[1:] for result in results]
+    block.signature = "->".join(",".join(map(_core, shapes)) for shapes in ([cores[first], *cores], ends))
+    how = {"output_sizes": {str(length): length for end in ends for length in end}, "allow_rechunk": True}
+    places = lazy.map_blocks(_numbered, counts=lazy.numblocks, meta=np.empty((0,) * lazy.ndim, np.int64))
+    try:
+        return lazy.__array_ufunc__(block, "__call__", places, *arrays, output_dtypes=[result.dtype for result in results], **how)
+    except ValueError:
+        batches = [array.shape[: array.ndim - count] for array, count in zip(arrays, axes)]
+        found = ", ".join(f"{label} {batch}" for label, batch in zip(labels, batches))
+        raise ValueError(f"{signature.name}: batch shapes do not broadcast: {found}") from None
+
+
+def _checked(signature, values):
+    """The arguments of a call by name."""
+    return {label: signature.argument(label, value) for label, value in zip(signature.arguments, values)}
+
+
+def _core(shape):
+    """The axes of one configuration, which the signature of a generalised ufunc names by their lengths."""
+    return f"({','.join(map(str, shape))})"
+
+
+def _numbered(block, counts, block_id):
+    """The number of a block in place of each of its entries."""
+    return np.broadcast_to(np.ravel_multi_index(block_id, counts), block.shape)
 
 
 # Arrays of other libraries.
@@ -1534,6 +1635,8 @@ class _Function:
                     return self._one(floats, parameters, out)
                 except (ValueError, ArithmeticError):
                     pass  # Python's functions refuse what NumPy answers with nan or inf.
+        if _is_lazy(parameters, *values):
+            return _by_blocks(signature, _checked(signature, values), parameters, out)
         elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
         if elsewhere is not None:
             return self._on(elsewhere, values, parameters, out)
@@ -1558,7 +1661,7 @@ class _Function:
             return ()
         name = self.signature.name
         if name not in parameters.constants:
-            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+            parameters.constants[name] = self.hoisted(_FLOATS, [np.asarray(value).item() for value in self._given(parameters)])
         return parameters.constants[name]
 
     def _given(self, parameters):

@@ -72,6 +72,18 @@ OPERATIONS = {
     "wrench_torques": {"mul": 331, "add": 203, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
     "wrench_torques_end": {"mul": 346, "add": 212, "div": 0, "sin": 20, "cos": 20, "sqrt": 0},
 }
+SIGNATURES = {
+    "forward_kinematics": "(21)->(4,4)",
+    "link_transforms": "(21)->(21,4,4)",
+    "jacobian": "(21)->(6,21)",
+    "jacobian_end": "(21)->(6,21)",
+    "jacobian_dot": "(21),(21)->(6,21)",
+    "analytic_jacobian_rpy": "(21)->(6,21)",
+    "analytic_jacobian_zyz": "(21)->(6,21)",
+    "wrench_torques": "(21),(6)->(21)",
+    "wrench_torques_end": "(21),(6)->(21)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

@@ -24,6 +24,7 @@ arguments broadcast against each other, and the batch's shape leads in the resul
 With `out=`, an array of float64 of the result's shape, the result is written there and returned.
 Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
 dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
+Arrays of Dask give a lazy array of Dask, computed block by block with the signature in SIGNATURES.
 Every parameter has its number in this file; `params` must stay None.
 Self-check: `derive verify human-skeleton` compares every function with an independent recursion; and
 inverse_dynamics(q, qd, qdd) is inertia_matrix(q) @ qdd + coriolis_matrix(q, qd) @ qd + gravity_vector(q) and
@@ -170,6 +171,93 @@ OPERATIONS = {
     "wrench_torques_end_dq_right_hand": {"mul": 10, "add": 7, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "wrench_torques_end_dq_head": {"mul": 4, "add": 2, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
 }
+SIGNATURES = {
+    "forward_kinematics_left_foot": "(13)->(4,4)",
+    "forward_kinematics_right_foot": "(13)->(4,4)",
+    "forward_kinematics_left_hand": "(13)->(4,4)",
+    "forward_kinematics_right_hand": "(13)->(4,4)",
+    "forward_kinematics_head": "(13)->(4,4)",
+    "link_transforms": "(13)->(13,4,4)",
+    "jacobian_left_foot": "(13)->(6,13)",
+    "jacobian_right_foot": "(13)->(6,13)",
+    "jacobian_left_hand": "(13)->(6,13)",
+    "jacobian_right_hand": "(13)->(6,13)",
+    "jacobian_head": "(13)->(6,13)",
+    "jacobian_end_left_foot": "(13)->(6,13)",
+    "jacobian_end_right_foot": "(13)->(6,13)",
+    "jacobian_end_left_hand": "(13)->(6,13)",
+    "jacobian_end_right_hand": "(13)->(6,13)",
+    "jacobian_end_head": "(13)->(6,13)",
+    "jacobian_dot_left_foot": "(13),(13)->(6,13)",
+    "jacobian_dot_right_foot": "(13),(13)->(6,13)",
+    "jacobian_dot_left_hand": "(13),(13)->(6,13)",
+    "jacobian_dot_right_hand": "(13),(13)->(6,13)",
+    "jacobian_dot_head": "(13),(13)->(6,13)",
+    "jacobian_hessian_left_foot": "(13)->(6,13,13)",
+    "jacobian_hessian_right_foot": "(13)->(6,13,13)",
+    "jacobian_hessian_left_hand": "(13)->(6,13,13)",
+    "jacobian_hessian_right_hand": "(13)->(6,13,13)",
+    "jacobian_hessian_head": "(13)->(6,13,13)",
+    "analytic_jacobian_rpy_left_foot": "(13)->(6,13)",
+    "analytic_jacobian_rpy_right_foot": "(13)->(6,13)",
+    "analytic_jacobian_rpy_left_hand": "(13)->(6,13)",
+    "analytic_jacobian_rpy_right_hand": "(13)->(6,13)",
+    "analytic_jacobian_rpy_head": "(13)->(6,13)",
+    "inertia_matrix": "(13)->(13,13)",
+    "coriolis_matrix": "(13),(13)->(13,13)",
+    "gravity_vector": "(13)->(13)",
+    "kinetic_energy": "(13),(13)->()",
+    "potential_energy": "(13)->()",
+    "inverse_dynamics": "(13),(13),(13)->(13)",
+    "forward_dynamics": "(13),(13),(13)->(13)",
+    "coriolis_vector": "(13),(13)->(13)",
+    "inverse_dynamics_dq": "(13),(13),(13)->(13,13)",
+    "inverse_dynamics_dqd": "(13),(13)->(13,13)",
+    "regressor": "(13),(13),(13)->(13,130)",
+    "base_regressor": "(13),(13),(13)->(13,35)",
+    "base_parameters": "->(35)",
+    "manipulability_left_foot": "(13)->()",
+    "manipulability_right_foot": "(13)->()",
+    "manipulability_left_hand": "(13)->()",
+    "manipulability_right_hand": "(13)->()",
+    "manipulability_head": "(13)->()",
+    "manipulability_position_left_foot": "(13)->()",
+    "manipulability_position_right_foot": "(13)->()",
+    "manipulability_position_left_hand": "(13)->()",
+    "manipulability_position_right_hand": "(13)->()",
+    "manipulability_position_head": "(13)->()",
+    "manipulability_orientation_left_foot": "(13)->()",
+    "manipulability_orientation_right_foot": "(13)->()",
+    "manipulability_orientation_left_hand": "(13)->()",
+    "manipulability_orientation_right_hand": "(13)->()",
+    "manipulability_orientation_head": "(13)->()",
+    "manipulability_dq_left_foot": "(13)->(13)",
+    "manipulability_dq_right_foot": "(13)->(13)",
+    "manipulability_dq_left_hand": "(13)->(13)",
+    "manipulability_dq_right_hand": "(13)->(13)",
+    "manipulability_dq_head": "(13)->(13)",
+    "wrench_torques_left_foot": "(13),(6)->(13)",
+    "wrench_torques_right_foot": "(13),(6)->(13)",
+    "wrench_torques_left_hand": "(13),(6)->(13)",
+    "wrench_torques_right_hand": "(13),(6)->(13)",
+    "wrench_torques_head": "(13),(6)->(13)",
+    "wrench_torques_dq_left_foot": "(13),(6)->(13,13)",
+    "wrench_torques_dq_right_foot": "(13),(6)->(13,13)",
+    "wrench_torques_dq_left_hand": "(13),(6)->(13,13)",
+    "wrench_torques_dq_right_hand": "(13),(6)->(13,13)",
+    "wrench_torques_dq_head": "(13),(6)->(13,13)",
+    "wrench_torques_end_left_foot": "(13),(6)->(13)",
+    "wrench_torques_end_right_foot": "(13),(6)->(13)",
+    "wrench_torques_end_left_hand": "(13),(6)->(13)",
+    "wrench_torques_end_right_hand": "(13),(6)->(13)",
+    "wrench_torques_end_head": "(13),(6)->(13)",
+    "wrench_torques_end_dq_left_foot": "(13),(6)->(13,13)",
+    "wrench_torques_end_dq_right_foot": "(13),(6)->(13,13)",
+    "wrench_torques_end_dq_left_hand": "(13),(6)->(13,13)",
+    "wrench_torques_end_dq_right_hand": "(13),(6)->(13,13)",
+    "wrench_torques_end_dq_head": "(13),(6)->(13,13)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",
@@ -178,6 +266,7 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "SIGNATURES",
     "STANDARD_PARAMETERS",
     "BASE_PARAMETERS",
     "BASE_FORMULAS",
@@ -5319,7 +5408,7 @@ class _Signature:
     def argument(self, label, value):
         """An argument as a NumPy array of floats, (..., its entries)."""
         try:
-            array = np.asarray(value)
+            array = value if hasattr(value, "numblocks") else np.asarray(value)  # Dask's array stays one
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
@@ -5387,8 +5476,8 @@ class _Parameters:
         if unknown:
             raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
         self.numbers = {label: self._number(label, value) for label, value in params.items()}
-        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
-        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None or _is_lazy(None, value))
+        self.extent = self._extent({label: getattr(value, "shape", ()) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
@@ -5400,7 +5489,7 @@ class _Parameters:
         return dict(zip(PARAMETERS, columns))
 
     def _number(self, label, value):
-        if _library(value) is not None:
+        if _library(value) is not None or _is_lazy(None, value):
             return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
@@ -5414,6 +5503,85 @@ class _Parameters:
         except ValueError:
             text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
             raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
+
+
+# Arrays of Dask.
+
+def _is_lazy(params, *values):
+    """Whether there are arrays of Dask's among the parameters or values: they alone count their blocks."""
+    for value in values:
+        if hasattr(value, "numblocks"):
+            return True
+    params = getattr(params, "numbers", params)
+    given = dict(params).values() if hasattr(params, "keys") else (params,) if hasattr(params, "shape") else params
+    return params is not None and any(hasattr(value, "numblocks") for value in given)
+
+
+class _Block:
+    """A function on blocks of its arguments and parameters; to Dask, a generalised ufunc. An error names the block."""
+
+    def __init__(self, function, labels, varying, numbers, options):
+        self.function, self.options = function, options
+        self.labels, self.varying, self.numbers = labels, varying, numbers
+
+    def __call__(self, places, *arrays):
+        try:
+            return self.apply(arrays)
+        except (TypeError, ValueError) as error:
+            block = tuple(map(int, np.unravel_index(places.flat[0], self.counts)))
+            raise type(error)(f"block {block} of {self.counted}: {error}") from None
+
+    def apply(self, arrays):
+        """The function, first of the arrays its arguments, then those parameters that are arrays."""
+        inputs, params = zip(self.labels, arrays), zip(self.varying, arrays[len(self.labels) :])
+        return self.function(**dict(inputs), params={**self.numbers, **dict(params)} or None, **self.options)
+
+
+def _by_blocks(signature, inputs, params, out, **options):
+    """A function of this module on Dask's arrays: a lazy array, by the `apply_gufunc` of their ufunc protocol."""
+    if out is not None:
+        raise ValueError(f"{signature.name}: out is for NumPy's arrays; a lazy result is not computed yet")
+    taken = {label: value for label, value in inputs.items() if value is not None}
+    inputs = {label: value if hasattr(value, "ndim") else np.asarray(value) for label, value in taken.items()}
+    numbers = signature.parameters(params).numbers
+    varying = {label: value for label, value in numbers.items() if hasattr(value, "ndim")}
+    still = {label: value for label, value in numbers.items() if label not in varying}
+    block = _Block(globals()[signature.name], [*inputs], [*varying], still, options)
+    arrays = [*inputs.values(), *varying.values()]
+    if any(length != length for array in arrays for length in array.shape):
+        raise ValueError(f"{signature.name}: blocks of unknown length; call compute_chunk_sizes() of the arrays first")
+    axes = [2 if label == "T" else 1 for label in inputs] + [0] * len(varying)
+    cores = [array.shape[array.ndim - count :] for array, count in zip(arrays, axes)]
+    results = block.apply([np.empty((0, *core), array.dtype) for array, core in zip(arrays, cores)])  # refuses what is wrong
+    results = results if isinstance(results, tuple) else (results,)
+    labels = [*inputs, *varying]
+    first, lazy = next((place, array) for place, array in enumerate(arrays) if hasattr(array, "numblocks"))
+    block.counted, block.counts = labels[first], lazy.numblocks
+    ends = [result.shape[1:] for result in results]
+    block.signature = "->".join(",".join(map(_core, shapes)) for shapes in ([cores[first], *cores], ends))
+    how = {"output_sizes": {str(length): length for end in ends for length in end}, "allow_rechunk": True}
+    places = lazy.map_blocks(_numbered, counts=lazy.numblocks, meta=np.empty((0,) * lazy.ndim, np.int64))
+    try:
+        return lazy.__array_ufunc__(block, "__call__", places, *arrays, output_dtypes=[result.dtype for result in results], **how)
+    except ValueError:
+        batches = [array.shape[: array.ndim - count] for array, count in zip(arrays, axes)]
+        found = ", ".join(f"{label} {batch}" for label, batch in zip(labels, batches))
+        raise ValueError(f"{signature.name}: batch shapes do not broadcast: {found}") from None
+
+
+def _checked(signature, values):
+    """The arguments of a call by name."""
+    return {label: signature.argument(label, value) for label, value in zip(signature.arguments, values)}
+
+
+def _core(shape):
+    """The axes of one configuration, which the signature of a generalised ufunc names by their lengths."""
+    return f"({','.join(map(str, shape))})"
+
+
+def _numbered(block, counts, block_id):
+    """The number of a block in place of each of its entries."""
+    return np.broadcast_to(np.ravel_multi_index(block_id, counts), block.shape)
 
 
 # Arrays of other libraries.
@@ -5715,6 +5883,8 @@ class _Function:
                     return self._one(floats, parameters, out)
                 except (ValueError, ArithmeticError):
                     pass  # Python's functions refuse what NumPy answers with nan or inf.
+        if _is_lazy(parameters, *values):
+            return _by_blocks(signature, _checked(signature, values), parameters, out)
         elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
         if elsewhere is not None:
             return self._on(elsewhere, values, parameters, out)
@@ -5739,7 +5909,7 @@ class _Function:
             return ()
         name = self.signature.name
         if name not in parameters.constants:
-            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+            parameters.constants[name] = self.hoisted(_FLOATS, [np.asarray(value).item() for value in self._given(parameters)])
         return parameters.constants[name]
 
     def _given(self, parameters):

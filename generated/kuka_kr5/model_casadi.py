@@ -75,6 +75,25 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 52, "add": 34, "div": 0, "sin": 5, "cos": 5, "sqrt": 0},
     "inverse_kinematics": {"mul": 206, "add": 141, "div": 18, "sin": 4, "cos": 4, "sqrt": 8, "atan2": 21, "cases": 117},
 }
+SIGNATURES = {
+    "forward_kinematics": "(6)->(4,4)",
+    "link_transforms": "(6)->(6,4,4)",
+    "jacobian": "(6)->(6,6)",
+    "jacobian_end": "(6)->(6,6)",
+    "jacobian_dot": "(6),(6)->(6,6)",
+    "jacobian_hessian": "(6)->(6,6,6)",
+    "analytic_jacobian_rpy": "(6)->(6,6)",
+    "analytic_jacobian_zyz": "(6)->(6,6)",
+    "manipulability": "(6)->()",
+    "manipulability_position": "(6)->()",
+    "manipulability_orientation": "(6)->()",
+    "manipulability_dq": "(6)->(6)",
+    "wrench_torques": "(6),(6)->(6)",
+    "wrench_torques_end": "(6),(6)->(6)",
+    "inverse_kinematics": "(4,4)->(8,6)",
+    "inverse_kinematics_nearest": "(4,4),(6)->(6)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

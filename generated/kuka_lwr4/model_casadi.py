@@ -77,6 +77,25 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 68, "add": 43, "div": 0, "sin": 6, "cos": 6, "sqrt": 0},
     "inverse_kinematics": {"mul": 269, "add": 184, "div": 14, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 19, "cases": 126},
 }
+SIGNATURES = {
+    "forward_kinematics": "(7)->(4,4)",
+    "link_transforms": "(7)->(7,4,4)",
+    "jacobian": "(7)->(6,7)",
+    "jacobian_end": "(7)->(6,7)",
+    "jacobian_dot": "(7),(7)->(6,7)",
+    "jacobian_hessian": "(7)->(6,7,7)",
+    "analytic_jacobian_rpy": "(7)->(6,7)",
+    "analytic_jacobian_zyz": "(7)->(6,7)",
+    "manipulability": "(7)->()",
+    "manipulability_position": "(7)->()",
+    "manipulability_orientation": "(7)->()",
+    "manipulability_dq": "(7)->(7)",
+    "wrench_torques": "(7),(6)->(7)",
+    "wrench_torques_end": "(7),(6)->(7)",
+    "inverse_kinematics": "(4,4),(1)->(8,7)",
+    "inverse_kinematics_nearest": "(4,4),(7)->(7)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ("q3",)
 """Joints whose variables are arguments of inverse kinematics."""
 

@@ -69,6 +69,30 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 14, "add": 10, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
     "wrench_torques_end_dq": {"mul": 28, "add": 18, "div": 0, "sin": 3, "cos": 3, "sqrt": 0},
 }
+SIGNATURES = {
+    "forward_kinematics": "(4)->(4,4)",
+    "link_transforms": "(4)->(5,4,4)",
+    "jacobian": "(4)->(6,4)",
+    "jacobian_end": "(4)->(6,4)",
+    "jacobian_dot": "(4),(4)->(6,4)",
+    "jacobian_hessian": "(4)->(6,4,4)",
+    "analytic_jacobian_rpy": "(4)->(6,4)",
+    "inertia_matrix": "(4)->(4,4)",
+    "coriolis_matrix": "(4),(4)->(4,4)",
+    "gravity_vector": "(4)->(4)",
+    "kinetic_energy": "(4),(4)->()",
+    "potential_energy": "(4)->()",
+    "inverse_dynamics": "(4),(4),(4)->(4)",
+    "forward_dynamics": "(4),(4),(4)->(4)",
+    "coriolis_vector": "(4),(4)->(4)",
+    "inverse_dynamics_dq": "(4),(4),(4)->(4,4)",
+    "inverse_dynamics_dqd": "(4),(4)->(4,4)",
+    "wrench_torques": "(4),(6)->(4)",
+    "wrench_torques_dq": "(4),(6)->(4,4)",
+    "wrench_torques_end": "(4),(6)->(4)",
+    "wrench_torques_end_dq": "(4),(6)->(4,4)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

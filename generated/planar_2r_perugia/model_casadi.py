@@ -99,6 +99,40 @@ OPERATIONS = {
     "task_inertia": {"mul": 25, "add": 14, "div": 11, "sin": 2, "cos": 2, "sqrt": 0, "cases": 3},
     "inverse_kinematics": {"mul": 47, "add": 34, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
+SIGNATURES = {
+    "forward_kinematics": "(2)->(4,4)",
+    "link_transforms": "(2)->(2,4,4)",
+    "jacobian": "(2)->(6,2)",
+    "jacobian_end": "(2)->(6,2)",
+    "jacobian_dot": "(2),(2)->(6,2)",
+    "jacobian_hessian": "(2)->(6,2,2)",
+    "analytic_jacobian_rpy": "(2)->(6,2)",
+    "inertia_matrix": "(2)->(2,2)",
+    "coriolis_matrix": "(2),(2)->(2,2)",
+    "gravity_vector": "(2)->(2)",
+    "kinetic_energy": "(2),(2)->()",
+    "potential_energy": "(2)->()",
+    "inverse_dynamics": "(2),(2),(2)->(2)",
+    "forward_dynamics": "(2),(2),(2)->(2)",
+    "coriolis_vector": "(2),(2)->(2)",
+    "inverse_dynamics_dq": "(2),(2),(2)->(2,2)",
+    "inverse_dynamics_dqd": "(2),(2)->(2,2)",
+    "regressor": "(2),(2),(2)->(2,24)",
+    "base_regressor": "(2),(2),(2)->(2,7)",
+    "base_parameters": "->(7)",
+    "manipulability": "(2)->()",
+    "manipulability_position": "(2)->()",
+    "manipulability_orientation": "(2)->()",
+    "manipulability_dq": "(2)->(2)",
+    "wrench_torques": "(2),(6)->(2)",
+    "wrench_torques_dq": "(2),(6)->(2,2)",
+    "wrench_torques_end": "(2),(6)->(2)",
+    "wrench_torques_end_dq": "(2),(6)->(2,2)",
+    "task_inertia": "(2)->(2,2)",
+    "inverse_kinematics": "(4,4)->(1,2)",
+    "inverse_kinematics_nearest": "(4,4),(2)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

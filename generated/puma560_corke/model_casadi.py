@@ -136,6 +136,41 @@ OPERATIONS = {
     "task_inertia": {"mul": 369, "add": 295, "div": 69, "sin": 5, "cos": 5, "sqrt": 0, "cases": 11},
     "inverse_kinematics": {"mul": 208, "add": 136, "div": 18, "sin": 4, "cos": 4, "sqrt": 7, "atan2": 20, "cases": 120},
 }
+SIGNATURES = {
+    "forward_kinematics": "(6)->(4,4)",
+    "link_transforms": "(6)->(6,4,4)",
+    "jacobian": "(6)->(6,6)",
+    "jacobian_end": "(6)->(6,6)",
+    "jacobian_dot": "(6),(6)->(6,6)",
+    "jacobian_hessian": "(6)->(6,6,6)",
+    "analytic_jacobian_rpy": "(6)->(6,6)",
+    "analytic_jacobian_zyz": "(6)->(6,6)",
+    "inertia_matrix": "(6)->(6,6)",
+    "coriolis_matrix": "(6),(6)->(6,6)",
+    "gravity_vector": "(6)->(6)",
+    "kinetic_energy": "(6),(6)->()",
+    "potential_energy": "(6)->()",
+    "inverse_dynamics": "(6),(6),(6)->(6)",
+    "forward_dynamics": "(6),(6),(6)->(6)",
+    "coriolis_vector": "(6),(6)->(6)",
+    "inverse_dynamics_dq": "(6),(6),(6)->(6,6)",
+    "inverse_dynamics_dqd": "(6),(6)->(6,6)",
+    "regressor": "(6),(6),(6)->(6,72)",
+    "base_regressor": "(6),(6),(6)->(6,46)",
+    "base_parameters": "->(46)",
+    "manipulability": "(6)->()",
+    "manipulability_position": "(6)->()",
+    "manipulability_orientation": "(6)->()",
+    "manipulability_dq": "(6)->(6)",
+    "wrench_torques": "(6),(6)->(6)",
+    "wrench_torques_dq": "(6),(6)->(6,6)",
+    "wrench_torques_end": "(6),(6)->(6)",
+    "wrench_torques_end_dq": "(6),(6)->(6,6)",
+    "task_inertia": "(6)->(6,6)",
+    "inverse_kinematics": "(4,4)->(8,6)",
+    "inverse_kinematics_nearest": "(4,4),(6)->(6)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

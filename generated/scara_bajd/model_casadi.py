@@ -57,6 +57,24 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 4, "add": 3, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 33, "add": 26, "div": 4, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 2, "cases": 19},
 }
+SIGNATURES = {
+    "forward_kinematics": "(3)->(4,4)",
+    "link_transforms": "(3)->(3,4,4)",
+    "jacobian": "(3)->(6,3)",
+    "jacobian_end": "(3)->(6,3)",
+    "jacobian_dot": "(3),(3)->(6,3)",
+    "jacobian_hessian": "(3)->(6,3,3)",
+    "analytic_jacobian_rpy": "(3)->(6,3)",
+    "manipulability": "(3)->()",
+    "manipulability_position": "(3)->()",
+    "manipulability_orientation": "(3)->()",
+    "manipulability_dq": "(3)->(3)",
+    "wrench_torques": "(3),(6)->(3)",
+    "wrench_torques_end": "(3),(6)->(3)",
+    "inverse_kinematics": "(4,4)->(1,3)",
+    "inverse_kinematics_nearest": "(4,4),(3)->(3)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

@@ -106,6 +106,40 @@ OPERATIONS = {
     "task_inertia": {"mul": 63, "add": 46, "div": 23, "sin": 2, "cos": 2, "sqrt": 0, "cases": 5},
     "inverse_kinematics": {"mul": 87, "add": 66, "div": 6, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 5, "cases": 67},
 }
+SIGNATURES = {
+    "forward_kinematics": "(4)->(4,4)",
+    "link_transforms": "(4)->(4,4,4)",
+    "jacobian": "(4)->(6,4)",
+    "jacobian_end": "(4)->(6,4)",
+    "jacobian_dot": "(4),(4)->(6,4)",
+    "jacobian_hessian": "(4)->(6,4,4)",
+    "analytic_jacobian_rpy": "(4)->(6,4)",
+    "inertia_matrix": "(4)->(4,4)",
+    "coriolis_matrix": "(4),(4)->(4,4)",
+    "gravity_vector": "(4)->(4)",
+    "kinetic_energy": "(4),(4)->()",
+    "potential_energy": "(4)->()",
+    "inverse_dynamics": "(4),(4),(4)->(4)",
+    "forward_dynamics": "(4),(4),(4)->(4)",
+    "coriolis_vector": "(4),(4)->(4)",
+    "inverse_dynamics_dq": "(4),(4),(4)->(4,4)",
+    "inverse_dynamics_dqd": "(4),(4)->(4,4)",
+    "regressor": "(4),(4),(4)->(4,52)",
+    "base_regressor": "(4),(4),(4)->(4,15)",
+    "base_parameters": "->(15)",
+    "manipulability": "(4)->()",
+    "manipulability_position": "(4)->()",
+    "manipulability_orientation": "(4)->()",
+    "manipulability_dq": "(4)->(4)",
+    "wrench_torques": "(4),(6)->(4)",
+    "wrench_torques_dq": "(4),(6)->(4,4)",
+    "wrench_torques_end": "(4),(6)->(4)",
+    "wrench_torques_end_dq": "(4),(6)->(4,4)",
+    "task_inertia": "(4)->(4,4)",
+    "inverse_kinematics": "(4,4)->(2,4)",
+    "inverse_kinematics_nearest": "(4,4),(4)->(4)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

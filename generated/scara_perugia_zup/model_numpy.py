@@ -15,6 +15,7 @@ arguments broadcast against each other, and the batch's shape leads in the resul
 With `out=`, an array of float64 of the result's shape, the result is written there and returned.
 Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
 dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
+Arrays of Dask give a lazy array of Dask, computed block by block with the signature in SIGNATURES.
 Parameters without a number are given as `params`: a dictionary by name, or a sequence in the order of PARAMETERS
 (or an array of shape (..., len(PARAMETERS))). Each is a number or an array that broadcasts against the batch. A
 function asks only for those that it needs. For many calls with the same numbers pass `precompute(params)`.
@@ -80,6 +81,40 @@ OPERATIONS = {
     "task_inertia": {"mul": 29, "add": 15, "div": 14, "sin": 2, "cos": 2, "sqrt": 0, "cases": 5},
     "inverse_kinematics": {"mul": 105, "add": 77, "div": 7, "sin": 3, "cos": 3, "sqrt": 2, "atan2": 6, "cases": 74},
 }
+SIGNATURES = {
+    "forward_kinematics": "(4)->(4,4)",
+    "link_transforms": "(4)->(4,4,4)",
+    "jacobian": "(4)->(6,4)",
+    "jacobian_end": "(4)->(6,4)",
+    "jacobian_dot": "(4),(4)->(6,4)",
+    "jacobian_hessian": "(4)->(6,4,4)",
+    "analytic_jacobian_rpy": "(4)->(6,4)",
+    "inertia_matrix": "(4)->(4,4)",
+    "coriolis_matrix": "(4),(4)->(4,4)",
+    "gravity_vector": "(4)->(4)",
+    "kinetic_energy": "(4),(4)->()",
+    "potential_energy": "(4)->()",
+    "inverse_dynamics": "(4),(4),(4)->(4)",
+    "forward_dynamics": "(4),(4),(4)->(4)",
+    "coriolis_vector": "(4),(4)->(4)",
+    "inverse_dynamics_dq": "(4),(4),(4)->(4,4)",
+    "inverse_dynamics_dqd": "(4),(4)->(4,4)",
+    "regressor": "(4),(4),(4)->(4,44)",
+    "base_regressor": "(4),(4),(4)->(4,9)",
+    "base_parameters": "->(9)",
+    "manipulability": "(4)->()",
+    "manipulability_position": "(4)->()",
+    "manipulability_orientation": "(4)->()",
+    "manipulability_dq": "(4)->(4)",
+    "wrench_torques": "(4),(6)->(4)",
+    "wrench_torques_dq": "(4),(6)->(4,4)",
+    "wrench_torques_end": "(4),(6)->(4)",
+    "wrench_torques_end_dq": "(4),(6)->(4,4)",
+    "task_inertia": "(4)->(4,4)",
+    "inverse_kinematics": "(4,4)->(2,4)",
+    "inverse_kinematics_nearest": "(4,4),(4)->(4)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 
@@ -93,6 +128,7 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "SIGNATURES",
     "STANDARD_PARAMETERS",
     "BASE_PARAMETERS",
     "BASE_FORMULAS",
@@ -715,6 +751,9 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Closed form, all branches at once: 105 mul, 77 add, 7 div, 3 sin, 3 cos, 2 sqrt, 6 atan2, 74 cases.
     Once per set of parameters: 5 mul, 3 add, 1 cases.
     """
+    if not (type(T) is np.ndarray and params is given is near is None) and _is_lazy(params, T, given, near):
+        inputs = {"T": T, "given": given, "near": near}
+        return _by_blocks(_INVERSE.signature, inputs, params, out, status=status, tolerance=tolerance)
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
     return _INVERSE(T, params, given, out, status, near)
@@ -737,6 +776,9 @@ def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
     Raises:
         ValueError: T is not a valid pose, or of another shape.
     """
+    if not (type(T) is type(q) is np.ndarray and params is None) and _is_lazy(params, T, q):
+        signature = _Signature("inverse_kinematics_nearest", (), (4,))
+        return _by_blocks(signature, {"T": T, "q": q}, params, None, tolerance=tolerance)
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
     q = _POSES.configuration(q)
@@ -1841,7 +1883,7 @@ class _Signature:
     def argument(self, label, value):
         """An argument as a NumPy array of floats, (..., its entries)."""
         try:
-            array = np.asarray(value)
+            array = value if hasattr(value, "numblocks") else np.asarray(value)  # Dask's array stays one
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
@@ -1909,8 +1951,8 @@ class _Parameters:
         if unknown:
             raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
         self.numbers = {label: self._number(label, value) for label, value in params.items()}
-        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
-        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None or _is_lazy(None, value))
+        self.extent = self._extent({label: getattr(value, "shape", ()) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
@@ -1922,7 +1964,7 @@ class _Parameters:
         return dict(zip(PARAMETERS, columns))
 
     def _number(self, label, value):
-        if _library(value) is not None:
+        if _library(value) is not None or _is_lazy(None, value):
             return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
@@ -1936,6 +1978,85 @@ class _Parameters:
         except ValueError:
             text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
             raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
+
+
+# Arrays of Dask.
+
+def _is_lazy(params, *values):
+    """Whether there are arrays of Dask's among the parameters or values: they alone count their blocks."""
+    for value in values:
+        if hasattr(value, "numblocks"):
+            return True
+    params = getattr(params, "numbers", params)
+    given = dict(params).values() if hasattr(params, "keys") else (params,) if hasattr(params, "shape") else params
+    return params is not None and any(hasattr(value, "numblocks") for value in given)
+
+
+class _Block:
+    """A function on blocks of its arguments and parameters; to Dask, a generalised ufunc. An error names the block."""
+
+    def __init__(self, function, labels, varying, numbers, options):
+        self.function, self.options = function, options
+        self.labels, self.varying, self.numbers = labels, varying, numbers
+
+    def __call__(self, places, *arrays):
+        try:
+            return self.apply(arrays)
+        except (TypeError, ValueError) as error:
+            block = tuple(map(int, np.unravel_index(places.flat[0], self.counts)))
+            raise type(error)(f"block {block} of {self.counted}: {error}") from None
+
+    def apply(self, arrays):
+        """The function, first of the arrays its arguments, then those parameters that are arrays."""
+        inputs, params = zip(self.labels, arrays), zip(self.varying, arrays[len(self.labels) :])
+        return self.function(**dict(inputs), params={**self.numbers, **dict(params)} or None, **self.options)
+
+
+def _by_blocks(signature, inputs, params, out, **options):
+    """A function of this module on Dask's arrays: a lazy array, by the `apply_gufunc` of their ufunc protocol."""
+    if out is not None:
+        raise ValueError(f"{signature.name}: out is for NumPy's arrays; a lazy result is not computed yet")
+    taken = {label: value for label, value in inputs.items() if value is not None}
+    inputs = {label: value if hasattr(value, "ndim") else np.asarray(value) for label, value in taken.items()}
+    numbers = signature.parameters(params).numbers
+    varying = {label: value for label, value in numbers.items() if hasattr(value, "ndim")}
+    still = {label: value for label, value in numbers.items() if label not in varying}
+    block = _Block(globals()[signature.name], [*inputs], [*varying], still, options)
+    arrays = [*inputs.values(), *varying.values()]
+    if any(length != length for array in arrays for length in array.shape):
+        raise ValueError(f"{signature.name}: blocks of unknown length; call compute_chunk_sizes() of the arrays first")
+    axes = [2 if label == "T" else 1 for label in inputs] + [0] * len(varying)
+    cores = [array.shape[array.ndim - count :] for array, count in zip(arrays, axes)]
+    results = block.apply([np.empty((0, *core), array.dtype) for array, core in zip(arrays, cores)])  # refuses what is wrong
+    results = results if isinstance(results, tuple) else (results,)
+    labels = [*inputs, *varying]
+    first, lazy = next((place, array) for place, array in enumerate(arrays) if hasattr(array, "numblocks"))
+    block.counted, block.counts = labels[first], lazy.numblocks
+    ends = [result.shape[1:] for result in results]
+    block.signature = "->".join(",".join(map(_core, shapes)) for shapes in ([cores[first], *cores], ends))
+    how = {"output_sizes": {str(length): length for end in ends for length in end}, "allow_rechunk": True}
+    places = lazy.map_blocks(_numbered, counts=lazy.numblocks, meta=np.empty((0,) * lazy.ndim, np.int64))
+    try:
+        return lazy.__array_ufunc__(block, "__call__", places, *arrays, output_dtypes=[result.dtype for result in results], **how)
+    except ValueError:
+        batches = [array.shape[: array.ndim - count] for array, count in zip(arrays, axes)]
+        found = ", ".join(f"{label} {batch}" for label, batch in zip(labels, batches))
+        raise ValueError(f"{signature.name}: batch shapes do not broadcast: {found}") from None
+
+
+def _checked(signature, values):
+    """The arguments of a call by name."""
+    return {label: signature.argument(label, value) for label, value in zip(signature.arguments, values)}
+
+
+def _core(shape):
+    """The axes of one configuration, which the signature of a generalised ufunc names by their lengths."""
+    return f"({','.join(map(str, shape))})"
+
+
+def _numbered(block, counts, block_id):
+    """The number of a block in place of each of its entries."""
+    return np.broadcast_to(np.ravel_multi_index(block_id, counts), block.shape)
 
 
 # Arrays of other libraries.
@@ -2293,6 +2414,8 @@ class _Function:
                     return self._one(floats, parameters, out)
                 except (ValueError, ArithmeticError):
                     pass  # Python's functions refuse what NumPy answers with nan or inf.
+        if _is_lazy(parameters, *values):
+            return _by_blocks(signature, _checked(signature, values), parameters, out)
         elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
         if elsewhere is not None:
             return self._on(elsewhere, values, parameters, out)
@@ -2317,7 +2440,7 @@ class _Function:
             return ()
         name = self.signature.name
         if name not in parameters.constants:
-            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+            parameters.constants[name] = self.hoisted(_FLOATS, [np.asarray(value).item() for value in self._given(parameters)])
         return parameters.constants[name]
 
     def _given(self, parameters):
@@ -2455,6 +2578,8 @@ def _under_wrench(function, felt, values, wrench, frame, params, out):
     signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
     if frame not in felt:
         raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    if _is_lazy(params, *values, wrench):
+        return _by_blocks(plain, _checked(signature, (*values, wrench)), params, out, wrench_frame=frame)
     *values, wrench = _arrays(signature, (*values, wrench))
     signature.batch([*values, wrench], ())
     torques = felt[frame]((values[0], wrench), params, None)

@@ -56,6 +56,24 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 4, "add": 3, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
+SIGNATURES = {
+    "forward_kinematics": "(2)->(4,4)",
+    "link_transforms": "(2)->(2,4,4)",
+    "jacobian": "(2)->(6,2)",
+    "jacobian_end": "(2)->(6,2)",
+    "jacobian_dot": "(2),(2)->(6,2)",
+    "jacobian_hessian": "(2)->(6,2,2)",
+    "analytic_jacobian_rpy": "(2)->(6,2)",
+    "manipulability": "(2)->()",
+    "manipulability_position": "(2)->()",
+    "manipulability_orientation": "(2)->()",
+    "manipulability_dq": "(2)->(2)",
+    "wrench_torques": "(2),(6)->(2)",
+    "wrench_torques_end": "(2),(6)->(2)",
+    "inverse_kinematics": "(4,4)->(1,2)",
+    "inverse_kinematics_nearest": "(4,4),(2)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 

@@ -13,6 +13,7 @@ arguments broadcast against each other, and the batch's shape leads in the resul
 With `out=`, an array of float64 of the result's shape, the result is written there and returned.
 Arrays of another library (JAX, CuPy, PyTorch with array-api-compat, ...) give an array of that library, of the same
 dtype and on the same device; there the functions can be compiled, vectorised and differentiated.
+Arrays of Dask give a lazy array of Dask, computed block by block with the signature in SIGNATURES.
 Parameters without a number are given as `params`: a dictionary by name, or a sequence in the order of PARAMETERS
 (or an array of shape (..., len(PARAMETERS))). Each is a number or an array that broadcasts against the batch. A
 function asks only for those that it needs. For many calls with the same numbers pass `precompute(params)`.
@@ -46,6 +47,24 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 4, "add": 3, "div": 0, "sin": 1, "cos": 1, "sqrt": 0},
     "inverse_kinematics": {"mul": 47, "add": 36, "div": 4, "sin": 2, "cos": 2, "sqrt": 1, "atan2": 2, "cases": 28},
 }
+SIGNATURES = {
+    "forward_kinematics": "(2)->(4,4)",
+    "link_transforms": "(2)->(2,4,4)",
+    "jacobian": "(2)->(6,2)",
+    "jacobian_end": "(2)->(6,2)",
+    "jacobian_dot": "(2),(2)->(6,2)",
+    "jacobian_hessian": "(2)->(6,2,2)",
+    "analytic_jacobian_rpy": "(2)->(6,2)",
+    "manipulability": "(2)->()",
+    "manipulability_position": "(2)->()",
+    "manipulability_orientation": "(2)->()",
+    "manipulability_dq": "(2)->(2)",
+    "wrench_torques": "(2),(6)->(2)",
+    "wrench_torques_end": "(2),(6)->(2)",
+    "inverse_kinematics": "(4,4)->(1,2)",
+    "inverse_kinematics_nearest": "(4,4),(2)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 
@@ -59,6 +78,7 @@ __all__ = [
     "LIMITS",
     "OPERATIONS",
     "PARAMETERS",
+    "SIGNATURES",
     "forward_kinematics",
     "link_transforms",
     "jacobian",
@@ -337,6 +357,9 @@ def inverse_kinematics(T, params=None, given=None, out=None, status=False, near=
     Closed form, all branches at once: 47 mul, 36 add, 4 div, 2 sin, 2 cos, 1 sqrt, 2 atan2, 28 cases.
     Once per set of parameters: 4 mul, 3 add.
     """
+    if not (type(T) is np.ndarray and params is given is near is None) and _is_lazy(params, T, given, near):
+        inputs = {"T": T, "given": given, "near": near}
+        return _by_blocks(_INVERSE.signature, inputs, params, out, status=status, tolerance=tolerance)
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
     return _INVERSE(T, params, given, out, status, near)
@@ -359,6 +382,9 @@ def inverse_kinematics_nearest(T, q, params=None, tolerance=None):
     Raises:
         ValueError: T is not a valid pose, or of another shape.
     """
+    if not (type(T) is type(q) is np.ndarray and params is None) and _is_lazy(params, T, q):
+        signature = _Signature("inverse_kinematics_nearest", (), (2,))
+        return _by_blocks(signature, {"T": T, "q": q}, params, None, tolerance=tolerance)
     if tolerance is not None:
         T = _INVERSE.poses.straightened(T, tolerance)
     q = _POSES.configuration(q)
@@ -827,7 +853,7 @@ class _Signature:
     def argument(self, label, value):
         """An argument as a NumPy array of floats, (..., its entries)."""
         try:
-            array = np.asarray(value)
+            array = value if hasattr(value, "numblocks") else np.asarray(value)  # Dask's array stays one
         except ValueError:
             raise ValueError(f"{self.name}: {label} must have shape {_shape(label)}; got rows of unequal length") from None
         if array.dtype.kind not in "fiub":
@@ -895,8 +921,8 @@ class _Parameters:
         if unknown:
             raise ValueError(f"{name}: unknown in params: {', '.join(unknown)}; the parameters are {PARAMETERS}")
         self.numbers = {label: self._number(label, value) for label, value in params.items()}
-        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None)
-        self.extent = self._extent({label: np.shape(value) for label, value in self.numbers.items()})
+        self.libraries = tuple(value for value in self.numbers.values() if _library(value) is not None or _is_lazy(None, value))
+        self.extent = self._extent({label: getattr(value, "shape", ()) for label, value in self.numbers.items()})
 
     def _by_name(self, params):
         """A sequence in the order of PARAMETERS, or an array (..., len(PARAMETERS)), as a dictionary."""
@@ -908,7 +934,7 @@ class _Parameters:
         return dict(zip(PARAMETERS, columns))
 
     def _number(self, label, value):
-        if _library(value) is not None:
+        if _library(value) is not None or _is_lazy(None, value):
             return value
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":
@@ -922,6 +948,85 @@ class _Parameters:
         except ValueError:
             text = ", ".join(f"{label} {tuple(shape)}" for label, shape in shapes.items() if shape)
             raise ValueError(f"{self.name}: batch shapes do not broadcast: params {text}") from None
+
+
+# Arrays of Dask.
+
+def _is_lazy(params, *values):
+    """Whether there are arrays of Dask's among the parameters or values: they alone count their blocks."""
+    for value in values:
+        if hasattr(value, "numblocks"):
+            return True
+    params = getattr(params, "numbers", params)
+    given = dict(params).values() if hasattr(params, "keys") else (params,) if hasattr(params, "shape") else params
+    return params is not None and any(hasattr(value, "numblocks") for value in given)
+
+
+class _Block:
+    """A function on blocks of its arguments and parameters; to Dask, a generalised ufunc. An error names the block."""
+
+    def __init__(self, function, labels, varying, numbers, options):
+        self.function, self.options = function, options
+        self.labels, self.varying, self.numbers = labels, varying, numbers
+
+    def __call__(self, places, *arrays):
+        try:
+            return self.apply(arrays)
+        except (TypeError, ValueError) as error:
+            block = tuple(map(int, np.unravel_index(places.flat[0], self.counts)))
+            raise type(error)(f"block {block} of {self.counted}: {error}") from None
+
+    def apply(self, arrays):
+        """The function, first of the arrays its arguments, then those parameters that are arrays."""
+        inputs, params = zip(self.labels, arrays), zip(self.varying, arrays[len(self.labels) :])
+        return self.function(**dict(inputs), params={**self.numbers, **dict(params)} or None, **self.options)
+
+
+def _by_blocks(signature, inputs, params, out, **options):
+    """A function of this module on Dask's arrays: a lazy array, by the `apply_gufunc` of their ufunc protocol."""
+    if out is not None:
+        raise ValueError(f"{signature.name}: out is for NumPy's arrays; a lazy result is not computed yet")
+    taken = {label: value for label, value in inputs.items() if value is not None}
+    inputs = {label: value if hasattr(value, "ndim") else np.asarray(value) for label, value in taken.items()}
+    numbers = signature.parameters(params).numbers
+    varying = {label: value for label, value in numbers.items() if hasattr(value, "ndim")}
+    still = {label: value for label, value in numbers.items() if label not in varying}
+    block = _Block(globals()[signature.name], [*inputs], [*varying], still, options)
+    arrays = [*inputs.values(), *varying.values()]
+    if any(length != length for array in arrays for length in array.shape):
+        raise ValueError(f"{signature.name}: blocks of unknown length; call compute_chunk_sizes() of the arrays first")
+    axes = [2 if label == "T" else 1 for label in inputs] + [0] * len(varying)
+    cores = [array.shape[array.ndim - count :] for array, count in zip(arrays, axes)]
+    results = block.apply([np.empty((0, *core), array.dtype) for array, core in zip(arrays, cores)])  # refuses what is wrong
+    results = results if isinstance(results, tuple) else (results,)
+    labels = [*inputs, *varying]
+    first, lazy = next((place, array) for place, array in enumerate(arrays) if hasattr(array, "numblocks"))
+    block.counted, block.counts = labels[first], lazy.numblocks
+    ends = [result.shape[1:] for result in results]
+    block.signature = "->".join(",".join(map(_core, shapes)) for shapes in ([cores[first], *cores], ends))
+    how = {"output_sizes": {str(length): length for end in ends for length in end}, "allow_rechunk": True}
+    places = lazy.map_blocks(_numbered, counts=lazy.numblocks, meta=np.empty((0,) * lazy.ndim, np.int64))
+    try:
+        return lazy.__array_ufunc__(block, "__call__", places, *arrays, output_dtypes=[result.dtype for result in results], **how)
+    except ValueError:
+        batches = [array.shape[: array.ndim - count] for array, count in zip(arrays, axes)]
+        found = ", ".join(f"{label} {batch}" for label, batch in zip(labels, batches))
+        raise ValueError(f"{signature.name}: batch shapes do not broadcast: {found}") from None
+
+
+def _checked(signature, values):
+    """The arguments of a call by name."""
+    return {label: signature.argument(label, value) for label, value in zip(signature.arguments, values)}
+
+
+def _core(shape):
+    """The axes of one configuration, which the signature of a generalised ufunc names by their lengths."""
+    return f"({','.join(map(str, shape))})"
+
+
+def _numbered(block, counts, block_id):
+    """The number of a block in place of each of its entries."""
+    return np.broadcast_to(np.ravel_multi_index(block_id, counts), block.shape)
 
 
 # Arrays of other libraries.
@@ -1279,6 +1384,8 @@ class _Function:
                     return self._one(floats, parameters, out)
                 except (ValueError, ArithmeticError):
                     pass  # Python's functions refuse what NumPy answers with nan or inf.
+        if _is_lazy(parameters, *values):
+            return _by_blocks(signature, _checked(signature, values), parameters, out)
         elsewhere = _elsewhere(signature.name, (*values, *parameters.libraries))
         if elsewhere is not None:
             return self._on(elsewhere, values, parameters, out)
@@ -1303,7 +1410,7 @@ class _Function:
             return ()
         name = self.signature.name
         if name not in parameters.constants:
-            parameters.constants[name] = self.hoisted(_FLOATS, self._given(parameters))
+            parameters.constants[name] = self.hoisted(_FLOATS, [np.asarray(value).item() for value in self._given(parameters)])
         return parameters.constants[name]
 
     def _given(self, parameters):
@@ -1441,6 +1548,8 @@ def _under_wrench(function, felt, values, wrench, frame, params, out):
     signature = _Signature(plain.name, (*plain.arguments, "wrench"), plain.shape)
     if frame not in felt:
         raise ValueError(f"{plain.name}: wrench_frame must be one of {tuple(felt)}; got {frame!r}")
+    if _is_lazy(params, *values, wrench):
+        return _by_blocks(plain, _checked(signature, (*values, wrench)), params, out, wrench_frame=frame)
     *values, wrench = _arrays(signature, (*values, wrench))
     signature.batch([*values, wrench], ())
     torques = felt[frame]((values[0], wrench), params, None)

@@ -58,6 +58,24 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 8, "add": 6, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "inverse_kinematics": {"mul": 35, "add": 30, "div": 2, "sin": 3, "cos": 3, "sqrt": 1, "atan2": 1, "cases": 22},
 }
+SIGNATURES = {
+    "forward_kinematics": "(4)->(4,4)",
+    "link_transforms": "(4)->(4,4,4)",
+    "jacobian": "(4)->(6,4)",
+    "jacobian_end": "(4)->(6,4)",
+    "jacobian_dot": "(4),(4)->(6,4)",
+    "jacobian_hessian": "(4)->(6,4,4)",
+    "analytic_jacobian_rpy": "(4)->(6,4)",
+    "manipulability": "(4)->()",
+    "manipulability_position": "(4)->()",
+    "manipulability_orientation": "(4)->()",
+    "manipulability_dq": "(4)->(4)",
+    "wrench_torques": "(4),(6)->(4)",
+    "wrench_torques_end": "(4),(6)->(4)",
+    "inverse_kinematics": "(4,4),(1)->(1,4)",
+    "inverse_kinematics_nearest": "(4,4),(4)->(4)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ("q4",)
 """Joints whose variables are arguments of inverse kinematics."""
 

@@ -61,6 +61,27 @@ OPERATIONS = {
     "wrench_torques_end_piston": {"mul": 25, "add": 9, "div": 3, "sin": 1, "cos": 1, "sqrt": 1},
     "passive_positions": {"mul": 22, "add": 9, "div": 2, "sin": 1, "cos": 1, "sqrt": 1, "atan2": 1},
 }
+SIGNATURES = {
+    "forward_kinematics_piston": "(1)->(4,4)",
+    "link_transforms": "(1)->(3,4,4)",
+    "jacobian_piston": "(1)->(6,1)",
+    "jacobian_end_piston": "(1)->(6,1)",
+    "jacobian_dot_piston": "(1),(1)->(6,1)",
+    "analytic_jacobian_rpy_piston": "(1)->(6,1)",
+    "analytic_jacobian_zyz_piston": "(1)->(6,1)",
+    "inertia_matrix": "(1)->(1,1)",
+    "coriolis_matrix": "(1),(1)->(1,1)",
+    "gravity_vector": "(1)->(1)",
+    "kinetic_energy": "(1),(1)->()",
+    "potential_energy": "(1)->()",
+    "inverse_dynamics": "(1),(1),(1)->(1)",
+    "forward_dynamics": "(1),(1),(1)->(1)",
+    "coriolis_vector": "(1),(1)->(1)",
+    "wrench_torques_piston": "(1),(6)->(1)",
+    "wrench_torques_end_piston": "(1),(6)->(1)",
+    "passive_positions": "(1)->(2)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 
 __all__ = [
     "DOF",

@@ -64,6 +64,25 @@ OPERATIONS = {
     "wrench_torques_end": {"mul": 37, "add": 23, "div": 0, "sin": 4, "cos": 4, "sqrt": 0},
     "inverse_kinematics": {"mul": 377, "add": 260, "div": 19, "sin": 4, "cos": 4, "sqrt": 4, "atan2": 16, "cases": 164},
 }
+SIGNATURES = {
+    "forward_kinematics": "(5)->(4,4)",
+    "link_transforms": "(5)->(5,4,4)",
+    "jacobian": "(5)->(6,5)",
+    "jacobian_end": "(5)->(6,5)",
+    "jacobian_dot": "(5),(5)->(6,5)",
+    "jacobian_hessian": "(5)->(6,5,5)",
+    "analytic_jacobian_rpy": "(5)->(6,5)",
+    "analytic_jacobian_zyz": "(5)->(6,5)",
+    "manipulability": "(5)->()",
+    "manipulability_position": "(5)->()",
+    "manipulability_orientation": "(5)->()",
+    "manipulability_dq": "(5)->(5)",
+    "wrench_torques": "(5),(6)->(5)",
+    "wrench_torques_end": "(5),(6)->(5)",
+    "inverse_kinematics": "(4,4)->(4,5)",
+    "inverse_kinematics_nearest": "(4,4),(5)->(5)",
+}
+"""The axes of one configuration in the arguments and result of each function, as generalised ufuncs write them."""
 GIVEN = ()
 """Joints whose variables are arguments of inverse kinematics."""
 
