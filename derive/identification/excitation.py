@@ -289,7 +289,7 @@ def condition(blocks: Array) -> float:
 
 
 def _without_dry_friction(robot: Robot) -> Robot:
-    return replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links))
+    return replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
 
 
 def _functions(robot: Robot, names: set[str]) -> dict[str, Any]:
