@@ -67,7 +67,7 @@ def main() -> int:
             found = excite(robot, criterion=criterion, **limits)
             seconds = process_time() - since
             print(f"{name}, {criterion}: condition number {found.condition:.2f} in {seconds:.1f} s; "
-                  f"best of {RANDOM} random motions {least:.2f}")  # fmt: skip
+                  f"best of {RANDOM} random motions {least:.2f}", flush=True)  # fmt: skip
             failed |= seconds > SECONDS or (criterion is Criterion.CONDITION and found.condition > least)
     return int(failed)
 
