@@ -5,6 +5,10 @@ columns of unit length) and the determinant shall be better than those of the be
 in at most a minute of processor time each.
 """
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command has it
+
 import sys
 from time import process_time
 
