@@ -45,7 +45,7 @@ links:
 # Of the PUMA the torques of Armstrong, Khatib and Burdick (1986), and 100 degrees a second.
 LIMITS = {
     "puma560-corke": {"speed": 100, "torque": "97.6,186.4,89.4,24.2,20.1,21.3", "floor": -0.66},
-    "ur5e": {"floor": 0.0},
+    "ur5e": {"floor": 0.0, "noise": "1,1,1,0.2,0.2,0.2"},  # without tensors its last joint has no torque
 }
 
 
