@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
     from derive.api.convert import convert, possible
+    from derive.api.excite import excite
     from derive.api.export import export
     from derive.api.handout import fragment, handout
     from derive.api.identify import identify
@@ -56,6 +57,7 @@ __all__ = [
     "check_inverse",
     "check_latex",
     "convert",
+    "excite",
     "export",
     "find_style",
     "fragment",
@@ -80,6 +82,7 @@ _NAMES = {
     "derive.api.build": ("build", "build_all", "stale", "verify"),
     "derive.api.check": ("check", "check_formula", "check_inverse", "check_latex"),
     "derive.api.convert": ("convert", "possible"),
+    "derive.api.excite": ("excite",),
     "derive.api.export": ("export",),
     "derive.api.handout": ("fragment", "handout"),
     "derive.api.identify": ("identify",),

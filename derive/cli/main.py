@@ -25,6 +25,7 @@ COMMANDS = {
     "style": "find the style of a book from some of its formulas",
     "verify": "compare generated functions with an independent recursion",
     "move": "compute a motion: speeds, torques, work, plots, animations, simulation",
+    "excite": "find a motion that tells the parameters of a robot",
     "identify": "identify masses, inertias and friction from a log",
     "sample": "reduce functions over many configurations: extremes, means, quantiles",
     "map": "map the workspace: poses reached, postures, manipulability, margins",
@@ -37,7 +38,7 @@ COMMANDS = {
 }
 # Commands that read robot files.
 OF_A_ROBOT = (
-    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "identify",
+    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
     "map", "new", "sample",
 )  # fmt: skip
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

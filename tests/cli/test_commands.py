@@ -12,6 +12,7 @@ from derive.cli import (
     check,
     completion,
     convert,
+    excite,
     export,
     handout,
     identify,
@@ -30,7 +31,7 @@ from derive.cli import (
 from derive.cli.main import COMMANDS
 
 OF_FILES = (
-    build, check, convert, export, handout, identify, import_, map, move, new, plot, sample, show, style,
+    build, check, convert, excite, export, handout, identify, import_, map, move, new, plot, sample, show, style,
     verify,
 )  # fmt: skip
 MODULES = {module.__name__.rpartition(".")[2].rstrip("_"): module for module in (*OF_FILES, completion, list, schema)}

@@ -1,0 +1,180 @@
+"""Motions that excite the base parameters of a robot, from Python."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from derive.api.robots import RobotLike, load
+from derive.arrays import Array
+from derive.errors import DeriveError, listed
+from derive.identification.excitation import Criterion, Design, Room
+from derive.identification.excited import Excitation, excited
+from derive.identification.fourier import FourierSeries
+from derive.identification.standard import Unknowns
+from derive.publish.atomic_folder import refuse_taken, write_files
+from derive.robot.cells import joint_value
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import Expression
+from derive.robot.load import catalogue_names
+from derive.robot.robot import Robot
+from derive.robot.writer import robot_text
+
+OfJoints = float | str | Sequence[float | str]
+"""One value for all joints, or one a joint; a text is one cell or several with commas between."""
+HARMONICS = (2, 20)
+MOST_SAMPLES = 100_000
+
+
+def excite(
+    robot: RobotLike,
+    path: str | Path | None = None,
+    *,
+    period: float = 10.0,
+    harmonics: int = 5,
+    criterion: str = "determinant",
+    position: OfJoints | None = None,
+    speed: OfJoints | None = None,
+    acceleration: OfJoints | None = None,
+    torque: OfJoints | None = None,
+    floor: float | None = 0.0,
+    noise: OfJoints = "1%",
+    sample: float = 0.01,
+    add: Sequence[str] = ("viscous", "coulomb"),
+    starts: int = 2,
+    seed: int = 1,
+    force: bool = False,
+) -> Excitation:
+    """Find a motion from which the base parameters of a robot follow best, as ``derive excite`` does.
+
+    Args:
+        robot: A robot, the path of a robot file, or a name of the catalogue; its symbols all have numbers.
+        path: The plan that is written; None for none.
+        period: How long the motion lasts [s].
+        harmonics: Of the Fourier series of each joint, from 2 to 20.
+        criterion: What is made small: ``determinant`` of the parameters' covariance, or ``condition`` number.
+        position: Largest magnitude of each joint's position, in the units of the robot file; with it the file's limits
+            hold. None for these alone. Likewise the next two, per second and per second squared.
+        speed: Largest speeds.
+        acceleration: Largest accelerations; None for none but what speeds and harmonics allow.
+        torque: Largest torques [N m or N].
+        floor: Height above which the origins of all frames stay [m]; None for any.
+        noise: Standard deviation of the torques' noise [N m or N], or a part of each joint's largest torque, ``1%``.
+        sample: Time between two samples [s].
+        add: What shall be identified though the robot file does not give it: ``viscous``, ``coulomb``, ``armature``.
+        starts: From how many random motions the search goes.
+        seed: Of the random numbers; the same gives the same motion.
+        force: Whether a file that exists is overwritten.
+
+    Returns:
+        The plan as text, the condition number, and the standard deviation of each base parameter.
+
+    Raises:
+        DeriveError: A value is not what is allowed, or a joint has no limits.
+        QuantityError: A robot without links, with coupled joints or with a symbol without a number, or one that its
+            torques or the floor allow nowhere.
+        OutputError: There is such a file already, or it cannot be written.
+        TargetError: CasADi is not installed.
+    """
+    if path is not None:
+        refuse_taken([Path(path)], force=force)
+    chosen = load(robot, remarks_on_bodies=False)
+    least, most = HARMONICS
+    _check(least <= harmonics <= most, f"{harmonics} harmonics", f"{least} to {most}")
+    _check(0 < period < np.inf, f"a period of {period:.6g} s", "a time above zero [s]")
+    shortest, longest = period / MOST_SAMPLES, period / (4 * harmonics)
+    _check(shortest <= sample <= longest, f"samples every {sample:.6g} s", f"{shortest:.3g} to {longest:.3g} s")
+    _check(starts >= 1, f"{starts} starts", "one or more")
+    _check(criterion in [*Criterion], f"criterion {criterion}", listed(Criterion))
+    limits = {"speed": speed, "acceleration": acceleration, "torque": torque}
+    design = Design(
+        Unknowns(chosen, tuple(add)),
+        FourierSeries(float(period), harmonics),
+        _room(chosen, {"position": position, **limits}, -np.inf if floor is None else floor),
+        Criterion(criterion),
+        _noise(chosen, noise),
+    )
+    head = [_robot_lines(robot, None if path is None else Path(path).parent)]
+    for name, values in limits.items():
+        head += [] if values is None else [f"{name}: [{', '.join(_of_joints(chosen, values, name))}]"]
+    found = excited(design, starts, seed, sample, head)
+    if path is not None:
+        write_files({Path(path): found.text.encode()}, force=force)
+    return found
+
+
+def _check(right: bool, found: str, allowed: str) -> None:
+    if not right:
+        raise DeriveError(found, allowed=f"allowed: {allowed}")
+
+
+def _of_joints(robot: Robot, values: OfJoints, what: str) -> list[str]:
+    """One text a joint."""
+    typed = values.split(",") if isinstance(values, str) else [values] if isinstance(values, float | int) else values
+    texts = [str(value).strip() for value in typed]
+    texts *= robot.dof if len(texts) == 1 else 1
+    names = listed(joint.variable for joint in robot.variables)
+    _check(len(texts) == robot.dof, f"{len(texts)} values of {what}", f"one, or one for each of {names}")
+    return texts
+
+
+def _room(robot: Robot, given: dict[str, OfJoints | None], floor: float) -> Room:
+    """What robot file and options allow together."""
+    numbers, joints = parameter_values(robot), robot.variables
+
+    def _most(what: str, of_file: Sequence[Expression | None]) -> Array:
+        values = given[what]
+        texts = [None] * robot.dof if values is None else _of_joints(robot, values, what)
+        found = []
+        for joint, text, cell in zip(joints, texts, of_file, strict=True):
+            own = None if what == "torque" else joint
+            typed = (
+                np.inf if text is None else evaluate(joint_value(robot, own, text, f"{what} of {joint.variable}"), {})
+            )
+            _check(typed > 0, f"{what} {text} of {joint.variable}", "above zero")
+            found.append(min(typed, np.inf if cell is None else evaluate(cell, numbers)))
+        return np.array(found)
+
+    most = _most("position", [None] * robot.dof)
+    ends = [
+        [evaluate(cell, numbers) for cell in joint.limits] if joint.limits else [-np.inf, np.inf] for joint in joints
+    ]
+    low, high = np.maximum(np.array(ends).T[0], -most), np.minimum(np.array(ends).T[1], most)
+    speed = _most("speed", [joint.speed for joint in joints])
+    for what, unlimited in (("position", np.isinf(high - low)), ("speed", np.isinf(speed))):
+        if lacking := [joint.variable for joint, lacks in zip(joints, unlimited, strict=True) if lacks]:
+            key = "limits" if what == "position" else what
+            remedy = f"write {key}: into the robot file, or give --{what}"
+            raise DeriveError(f"{listed(lacking)} of {robot.name} without limits of {what}", remedy=remedy)
+    for joint, narrow in zip(joints, high <= low, strict=True):
+        _check(not narrow, f"no room for {joint.variable}", "a position within the limits of the robot file")
+    torque = _most("torque", [joint.torque for joint in joints])
+    return Room(low, high, speed, _most("acceleration", [None] * robot.dof), torque, floor)
+
+
+def _noise(robot: Robot, noise: OfJoints) -> Callable[[Array], Array]:
+    """Deviations of the torques by the largest torques."""
+    texts, found = _of_joints(robot, noise, "noise"), []
+    for text in texts:
+        try:
+            value = float(text.removesuffix("%"))
+        except ValueError:
+            value = 0.0
+        _check(0 < value < np.inf, f"noise {text}", "N m or N, or per cent such as 1%")
+        found.append((value / 100, 0.0) if text.endswith("%") else (0.0, value))
+    parts, fixed = np.array(found).T
+    return lambda largest: parts * largest + fixed
+
+
+def _robot_lines(robot: RobotLike, folder: Path | None) -> str:
+    """What a plan in a folder says of its robot."""
+    if isinstance(robot, Robot):
+        return "robot:\n" + "\n".join(f"  {line}".rstrip() for line in robot_text(robot).splitlines())
+    there = str(robot)
+    if there not in catalogue_names() and folder is not None:
+        there = Path(os.path.relpath(there, folder)).as_posix()
+    return f"robot: {json.dumps(there, ensure_ascii=False)}"

@@ -1,0 +1,59 @@
+"""``derive excite``: a motion that tells the parameters of a robot."""
+
+import argparse
+
+from derive.cli.terminal import add_shared, keywords, positive, print_columns, print_written
+
+DESCRIPTION = """\
+Find a motion from which the base parameters of ROBOT follow best, and say how well: Fourier series of each joint, from
+rest to rest, within the limits of the robot file and of the options, found by IPOPT of CasADi.
+
+The plan is for `derive move`, its log for `derive identify`. Values are one for all joints or one a joint, in the units
+of the robot file.
+
+  derive excite puma560-corke --speed 100 --floor none -o excite.yaml
+  derive excite arm.yaml --criterion condition --period 20 --torque 50,50,30,8,8,8 -o excite.yaml
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The robot, the series, the limits and the noise."""
+    add = parser.add_argument
+    add_shared(parser, "robot", "out")
+    add("--period", metavar="S", type=float, default=10.0, help="how long the motion lasts (default: 10)")
+    add("--harmonics", metavar="N", type=positive, default=5, help="of the Fourier series (default: 5)")
+    criteria = "make the determinant of the covariance small (default), or the condition number"
+    add("--criterion", choices=("determinant", "condition"), default="determinant", help=criteria)
+    add("--position", metavar="V1,V2,...", help="largest position either way (default: the limits of the file)")
+    add("--speed", metavar="V1,V2,...", help="largest speed (default: that of the file)")
+    add("--acceleration", metavar="V1,V2,...", help="largest acceleration (default: none)")
+    add("--torque", metavar="V1,V2,...", help="largest torque, N m or N (default: that of the file)")
+    add("--floor", metavar="Z", default="0", help="height above which frames stay, in metres, or none (default: 0)")
+    add(
+        "--noise",
+        metavar="V1,V2,...",
+        default="1%",
+        help="of the torques: N m or N, or %% of the largest (default: 1%%)",
+    )
+    add("--sample", metavar="S", type=float, default=0.01, help="time between two samples (default: 0.01)")
+    parts = "what to identify though the file does not give it: viscous, coulomb, armature, none"
+    add("--add", metavar="PART,...", default="viscous,coulomb", help=f"{parts} (default: the first two)")
+    add("--starts", metavar="N", type=positive, default=2, help="random motions to start from (default: 2)")
+    add("--seed", metavar="N", type=positive, default=1, help="of the random motions (default: 1)")
+    add_shared(parser, "force", "quiet", "json")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Find the motion, write its plan, and print how well it tells each parameter."""
+    from derive.api.excite import excite
+    from derive.identification.excited import HEAD
+
+    options = keywords(arguments, "period", "harmonics", "criterion", "position", "speed", "acceleration", "torque")
+    options |= keywords(arguments, "noise", "sample", "starts", "seed", "force")
+    added = [] if arguments.add == "none" else [name.strip() for name in arguments.add.split(",")]
+    floor = None if arguments.floor == "none" else float(arguments.floor)
+    found = excite(arguments.robot, arguments.out, floor=floor, add=added, **options)
+    lines = [f"{arguments.out}: condition number {found.condition:.4g}", *(f"  {note}" for note in found.notes)]
+    print_written(arguments, found.text, found.as_dict(), lines)
+    if arguments.out is not None and not (arguments.quiet or arguments.json):
+        print_columns(found.rows(), HEAD)

@@ -1,0 +1,298 @@
+"""Motions that tell the base parameters of an arm: Fourier series, the best within what its joints may do.
+
+With W the base regressors of all samples one above the other, the parameters follow from torques with noise of
+deviation sigma with the covariance (W^T W)^-1 sigma^2. Either its determinant is made small (D-optimal; Swevers et
+al., IEEE Trans. Robotics and Automation 13(5), 1997), or the condition number of W with columns of unit length
+(Gautier and Khalil, Int. J. Robotics Research 11(4), 1992).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from derive.arrays import Array
+from derive.errors import QuantityError, optional
+from derive.identification.fourier import FourierSeries
+from derive.identification.standard import Unknowns
+from derive.programs.build import build_program
+from derive.programs.optimise.search_policy import Effort
+from derive.robot.evaluate import evaluate, parameter_values
+from derive.robot.expression import ZERO
+from derive.robot.inertial_parameters import FRICTION_PARTS
+from derive.robot.robot import Robot
+from derive.targets.casadi import casadi_function
+
+CENTRES = 400  # configurations among which motions have their middle
+DRAWN = 60  # random motions of which the best are where the search starts
+FINE = 10  # how many times finer the grid of the last check is
+SHRUNK = 0.98  # factor of amplitudes from one try to the next
+STANDING = 0.01  # factor below which the middle of a motion is where the arm cannot stand
+SLOW = 0.05  # part of a joint's largest speed within which the search smooths the jump of Coulomb friction
+CENTRAL = 0.8  # of the way from the middle of a joint's range to its ends, within which motions have their middle
+SPARE = 0.01  # of torques, and [m] above the floor, where the arm stands in the middle of a motion
+ROUNDED = 1 - 1e-6  # what limits lose to the digits of a plan
+SINGULAR = 1e7  # condition number from which on parameters are not told apart
+POWER = 3  # condition numbers are searched by tr(R^8) and tr(R^-8): 2^3
+STEPS = 150  # of the search from one start
+IPOPT = {
+    "print_time": False,
+    "ipopt": {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": STEPS, "tol": 1e-3},
+}
+
+
+class Criterion(StrEnum):
+    """What is made small."""
+
+    DETERMINANT = "determinant"
+    CONDITION = "condition"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Room:
+    """What the joints may do: (n,) each, infinite where nothing limits."""
+
+    low: Array  # positions [rad or m]
+    high: Array
+    speed: Array  # either way [rad/s or m/s]
+    acceleration: Array  # either way [rad/s^2 or m/s^2]
+    torque: Array  # either way [N m or N]
+    floor: float  # above which the origins of all frames stay [m]
+
+    @property
+    def middle(self) -> Array:
+        """The middle of the positions, (n,)."""
+        return (self.low + self.high) / 2
+
+    @property
+    def half(self) -> Array:
+        """How far they go to either side of it, (n,)."""
+        return (self.high - self.low) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The search for a motion."""
+
+    unknowns: Unknowns
+    series: FourierSeries
+    room: Room
+    criterion: Criterion
+    noise: Callable[[Array], Array]  # deviations of the torques, (n,), by largest torques, (n,)
+
+    @cached_property
+    def _casadi(self) -> Any:
+        return optional("casadi", "exciting motions need casadi", "casadi")
+
+    @cached_property
+    def fine(self) -> Array:
+        """Many times of a period [s]."""
+        return np.linspace(0.0, self.series.period, FINE * len(self.series.times))
+
+    # -- the arm
+
+    @cached_property
+    def _function(self) -> Any:
+        """Function of q, qd, qdd and the signs of speeds: Y_b, torques without Coulomb friction, heights."""
+        casadi, n = self._casadi, self.unknowns.robot.dof
+        q, qd, qdd, signs = (casadi.SX.sym(name, n) for name in ("q", "qd", "qdd", "signs"))
+        smooth = _functions(_without_dry_friction(self.unknowns.wide), {"base_regressor"})
+        columns = iter(casadi.horzsplit(smooth["base_regressor"](q, qd, qdd)))
+        regressor = []
+        for parameter in self.unknowns.base.parameters:
+            if parameter.part not in FRICTION_PARTS[1:]:
+                regressor.append(next(columns))
+                continue
+            i, ahead = parameter.joint - 1, (signs + signs**2) / 2
+            of_part = {"f": signs, "fp": ahead, "fm": signs - ahead}[parameter.part]
+            regressor.append(casadi.vertcat(*(of_part[k] if k == i else 0 for k in range(n))))
+        given = _functions(
+            _without_dry_friction(self.unknowns.robot), {"inverse_dynamics", "link_transforms", "forward_kinematics"}
+        )
+        torque = given.pop("inverse_dynamics")(q, qd, qdd)
+        poses = casadi.horzcat(*(function(q) for function in given.values()))
+        heights = [z for z in casadi.horzsplit(poses[2, 3::4]) if not z.is_constant()]
+        outputs = [casadi.densify(casadi.horzcat(*regressor)), casadi.densify(torque), casadi.vertcat(*heights)]
+        return casadi.Function("arm", [q, qd, qdd, signs], outputs)
+
+    @cached_property
+    def dry(self) -> tuple[Array, Array]:
+        """Coulomb friction for qd > 0 and against that for qd < 0, (n,) each [N m or N]."""
+        values = parameter_values(self.unknowns.robot)
+        ahead, back = np.array([[evaluate(cell, values) for cell in link.dry] for link in self.unknowns.robot.links]).T
+        return ahead, back
+
+    def samples(self, rows: Array, times: Array) -> tuple[Array, Array, Array]:
+        """Regressors (t, n, p), torques without Coulomb friction (t, n) and heights of frames at times (t,) [s]."""
+        q, qd, qdd = np.einsum("otw,nw->ont", self.series.basis(times), rows)
+        signs = np.where(np.abs(qd) > 1e-9 * np.abs(qd).max(), np.sign(qd), 0.0)
+        regressor, torque, height = (x.full() for x in self._function.map(len(times))(q, qd, qdd, signs))
+        return np.moveaxis(regressor.reshape(len(q), len(times), -1), 1, 0), torque.T, height.T
+
+    # -- what is allowed
+
+    def use(self, torque: Array, height: Array) -> Array:
+        """How much of torques and of the room above the floor is used, (t, n + frames), allowed up to 1."""
+        ahead, back = self.dry
+        pull = np.maximum(torque + ahead, back - torque) / self.room.torque
+        return np.hstack([pull, 1 + self.room.floor - height])
+
+    def fitted(self, rows: Array, *, grown: bool) -> Array:
+        """A motion whose joints keep positions, speeds and accelerations at all times, as large as it may be or not."""
+        room, series = self.room, self.series
+        moved, speeds, accelerations = np.einsum("otw,nw->ont", series.basis(series.times)[..., 1:], rows[:, 1:])
+        off = (rows[:, 0] - room.middle)[:, None]
+        ways = np.abs(moved) / (series.between * room.half[:, None] - np.sign(moved) * off)
+        rates = np.abs(speeds) / room.speed[:, None], np.abs(accelerations) / room.acceleration[:, None]
+        used = np.max([ways, *(rate / series.between for rate in rates)], axis=(0, 2))
+        return scaled(rows, ROUNDED / np.maximum(used, 0.0 if grown else ROUNDED)[:, None])
+
+    def shrunk(self, rows: Array, times: Array) -> tuple[Array, float]:
+        """A motion with amplitudes so much smaller that it keeps torques and floor at these times, and the factor."""
+        factor = 1.0
+        while self.use(*self.samples(found := scaled(rows, factor), times)[1:]).max() > ROUNDED and factor > STANDING:
+            factor *= SHRUNK
+        return found, factor
+
+    # -- where the search starts
+
+    def centres(self, rng: np.random.Generator) -> Array:
+        """Positions at which the arm can stand, (c, n)."""
+        room, robot = self.room, self.unknowns.robot
+        places = np.vstack([np.zeros(robot.dof), rng.uniform(-CENTRAL, CENTRAL, (CENTRES, robot.dof))])
+        drawn = room.middle + room.half * places
+        still = np.zeros_like(drawn.T)
+        use = self.use(*(x.full().T for x in self._function.map(len(drawn))(drawn.T, still, still, still)[1:]))
+        if (standing := use.max(axis=1) < 1 - SPARE).any():
+            return np.asarray(drawn[standing])
+        joints, frames = np.split(use[use.max(axis=1).argmin()], [robot.dof])
+        if frames.max(initial=0) > joints.max():
+            found = f"no position of {robot.name} found with all frames above the floor, z = {room.floor:.6g} m"
+            raise QuantityError(found, remedy="give a lower --floor, or --floor none")
+        found = f"{robot.variables[int(joints.argmax())].variable} of {robot.name} found too weak to hold it anywhere"
+        raise QuantityError(found, remedy="give a larger --torque")
+
+    def drawn(self, rng: np.random.Generator, centres: Array) -> Array:
+        """A random motion that uses all that its joints may do."""
+        centre, series = centres[rng.integers(len(centres))], self.series
+        terms = rng.standard_normal((len(centre), series.width - 1)) * series.sizes[1:]
+        return self.shrunk(self.fitted(np.column_stack([centre, terms]), grown=True), series.times)[0]
+
+    def score(self, rows: Array, weights: Array) -> float:
+        """What is made small, with weights of the torques (n,)."""
+        blocks = self.samples(rows, self.fine)[0]
+        if self.criterion is Criterion.CONDITION:
+            return condition(blocks)
+        return -float(np.linalg.slogdet(information(blocks, weights))[1])
+
+    # -- the search
+
+    def improved(self, rows: Array, weights: Array, criterion: Criterion) -> Array:
+        """A better motion, by IPOPT, that keeps to all limits at the times of the grid, or the same one."""
+        casadi, series, room, n = self._casadi, self.series, self.room, len(rows)
+        # In units in which all terms of a joint move it alike, and about as far as it may go.
+        w = 2 * np.pi / series.period
+        reach = np.min([room.half, room.speed / w, room.acceleration / w**2], axis=0)
+        sizes = np.column_stack([room.half, np.outer(reach, series.sizes[1:])])
+        offset = np.column_stack([room.middle, np.zeros((n, series.width - 1))])
+        x = casadi.MX.sym("x", n, series.width)
+        terms, times = offset + sizes * x, series.times
+        q, qd, qdd = (casadi.mtimes(terms, casadi.DM(table.T)) for table in series.basis(times))
+        slow = casadi.DM(SLOW * np.repeat(room.speed[:, None], len(times), axis=1))
+        regressor, torque, height = self._function.map(len(times))(q, qd, qdd, qd / casadi.sqrt(qd**2 + slow**2))
+        _, still, standing = self._function(terms[:, 0], *[np.zeros(n)] * 3)
+        (ahead, back), most = self.dry, np.full(n, series.between)
+        bounded = [  # values, and what they may be
+            ((q - room.middle) / room.half, -most, most),
+            (qd / room.speed, -most, most),
+            (qdd / room.acceleration, -most, most),
+            (
+                casadi.horzcat(torque, still * (1 + SPARE)) / room.torque,
+                back / room.torque - 1,
+                1 - ahead / room.torque,
+            ),
+            (casadi.horzcat(height, standing - SPARE), *(np.full(height.shape[0], z) for z in (room.floor, np.inf))),
+        ]
+        bounded = [(v, low, high) for v, low, high in bounded if v.numel() and np.isfinite([*low, *high]).any()]
+        lows, highs = (np.concatenate([np.tile(b[k], b[0].shape[1]) for b in bounded]) for k in (1, 2))
+        problem = {
+            "x": casadi.vec(x),
+            "f": self._objective(regressor, weights, criterion),
+            "g": casadi.vertcat(*(casadi.vec(values) for values, _, _ in bounded)),
+        }
+        solver = casadi.nlpsol("excitation", "ipopt", problem, IPOPT)
+        start = ((rows - offset) / sizes).T.reshape(-1)
+        most_x = np.repeat([CENTRAL, *[np.inf] * (series.width - 1)], n)
+        found = solver(x0=start, lbx=-most_x, ubx=most_x, lbg=lows, ubg=highs)["x"].full()
+        better, factor = self.shrunk(self.fitted(offset + sizes * found.reshape(series.width, n).T, grown=False), times)
+        return better if factor > STANDING else rows
+
+    def _objective(self, regressor: Any, weights: Array, criterion: Criterion) -> Any:
+        """What is made small, of regressors of all times of the grid side by side."""
+        casadi, n, p = self._casadi, len(weights), len(self.unknowns.base.parameters)
+        times = len(self.series.times)
+        w = casadi.reshape(casadi.reshape(regressor, n * p, times).T, times * n, p)  # joint by joint
+        if criterion is Criterion.DETERMINANT:
+            w = w * np.repeat(np.sqrt(weights), times)
+        lengths = casadi.sqrt(casadi.sum1(w**2))
+        unit = w / casadi.repmat(lengths, times * n, 1)
+        moments = casadi.mtimes(unit.T, unit)
+        symbol = casadi.SX.sym("M", p, p)
+        factor = casadi.solve(casadi.chol(symbol).T, casadi.SX.eye(p))  # of the inverse
+        inverse_factor = casadi.Function("inverse_factor", [symbol], [factor])(moments)
+        if criterion is Criterion.DETERMINANT:
+            return -2 * casadi.sum1(casadi.log(lengths.T)) + 2 * casadi.sum1(casadi.log(casadi.diag(inverse_factor)))
+        # cond(W)^2 = l_max / l_min of M, nearly (tr M^r tr M^-r)^(1/r).
+        large, small = moments, casadi.mtimes(inverse_factor.T, inverse_factor)
+        for _ in range(POWER - 1):
+            large, small = casadi.mtimes(large, large), casadi.mtimes(small, small)
+        return (casadi.log(casadi.sumsqr(large)) + casadi.log(casadi.sumsqr(small))) / 2**POWER
+
+    def best(self, starts: int, seed: int) -> Array:
+        """The best of the motions that are found from so many random ones."""
+        rng = np.random.default_rng(seed)
+        centres = self.centres(rng)
+        drawn = [self.drawn(rng, centres) for _ in range(DRAWN)]
+        noise = self.noise(np.abs(self.samples(drawn[0], self.series.times)[1]).max(axis=0))
+        if not noise.all():
+            still = self.unknowns.robot.variables[int(noise.argmin())].variable
+            raise QuantityError(f"noise in per cent, and {still} has no torque", remedy="give --noise in N m")
+        weights = noise**-2.0
+        drawn.sort(key=lambda rows: self.score(rows, weights))
+        found = drawn[:1]
+        for rows in drawn[:starts]:
+            found.append(self.improved(rows, weights, Criterion.DETERMINANT))
+            if self.criterion is Criterion.CONDITION:  # not as smooth: from a motion that is good already
+                found.append(self.improved(found[-1], weights, Criterion.CONDITION))
+        return min(found, key=lambda rows: self.score(rows, weights))
+
+
+def scaled(rows: Array, factors: Any) -> Array:
+    """A motion with the same middle and other amplitudes."""
+    return np.hstack([rows[:, :1], rows[:, 1:] * factors])
+
+
+def information(blocks: Array, weights: Array) -> Array:
+    """W^T W with weights of the torques (n,), of regressors (times, n, p)."""
+    return np.asarray(np.einsum("tip,tiq,i->pq", blocks, blocks, weights))
+
+
+def condition(blocks: Array) -> float:
+    """The condition number of regressors (times, n, p) one above the other, their columns of unit length."""
+    stacked = blocks.reshape(-1, blocks.shape[-1])
+    return float(np.linalg.cond(stacked / np.linalg.norm(stacked, axis=0)))
+
+
+def _without_dry_friction(robot: Robot) -> Robot:
+    return replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
+
+
+def _functions(robot: Robot, names: set[str]) -> dict[str, Any]:
+    """Generated functions of a robot whose symbols have numbers, in CasADi."""
+    program = build_program(robot, Effort.QUICK, names=frozenset(names))
+    return {function.name: casadi_function(function, robot.dof, 0) for function in program}

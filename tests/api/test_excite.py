@@ -1,0 +1,47 @@
+"""``derive.excite`` and what it refuses."""
+
+from pathlib import Path
+
+import pytest
+
+from derive.api.excite import excite
+from derive.errors import DeriveError
+from tests.cli import command
+from tests.identification.test_excitation import arm
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"speed": "1,2"}, "2 values of speed; allowed: one, or one for each of q1, q2, q3"),
+        ({"speed": -1}, "speed -1 of q1; allowed: above zero"),
+        ({"speed": "fast"}, "'fast'"),
+        ({"harmonics": 1}, "1 harmonics; allowed: 2 to 20"),
+        ({"period": 0}, "a period of 0 s; allowed: a time above zero"),
+        ({"sample": 1}, "samples every 1 s; allowed: 0.0001 to 0.5 s"),
+        ({"criterion": "best"}, "criterion best; allowed: determinant, condition"),
+        ({"noise": "0%"}, "noise 0%; allowed: N m or N, or per cent such as 1%"),
+        ({"position": "90,90,50"}, "no room for q3"),
+        ({"floor": 2.0}, "no position of arm found with all frames above the floor, z = 2 m; give a lower --floor"),
+        ({"torque": "9,3.5,99"}, "q2 of arm found too weak to hold it anywhere; give a larger --torque"),
+    ],
+)
+def test_wrong_options(options: dict[str, object], message: str) -> None:
+    with pytest.raises(DeriveError) as error:
+        excite(arm(), **options)  # type: ignore[arg-type]
+    assert message in str(error.value)
+
+
+def test_robots_without_limits_and_of_other_kinds(tmp_path: Path) -> None:
+    for robot, message in [
+        (
+            "puma560-corke",
+            "q1, q2, q3, q4, q5, q6 of puma560-corke without limits of speed; write speed: into the robot",
+        ),
+        ("kuka-kr5", "kuka-kr5 has no links"),
+        ("four-bar", "closed loops"),
+        ("scara-perugia", "has no number"),
+    ]:
+        outcome = command.derive("excite", robot, "-o", "out.yaml", folder=tmp_path)
+        assert (outcome.status, message in outcome.stderr, outcome.stderr.count("\n")) == (2, True, 1), outcome.stderr
+    assert not [*tmp_path.iterdir()]
