@@ -14,10 +14,10 @@ from derive.exchange.from_tree import ImportedTree
 from derive.exchange.from_tree import import_tree as of_tree
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
 from derive.exchange.from_urdf import import_urdf as of_urdf
-from derive.exchange.read_mjcf import IS_MJCF, read_mjcf
-from derive.exchange.read_urdf import MOST_BYTES
-from derive.exchange.source import ChainSource, open_urdf, opened, relative
-from derive.exchange.urdf import Urdf
+from derive.exchange.reading.elements import Urdf
+from derive.exchange.reading.mjcf import IS_MJCF, read_mjcf
+from derive.exchange.reading.source import ChainSource, open_urdf, opened, relative
+from derive.exchange.reading.urdf import MOST_BYTES
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
 from derive.robot.load import file_bytes, is_robot_name, robot_file_bytes

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from derive.version import __version__
 
-# What each command does; its module `derive.cli.NAME`, or `NAME_`, is imported when it is asked for.
+# What each command does; its module `NAME`, or `NAME_`, of `derive.cli` or its `data` is imported when it is used.
 COMMANDS = {
     "list": "list the built-in robots, or motion plans",
     "show": "print quantities of a robot: T, J, B, C, g, A[1], ...",
@@ -36,6 +36,7 @@ COMMANDS = {
     "schema": "print the JSON Schema of the robot file or the motion plan",
     "completion": "print a completion script for the shell",
 }
+OF_DATA = ("excite", "identify", "map", "sample")
 # Commands that read robot files.
 OF_A_ROBOT = (
     "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
@@ -167,7 +168,8 @@ class _Command(_Parser):
         from derive.cli.terminal import OLD, add_shared  # help needs none of it
 
         name = self.prog.split()[-1]
-        module = import_module(f"derive.cli.{name}" + "_" * iskeyword(name))
+        folder = "derive.cli.data" if name in OF_DATA else "derive.cli"
+        module = import_module(f"{folder}.{name}" + "_" * iskeyword(name))
         self.description, _, examples = module.DESCRIPTION.rpartition("\n\n")
         self.epilog = f"examples:\n{examples}"
         module.configure(self)

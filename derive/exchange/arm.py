@@ -14,7 +14,7 @@ from math import pi
 from flint import arb
 
 from derive.errors import RobotFileError, near_miss, quoted
-from derive.exchange.urdf import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
+from derive.exchange.reading.elements import MOVING, UNLIMITED, ZEROS, Origin, Triple, Urdf, UrdfJoint
 from derive.mechanics import space
 from derive.mechanics.space import NOTHING, WORLD, Frame, Line, Point, Real, exactly, length, plus, real, unit, vector
 from derive.mechanics.vectors import cross

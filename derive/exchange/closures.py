@@ -9,7 +9,7 @@ import numpy as np
 
 from derive.errors import QuantityError, RobotFileError, listed
 from derive.exchange.arm import carrying_joints, direction_of, frame_at
-from derive.exchange.urdf import MOVING, Urdf, UrdfJoint
+from derive.exchange.reading.elements import MOVING, Urdf, UrdfJoint
 from derive.inverse.loops.linkage import linkage, positions
 from derive.mechanics.space import WORLD, Frame, Point, length, plus, unit
 from derive.mechanics.vectors import cross, dot

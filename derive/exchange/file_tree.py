@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 import numpy.typing as npt
 
-from derive.exchange.urdf import MOVING, Origin, Urdf, UrdfJoint
+from derive.exchange.reading.elements import MOVING, Origin, Urdf, UrdfJoint
 from derive.inverse.numeric.chain import cross_matrix
 from derive.robot.description import RootType
 from derive.robot.robot import Robot

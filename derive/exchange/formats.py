@@ -11,10 +11,10 @@ from derive.errors import DeriveError, listed, near_miss, quoted
 from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, body_chain, given
 from derive.exchange.certificate import ball, frame_of
 from derive.exchange.numeric import with_numbers, with_positive_axes
+from derive.exchange.reading.elements import SLIDE
 from derive.exchange.scripts import csv_text, script_text
 from derive.exchange.ties import in_words, untied
 from derive.exchange.to_xml import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, urdf_text, written_bodies
-from derive.exchange.urdf import SLIDE
 from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly
 from derive.model.ends import without_parallelograms
 from derive.model.identification.possible import possible, wants_possible, with_chosen_bodies

@@ -21,9 +21,9 @@ from derive.exchange.arm import FRACTIONS, Arm, arm_of, joints_between
 from derive.exchange.certificate import Certificate, certify
 from derive.exchange.common_normals import ALIKE, FAR, TURNED, Placement, place
 from derive.exchange.convert import convention_named
+from derive.exchange.reading.elements import Origin, Urdf, UrdfJoint
+from derive.exchange.reading.source import ChainSource
 from derive.exchange.robot_of_arm import carried_table, placement_of, robot_of_arm, with_table
-from derive.exchange.source import ChainSource
-from derive.exchange.urdf import Origin, Urdf, UrdfJoint
 from derive.mechanics.space import DIGITS, decimal, exactly, length, plus
 from derive.mechanics.vectors import cross
 from derive.model.identification.possible import wants_possible, with_chosen_bodies

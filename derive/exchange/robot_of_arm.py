@@ -14,7 +14,7 @@ from derive.exchange.body_chain import NO_INERTIA, RigidBody, body_chain
 from derive.exchange.certificate import ball, certify, frame_of, motions
 from derive.exchange.common_normals import DHRow, Placement
 from derive.exchange.numeric import text
-from derive.exchange.urdf import SLIDE, UNLIMITED, Urdf
+from derive.exchange.reading.elements import SLIDE, UNLIMITED, Urdf
 from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly, plus, real
 from derive.mechanics.vectors import Symmetric
 from derive.robot.description import INERTIA, Convention, Description, Inertia, Joint, JointType, Link, Matrix

@@ -9,7 +9,7 @@ from flint import arb, arb_mat
 from derive.errors import DeriveError, listed
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text
-from derive.exchange.urdf import free_name
+from derive.exchange.reading.elements import free_name
 from derive.mechanics.space import NOTHING, Real
 from derive.robot.coupling import coupling
 from derive.robot.description import End, Joining, Joint

@@ -14,8 +14,8 @@ from derive.exchange import body_chain
 from derive.exchange.body_chain import TIP, BodyChain, ChainSegment, Part, RigidBody, Rotor, is_world, roll_pitch_yaw
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text, texts
+from derive.exchange.reading.elements import SLIDE, UNLIMITED, free_name
 from derive.exchange.robot_of_arm import table_text
-from derive.exchange.urdf import SLIDE, UNLIMITED, free_name
 from derive.mechanics.space import NOTHING, WORLD, Frame, Point, length, times
 from derive.robot.description import BASE, Joining
 from derive.targets.escape import xml_text

@@ -12,22 +12,19 @@ from derive.cli import (
     check,
     completion,
     convert,
-    excite,
     export,
     handout,
-    identify,
     import_,
     list,
-    map,
     move,
     new,
     plot,
-    sample,
     schema,
     show,
     style,
     verify,
 )
+from derive.cli.data import excite, identify, map, sample
 from derive.cli.main import COMMANDS
 
 OF_FILES = (

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.cli import sample
+from derive.cli.data import sample
 from tests.cli.command import accepted, refused
 
 ARM = "name: arm\nconvention: standard\njoints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4, limits: [0, 1]}]\n"

@@ -13,8 +13,8 @@ from derive.exchange.certificate import certify
 from derive.exchange.common_normals import place
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf, robot_name
-from derive.exchange.read_urdf import read_urdf
-from derive.exchange.urdf import Urdf
+from derive.exchange.reading.elements import Urdf
+from derive.exchange.reading.urdf import read_urdf
 from derive.mechanics.space import exactly
 from derive.robot.description import Convention
 from derive.robot.evaluate import evaluate

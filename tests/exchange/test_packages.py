@@ -15,9 +15,9 @@ from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.common_normals import FAR
 from derive.exchange.formats import exported
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.elements import Urdf
+from derive.exchange.reading.urdf import read_urdf
 from derive.exchange.to_xml import LEAST
-from derive.exchange.urdf import Urdf
 from derive.mechanics.space import exactly
 from derive.model.identification.possible import INERTIAS
 from derive.model.identification.witness import NoSuchBodies, Witness

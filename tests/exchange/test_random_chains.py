@@ -11,7 +11,7 @@ import pytest
 from derive.exchange.arm import arm_of
 from derive.exchange.common_normals import AS_WRITTEN, FAR, TURNED
 from derive.exchange.from_urdf import MOST_MOVED, Imported, ImportOptions, as_meant, cut_off, import_urdf, meant, named
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.urdf import read_urdf
 from derive.exchange.robot_of_arm import TOUCHING
 from derive.mechanics.space import exactly
 from derive.robot.description import Convention

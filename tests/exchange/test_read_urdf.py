@@ -9,7 +9,7 @@ import pytest
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.arm import moving_tips
 from derive.exchange.from_urdf import ImportOptions, import_urdf
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.urdf import read_urdf
 from tests.exchange.urdfs import J, body, urdf
 from tests.random_robots import seeds
 

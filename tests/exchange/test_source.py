@@ -6,7 +6,7 @@ import pytest
 import xacro
 
 from derive.errors import RobotFileError
-from derive.exchange.source import MARK, ChainSource, forbidden, guarded, open_urdf, opened, relative
+from derive.exchange.reading.source import MARK, ChainSource, forbidden, guarded, open_urdf, opened, relative
 from tests.exchange.urdfs import J, urdf
 
 XACRO = """\

@@ -14,7 +14,7 @@ from derive.exchange.body_chain import RigidBody, body_chain, is_world, quaterni
 from derive.exchange.certificate import ball
 from derive.exchange.formats import FORMS, GIVEN, exported
 from derive.exchange.numeric import angle_text, text, with_numbers, with_positive_axes
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.urdf import read_urdf
 from derive.exchange.robot_of_arm import carried_table
 from derive.exchange.to_xml import rod
 from derive.mechanics.space import WORLD, Frame, exactly, unit, vector

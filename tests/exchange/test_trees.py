@@ -14,8 +14,8 @@ from derive.exchange.file_tree import FileTree, agreement
 from derive.exchange.formats import exported
 from derive.exchange.from_tree import ImportedTree, import_tree, in_order
 from derive.exchange.from_urdf import ImportOptions
-from derive.exchange.read_mjcf import IS_MJCF, read_mjcf
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.mjcf import IS_MJCF, read_mjcf
+from derive.exchange.reading.urdf import read_urdf
 from derive.robot.description import IDENTITY, Link, RootType
 from derive.robot.expression import ZERO, Expression, add, number
 from derive.robot.robot import Robot

@@ -10,7 +10,7 @@ import pytest
 
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.from_urdf import Imported
-from derive.exchange.read_urdf import READ
+from derive.exchange.reading.urdf import READ
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.urdfs import J, Reading, body, imported, urdf
 from tests.random_robots import swept

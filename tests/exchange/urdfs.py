@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from derive.exchange.from_urdf import Imported, ImportOptions, import_urdf
-from derive.exchange.read_urdf import read_urdf
+from derive.exchange.reading.urdf import read_urdf
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.arm import frame_at
-from derive.exchange.read_urdf import angles_of
-from derive.exchange.urdf import ZEROS, Closure, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.reading.elements import ZEROS, Held, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.reading.urdf import angles_of
 from derive.mechanics.space import decimal, exactly, vector
 
 # What may stand before the outermost element is passed once, without a second try: files have many comments.
@@ -110,7 +110,7 @@ class _Reader:
             if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
                 raise self.refused(f"tendon {quoted(self.name('tendon', k))} acts on several joints", LOOPS)
 
-    def closures(self, offsets: Mapping[int, Triple]) -> Iterator[Closure]:
+    def closures(self, offsets: Mapping[int, Triple]) -> Iterator[Held]:
         """What closes loops: points on two bodies, or frames."""
         model, (_, weld) = self._model, self._closing
         for k in (k for k in self.active if model.eq_type[k] in self._closing):
@@ -124,7 +124,7 @@ class _Reader:
             one, other = (
                 (self.name("body", b), Origin(_less(_exact(at), offsets[b]), _angles(turn))) for b, at, turn in places
             )
-            yield Closure((one[0], other[0]), (one[1], other[1]), is_weld)
+            yield Held((one[0], other[0]), (one[1], other[1]), is_weld)
 
     def postures(self) -> Iterator[Mapping[str, float]]:
         """Positions of joints where the file begins, and in its keyframes."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from derive.errors import Location, RobotFileError, near_miss, optional, quoted
 from derive.exchange.body_chain import roll_pitch_yaw
-from derive.exchange.urdf import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
+from derive.exchange.reading.elements import ZEROS, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.mechanics.space import WORLD, Frame, decimal, exactly, vector
 
 if TYPE_CHECKING:

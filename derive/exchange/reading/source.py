@@ -24,8 +24,8 @@ from typing import Any
 
 from derive.errors import Location, RobotFileError, optional, quoted
 from derive.exchange.certificate import Certificate
-from derive.exchange.read_urdf import MOST_BYTES, read_urdf
-from derive.exchange.urdf import Urdf
+from derive.exchange.reading.elements import Urdf
+from derive.exchange.reading.urdf import MOST_BYTES, read_urdf
 from derive.robot.load import file_bytes
 
 # Stands before the data in the first line; another command may have put its own lines before it.

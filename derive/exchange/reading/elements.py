@@ -66,7 +66,7 @@ class UrdfBody:
 
 
 @dataclass(frozen=True, slots=True)
-class Closure:
+class Held:
     """Two frames that are held together, as MJCF says it."""
 
     links: tuple[str, str]
@@ -86,7 +86,7 @@ class Urdf:
     source: str = "<urdf>"  # file name for messages
     table: str = ""  # robot file with the table that the URDF was written from; empty in those of other programs
     gravity: Triple | None = None  # as MJCF says it, in the frame of the root [m/s^2]
-    closures: tuple[Closure, ...] = ()  # that close loops
+    closures: tuple[Held, ...] = ()  # that close loops
     driven: frozenset[str] = frozenset()  # names of the joints that have motors, as MJCF says it
     postures: tuple[Mapping[str, float], ...] = ()  # positions of joints in configurations that the file names
     root: str = ""  # how its root moves where the file says so, as that of a robot file: ``floating``
