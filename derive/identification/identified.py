@@ -67,11 +67,8 @@ class Identified:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        keys = ("prior", "values", "deviations", "kept")
-        columns = {key: getattr(self, key).tolist() for key in (*keys, "torques", "before", "residuals")}
-        held = None if self.held_out is None else self.held_out.tolist()
-        words = {"method": str(self.method), "rows": self.rows, "names": list(self.names), "notes": list(self.notes)}
-        return words | columns | {"held_out": held}
+        own = {key: each for key, each in vars(self).items() if key not in ("robot", "source", "formulas", "shown")}
+        return {key: each.tolist() if isinstance(each, np.ndarray) else each for key, each in own.items()}
 
 
 def identified(
@@ -139,13 +136,12 @@ def _gather(
 ) -> Block:
     """Take in a part of a log, the rest as held out, and keep some rows."""
     total = preparation.log.rows // preparation.decimate
-    row, every, kept = 0, total // SHOWN + 1, list[Block]()
+    row, every, kept = 0, total // SHOWN + 1, list[list[Array]]()
     for block in preparation.blocks(regressor):
         cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
         for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
             factors.add(block[2][own], block[3][own])
-        time, speed, rows, torque = (each[-row % every :: every].copy() for each in block)
-        kept.append((time, speed, rows, torque))
+        kept.append([each[-row % every :: every].copy() for each in block])
         row += len(block[0])
     if not kept:
         found = f"{preparation.log.rows} rows, none of them left between gaps and edges of filters"

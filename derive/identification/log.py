@@ -189,15 +189,11 @@ class Log:
             return iter(self._store.select(names).to_batches(BATCH))
         arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
         reader = optional("pyarrow.csv", "reading a log needs pyarrow", "data")
+        blocks = reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False)  # one thread counts the lines
+        cells = reader.ParseOptions(delimiter=self._head[0])
         types = dict.fromkeys(names, arrow.float64())
-        return iter(
-            reader.open_csv(
-                self.path,
-                read_options=reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False),
-                parse_options=reader.ParseOptions(delimiter=self._head[0]),
-                convert_options=reader.ConvertOptions(column_types=types, include_columns=names),
-            )
-        )
+        columns = reader.ConvertOptions(column_types=types, include_columns=names)
+        return iter(reader.open_csv(self.path, blocks, cells, columns))
 
     def segments(self) -> Iterator[tuple[Array, bool]]:
         """The rows in blocks, and whether something is missing before a block."""
