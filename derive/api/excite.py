@@ -74,8 +74,7 @@ def excite(
 
     Raises:
         DeriveError: A value is not what is allowed, or a joint has no limits.
-        QuantityError: A robot without links, with coupled joints or with a symbol without a number, or one that its
-            torques or the floor allow nowhere.
+        QuantityError: The robot cannot be identified, or its torques or the floor allow it nowhere.
         OutputError: There is such a file already, or it cannot be written.
         TargetError: CasADi is not installed.
     """
