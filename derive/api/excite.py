@@ -18,11 +18,11 @@ from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
-from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression
+from derive.robot.evaluate import evaluate
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
+from derive.targets.target import joint_bounds, joint_limits
 
 OfJoints = float | str | Sequence[float | str]
 """One value for all joints, or one a joint; a text is one cell or several with commas between."""
@@ -57,11 +57,10 @@ def excite(
         period: How long the motion lasts [s].
         harmonics: Of the Fourier series of each joint, from 2 to 20.
         criterion: What is made small: ``determinant`` of the parameters' covariance, or ``condition`` number.
-        position: Largest magnitude of each joint's position, in the units of the robot file; with it the file's limits
-            hold. None for these alone. Likewise the next two, per second and per second squared.
-        speed: Largest speeds.
-        acceleration: Largest accelerations; None for none but what speeds and harmonics allow.
-        torque: Largest torques [N m or N].
+        position: Largest magnitudes in the units of the robot file, whose limits hold, too.
+        speed: Likewise, per second.
+        acceleration: Likewise, per second squared; None for what speeds and harmonics allow.
+        torque: Likewise [N m or N].
         floor: Height above which the origins of all frames stay [m]; None for any.
         noise: Standard deviation of the torques' noise [N m or N], or a part of each joint's largest torque, ``1%``.
         sample: Time between two samples [s].
@@ -75,13 +74,12 @@ def excite(
 
     Raises:
         DeriveError: A value is not what is allowed, or a joint has no limits.
-        QuantityError: A robot without links, with coupled joints or with a symbol without a number, or one that its
-            torques or the floor allow nowhere.
+        QuantityError: The robot cannot be identified, or its torques or the floor allow it nowhere.
         OutputError: There is such a file already, or it cannot be written.
         TargetError: CasADi is not installed.
     """
-    if path is not None:
-        refuse_taken([Path(path)], force=force)
+    paths = [] if path is None else [Path(path)]
+    refuse_taken(paths, force=force)
     chosen = load(robot, remarks_on_bodies=False)
     least, most = HARMONICS
     _check(least <= harmonics <= most, f"{harmonics} harmonics", f"{least} to {most}")
@@ -98,12 +96,10 @@ def excite(
         Criterion(criterion),
         _noise(chosen, noise),
     )
-    head = [_robot_lines(robot, None if path is None else Path(path).parent)]
-    for name, values in limits.items():
-        head += [] if values is None else [f"{name}: [{', '.join(_of_joints(chosen, values, name))}]"]
+    typed = {name: _of_joints(chosen, values, name) for name, values in limits.items() if values is not None}
+    head = [_robot_lines(robot, paths), *(f"{name}: [{', '.join(texts)}]" for name, texts in typed.items())]
     found = excited(design, starts, seed, sample, head)
-    if path is not None:
-        write_files({Path(path): found.text.encode()}, force=force)
+    write_files({path: found.text.encode() for path in paths}, force=force)
     return found
 
 
@@ -124,27 +120,22 @@ def _of_joints(robot: Robot, values: OfJoints, what: str) -> list[str]:
 
 def _room(robot: Robot, given: dict[str, OfJoints | None], floor: float) -> Room:
     """What robot file and options allow together."""
-    numbers, joints = parameter_values(robot), robot.variables
+    joints = robot.variables
 
-    def _most(what: str, of_file: Sequence[Expression | None]) -> Array:
+    def _most(what: str) -> Array:
+        of_file = joint_bounds(robot).get(f"{what.upper()}_LIMITS", (None,) * robot.dof)
+        found = np.array([np.inf if value is None else value for value in of_file])
         values = given[what]
-        texts = [None] * robot.dof if values is None else _of_joints(robot, values, what)
-        found = []
-        for joint, text, cell in zip(joints, texts, of_file, strict=True):
-            own = None if what == "torque" else joint
-            typed = (
-                np.inf if text is None else evaluate(joint_value(robot, own, text, f"{what} of {joint.variable}"), {})
-            )
-            _check(typed > 0, f"{what} {text} of {joint.variable}", "above zero")
-            found.append(min(typed, np.inf if cell is None else evaluate(cell, numbers)))
-        return np.array(found)
+        for i, text in enumerate(() if values is None else _of_joints(robot, values, what)):
+            of_joint = f"{what} of {joints[i].variable}"
+            typed = evaluate(joint_value(robot, None if what == "torque" else joints[i], text, of_joint), {})
+            _check(typed > 0, f"{what} {text} of {joints[i].variable}", "above zero")
+            found[i] = min(found[i], typed)
+        return found
 
-    most = _most("position", [None] * robot.dof)
-    ends = [
-        [evaluate(cell, numbers) for cell in joint.limits] if joint.limits else [-np.inf, np.inf] for joint in joints
-    ]
-    low, high = np.maximum(np.array(ends).T[0], -most), np.minimum(np.array(ends).T[1], most)
-    speed = _most("speed", [joint.speed for joint in joints])
+    most, speed = _most("position"), _most("speed")
+    low, high = np.transpose([pair or (-np.inf, np.inf) for pair in joint_limits(robot)])
+    low, high = np.maximum(low, -most), np.minimum(high, most)
     for what, unlimited in (("position", np.isinf(high - low)), ("speed", np.isinf(speed))):
         if lacking := [joint.variable for joint, lacks in zip(joints, unlimited, strict=True) if lacks]:
             key = "limits" if what == "position" else what
@@ -152,8 +143,7 @@ def _room(robot: Robot, given: dict[str, OfJoints | None], floor: float) -> Room
             raise DeriveError(f"{listed(lacking)} of {robot.name} without limits of {what}", remedy=remedy)
     for joint, narrow in zip(joints, high <= low, strict=True):
         _check(not narrow, f"no room for {joint.variable}", "a position within the limits of the robot file")
-    torque = _most("torque", [joint.torque for joint in joints])
-    return Room(low, high, speed, _most("acceleration", [None] * robot.dof), torque, floor)
+    return Room(low, high, speed, _most("acceleration"), _most("torque"), floor)
 
 
 def _noise(robot: Robot, noise: OfJoints) -> Callable[[Array], Array]:
@@ -170,11 +160,11 @@ def _noise(robot: Robot, noise: OfJoints) -> Callable[[Array], Array]:
     return lambda largest: parts * largest + fixed
 
 
-def _robot_lines(robot: RobotLike, folder: Path | None) -> str:
-    """What a plan in a folder says of its robot."""
+def _robot_lines(robot: RobotLike, paths: Sequence[Path]) -> str:
+    """What a plan there says of its robot."""
     if isinstance(robot, Robot):
         return "robot:\n" + "\n".join(f"  {line}".rstrip() for line in robot_text(robot).splitlines())
     there = str(robot)
-    if there not in catalogue_names() and folder is not None:
-        there = Path(os.path.relpath(there, folder)).as_posix()
+    if paths and there not in catalogue_names():
+        there = Path(os.path.relpath(there, paths[0].parent)).as_posix()
     return f"robot: {json.dumps(there, ensure_ascii=False)}"

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, RobotFileWarning, listed, near_miss
+from derive.errors import DeriveError, listed, near_miss
 from derive.robot.evaluate import parameter_values
 from derive.sampling.clusters import Tell, cluster
 from derive.sampling.sample import KINDS, Bound, Sampled, Sampling, bounds_of, program_for, sampled, sources_of
-from derive.targets.target import joint_limits
 
 OVER = ("limits", "grid")
 
@@ -80,8 +78,4 @@ def sample(
         count = points**chosen.dof if points else int(number)
         numbers = {name: numbers[name] for name in program.parameters if name in numbers}
         work = Sampling(sources, taken, numbers, limits, count, seed, points, kinds)
-        if free := [
-            each.label for each, limits in zip(chosen.variables, joint_limits(chosen), strict=True) if not limits
-        ]:
-            warnings.warn(RobotFileWarning(f"no limits of {listed(free)}: full turns"), stacklevel=2)
         return sampled(work, where, chunk, chosen.name, progress)

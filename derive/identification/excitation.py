@@ -101,31 +101,27 @@ class Design:
         """Function of q, qd, qdd and the signs of speeds: Y_b, torques without Coulomb friction, heights."""
         casadi, n = self._casadi, self.unknowns.robot.dof
         q, qd, qdd, signs = (casadi.SX.sym(name, n) for name in ("q", "qd", "qdd", "signs"))
-        smooth = _functions(_without_dry_friction(self.unknowns.wide), {"base_regressor"})
-        columns = iter(casadi.horzsplit(smooth["base_regressor"](q, qd, qdd)))
-        regressor = []
-        for parameter in self.unknowns.base.parameters:
-            if parameter.part not in FRICTION_PARTS[1:]:
-                regressor.append(next(columns))
-                continue
-            i, ahead = parameter.joint - 1, (signs + signs**2) / 2
-            of_part = {"f": signs, "fp": ahead, "fm": signs - ahead}[parameter.part]
-            regressor.append(casadi.vertcat(*(of_part[k] if k == i else 0 for k in range(n))))
-        given = _functions(
-            _without_dry_friction(self.unknowns.robot), {"inverse_dynamics", "link_transforms", "forward_kinematics"}
-        )
+        regressor = _functions(self.unknowns.wide, "base_regressor")["base_regressor"](q, qd, qdd)
+        for k, parameter in enumerate(self.unknowns.base.parameters):
+            if parameter.part in FRICTION_PARTS[1:]:
+                sign = signs[i := parameter.joint - 1]
+                ahead = (sign + sign**2) / 2
+                regressor[i, k] = {"f": sign, "fp": ahead, "fm": sign - ahead}[parameter.part]
+        robot = self.unknowns.robot
+        smooth = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
+        given = _functions(smooth, "inverse_dynamics", "link_transforms", "forward_kinematics")
         torque = given.pop("inverse_dynamics")(q, qd, qdd)
         poses = casadi.horzcat(*(function(q) for function in given.values()))
-        heights = [z for z in casadi.horzsplit(poses[2, 3::4]) if not z.is_constant()]
-        outputs = [casadi.densify(casadi.horzcat(*regressor)), casadi.densify(torque), casadi.vertcat(*heights)]
+        heights = [z for z in casadi.horzsplit(poses[2, 3::4]) if not z.is_constant() and self.room.floor > -np.inf]
+        outputs = [casadi.densify(regressor), casadi.densify(torque), casadi.vertcat(*heights)]
         return casadi.Function("arm", [q, qd, qdd, signs], outputs)
 
     @cached_property
-    def dry(self) -> tuple[Array, Array]:
-        """Coulomb friction for qd > 0 and against that for qd < 0, (n,) each [N m or N]."""
-        values = parameter_values(self.unknowns.robot)
-        ahead, back = np.array([[evaluate(cell, values) for cell in link.dry] for link in self.unknowns.robot.links]).T
-        return ahead, back
+    def dry(self) -> Array:
+        """Coulomb friction of each joint, the larger of both directions, (n,) [N m or N]."""
+        robot = self.unknowns.robot
+        values = parameter_values(robot)
+        return np.array([max(abs(evaluate(cell, values)) for cell in link.dry) for link in robot.links])
 
     def samples(self, rows: Array, times: Array) -> tuple[Array, Array, Array]:
         """Regressors (t, n, p), torques without Coulomb friction (t, n) and heights of frames at times (t,) [s]."""
@@ -138,9 +134,7 @@ class Design:
 
     def use(self, torque: Array, height: Array) -> Array:
         """How much of torques and of the room above the floor is used, (t, n + frames), allowed up to 1."""
-        ahead, back = self.dry
-        pull = np.maximum(torque + ahead, back - torque) / self.room.torque
-        return np.hstack([pull, 1 + self.room.floor - height])
+        return np.hstack([(np.abs(torque) + self.dry) / self.room.torque, 1 + self.room.floor - height])
 
     def fitted(self, rows: Array, *, grown: bool) -> Array:
         """A motion whose joints keep positions, speeds and accelerations at all times, as large as it may be or not."""
@@ -206,29 +200,17 @@ class Design:
         slow = casadi.DM(SLOW * np.repeat(room.speed[:, None], len(times), axis=1))
         regressor, torque, height = self._function.map(len(times))(q, qd, qdd, qd / casadi.sqrt(qd**2 + slow**2))
         _, still, standing = self._function(terms[:, 0], *[np.zeros(n)] * 3)
-        (ahead, back), most = self.dry, np.full(n, series.between)
-        bounded = [  # values, and what they may be
-            ((q - room.middle) / room.half, -most, most),
-            (qd / room.speed, -most, most),
-            (qdd / room.acceleration, -most, most),
-            (
-                casadi.horzcat(torque, still * (1 + SPARE)) / room.torque,
-                back / room.torque - 1,
-                1 - ahead / room.torque,
-            ),
-            (casadi.horzcat(height, standing - SPARE), *(np.full(height.shape[0], z) for z in (room.floor, np.inf))),
-        ]
-        bounded = [(v, low, high) for v, low, high in bounded if v.numel() and np.isfinite([*low, *high]).any()]
-        lows, highs = (np.concatenate([np.tile(b[k], b[0].shape[1]) for b in bounded]) for k in (1, 2))
-        problem = {
-            "x": casadi.vec(x),
-            "f": self._objective(regressor, weights, criterion),
-            "g": casadi.vertcat(*(casadi.vec(values) for values, _, _ in bounded)),
-        }
+        moved = casadi.horzcat((q - room.middle) / room.half, qd / room.speed, qdd / room.acceleration) / series.between
+        pulls = casadi.horzcat(torque, still * (1 + SPARE)) / (room.torque - self.dry)
+        sides = casadi.horzcat(moved, pulls)  # from -1 to 1
+        above = casadi.horzcat(height, standing - SPARE) - room.floor if height.numel() else casadi.MX()
+        objective = self._objective(regressor, weights, criterion)
+        problem = {"x": casadi.vec(x), "f": objective, "g": casadi.veccat(sides, above)}
         solver = casadi.nlpsol("excitation", "ipopt", problem, IPOPT)
-        start = ((rows - offset) / sizes).T.reshape(-1)
-        most_x = np.repeat([CENTRAL, *[np.inf] * (series.width - 1)], n)
-        found = solver(x0=start, lbx=-most_x, ubx=most_x, lbg=lows, ubg=highs)["x"].full()
+        start, counts = ((rows - offset) / sizes).T.reshape(-1), [sides.numel(), above.numel()]
+        most = np.repeat([CENTRAL, *[np.inf] * (series.width - 1)], n)
+        lows, highs = np.repeat([-1.0, 0.0], counts), np.repeat([1.0, np.inf], counts)
+        found = solver(x0=start, lbx=-most, ubx=most, lbg=lows, ubg=highs)["x"].full()
         better, factor = self.shrunk(self.fitted(offset + sizes * found.reshape(series.width, n).T, grown=False), times)
         return better if factor > STANDING else rows
 
@@ -288,11 +270,7 @@ def condition(blocks: Array) -> float:
     return float(np.linalg.cond(stacked / np.linalg.norm(stacked, axis=0)))
 
 
-def _without_dry_friction(robot: Robot) -> Robot:
-    return replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
-
-
-def _functions(robot: Robot, names: set[str]) -> dict[str, Any]:
+def _functions(robot: Robot, *names: str) -> dict[str, Any]:
     """Generated functions of a robot whose symbols have numbers, in CasADi."""
     program = build_program(robot, Effort.QUICK, names=frozenset(names))
     return {function.name: casadi_function(function, robot.dof, 0) for function in program}

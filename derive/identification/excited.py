@@ -23,11 +23,11 @@ class Excitation:
 
     Attributes:
         text: The plan of the motion.
-        condition: Condition number of the regressors of all samples, one above the other, with columns of unit length.
+        condition: Condition number of the regressors of all samples, with columns of unit length.
         names: Names of the base parameters, p of them, each that of the parameter that takes others over.
         formulas: What each groups, ``Izz1 + a2**2*m3`` in the standard parameters; None where that is no polynomial.
         values: Their values by the robot file, (p,), in SI units.
-        deviations: Standard deviations with which they follow from one period of the motion by least squares, (p,).
+        deviations: Standard deviations with which they follow from one period by least squares, (p,).
         noise: Standard deviation of the noise of each torque, (n,) [N m or N].
         torques: Largest torque of each joint by the robot file, without Coulomb friction, (n,) [N m or N].
         notes: What a reader should know, in sentences.
@@ -43,26 +43,15 @@ class Excitation:
     torques: Array
     notes: tuple[str, ...]
 
-    def rows(self) -> list[tuple[str, ...]]:
-        """A row of text for each base parameter, as `HEAD` says."""
-        columns = zip(self.names, self.values, self.deviations, self.formulas, strict=True)
-        return [
-            (name, f"{value if abs(value) > sigma / 1e6 else 0:.4g}", f"{sigma:.2g}", text or "")
-            for name, value, sigma, text in columns
-        ]
+    def rows(self) -> list[tuple[str, float, float, str | None]]:
+        """Of each base parameter what `HEAD` says."""
+        return [*zip(self.names, self.values.tolist(), self.deviations.tolist(), self.formulas, strict=True)]
 
     def as_dict(self) -> dict[str, object]:
         """All but the text as plain data."""
-        columns = zip(self.names, self.values, self.deviations, self.formulas, strict=True)
-        found = [dict(zip(HEAD, (n, float(v), float(s), text), strict=True)) for n, v, s, text in columns]
-        noise, torques = self.noise.tolist(), self.torques.tolist()
-        return {
-            "condition": self.condition,
-            "parameters": found,
-            "noise": noise,
-            "torques": torques,
-            "notes": list(self.notes),
-        }
+        parameters = [dict(zip(HEAD, row, strict=True)) for row in self.rows()]
+        found = {"condition": self.condition, "parameters": parameters, "noise": self.noise.tolist()}
+        return found | {"torques": self.torques.tolist(), "notes": self.notes}
 
 
 def excited(design: Design, starts: int, seed: int, sample: float, head: Sequence[str]) -> Excitation:

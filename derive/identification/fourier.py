@@ -51,14 +51,12 @@ class FourierSeries:
 
     def basis(self, times: Array) -> Array:
         """Positions, speeds and accelerations at times (t,) [s] per unit of each coefficient, (3, t, width)."""
-        k, w = np.arange(1, self.harmonics + 1), 2 * np.pi / self.period
-        found = []
-        for order in range(3):
-            phases = w * np.outer(times, k) + order * np.pi / 2
-            cosine, sine = (w * k) ** order * np.cos(phases), (w * k) ** order * np.sin(phases)
-            columns = cosine[:, 1:] - k[1:] ** 2 * cosine[:, :1], sine[:, 1:] - k[1:] * sine[:, :1]
-            found.append(np.hstack([np.full((len(times), 1), float(order == 0)), *columns]))
-        return np.array(found)
+        k = np.arange(1, self.harmonics + 1)
+        rates = 2j * np.pi / self.period * k
+        waves = np.exp(np.outer(times, rates)) * np.stack([np.ones(len(k)), rates, rates**2])[:, None]
+        first, others, k = waves[..., :1], waves[..., 1:], k[1:]
+        still = np.repeat([1.0, 0.0, 0.0], len(times)).reshape(3, -1, 1)
+        return np.concatenate([still, (others - k**2 * first).real, (others - k * first).imag], axis=-1)
 
     def formula(self, row: Sequence[Decimal]) -> str:
         """The series of a row as the text of a cell; decimals are exact, so it is exactly at rest at its ends."""

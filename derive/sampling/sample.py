@@ -6,7 +6,9 @@ blocks is joined in their order: neither workers nor chunks change a bit of the 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import gcd, isfinite, pi
 from typing import Any, NamedTuple
@@ -14,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import DeriveError, QuantityError, RobotFileError, TargetError, listed, near_miss
+from derive.errors import DeriveError, QuantityError, RobotFileError, RobotFileWarning, TargetError, listed, near_miss
 from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
 from derive.programs.optimise.search_policy import Effort
@@ -78,9 +80,7 @@ class Sampling:
         arguments = self.arguments(block)
         options = {"params": module.precompute(self.parameters)} if module.PARAMETERS else {}
         with np.errstate(all="ignore"):
-            found = [
-                getattr(module, f)(*map(arguments.__getitem__, taken), **options) for f, taken, _ in self.functions
-            ]
+            found = [getattr(module, f)(*(arguments[a] for a in taken), **options) for f, taken, _ in self.functions]
         return [values.reshape(len(values), -1) for values in found]
 
 
@@ -182,19 +182,21 @@ def program_for(robot: Robot, asked: Sequence[str]) -> Program:
 
 def bounds_of(robot: Robot, program: Program, given: Mapping[str, Bound]) -> dict[str, Array]:
     """Bounds of all arguments, q within its limits, (2, width) each; angles without limits make a full turn."""
-    limits = []
-    for variable, pair in zip(robot.variables, joint_limits(robot), strict=True):
-        if pair is None and not variable.is_revolute:
-            found, remedy = f"{variable.label} of {robot.name} slides without limits", "give it limits: [lower, upper]"
-            raise RobotFileError(found, remedy=f"{remedy} in the robot file")
-        limits.append(pair or (-pi, pi))
+    limits = joint_limits(robot)
+    free = [variable for variable, pair in zip(robot.variables, limits, strict=True) if pair is None]
+    if slides := [variable.label for variable in free if not variable.is_revolute]:
+        remedy = "give it limits: [lower, upper] in the robot file"
+        raise RobotFileError(f"{slides[0]} of {robot.name} slides without limits", remedy=remedy)
+    if free:
+        found = f"no limits of {listed(variable.label for variable in free)}: full turns"
+        warnings.warn(RobotFileWarning(found), stacklevel=3)
     taken = {name for function in program for name in function.arguments}
-    most = {name: _most(robot, name, given.get(option)) for name, option in BOUNDS.items() if name in taken}
-    return {"q": np.transpose(limits), **{name: np.stack([-values, values]) for name, values in most.items()}}
+    sides = {name: _sides(robot, name, given.get(option)) for name, option in BOUNDS.items() if name in taken}
+    return {"q": np.transpose([pair or (-pi, pi) for pair in limits]), **sides}
 
 
-def _most(robot: Robot, name: str, given: Bound) -> Array:
-    """The largest magnitudes of an argument: one for all entries, one for each, or the robot file's own."""
+def _sides(robot: Robot, name: str, given: Bound) -> Array:
+    """Bounds of an argument either way: one for all entries, one for each, or the robot file's own."""
     width, option = WIDTHS.get(name, robot.dof), BOUNDS[name]
     own: Any = joint_bounds(robot).get({"qd": "SPEED_LIMITS", "tau": "TORQUE_LIMITS"}.get(name, ""), (None,))
     if given is None and None in own:
@@ -203,7 +205,7 @@ def _most(robot: Robot, name: str, given: Bound) -> Array:
     if values.size not in (1, width) or not (np.isfinite(values) & (values >= 0)).all():
         text = listed(f"{value:g}" for value in values.ravel())
         raise DeriveError(f"--{option} {text}", allowed=f"allowed: one number from 0 on, or {width}")
-    return np.resize(values, width)
+    return np.outer([-1.0, 1.0], np.resize(values, width))
 
 
 def sources_of(robot: Robot, program: Program, parameters: Mapping[str, float]) -> ModuleSources:
@@ -214,11 +216,9 @@ def sources_of(robot: Robot, program: Program, parameters: Mapping[str, float]) 
         raise QuantityError(f"no number for {listed(missing)} of {robot.name}", remedy=remedy)
     for compiled in (find_compiler() is not None, False):
         sources = ModuleSources.of(Source(robot, program, __version__), compiled=compiled)
-        try:
+        with suppress(TargetError):  # a compiler that does not serve is none
             imported(sources)
             break
-        except TargetError:  # a compiler that does not serve is none
-            pass
     return sources
 
 
@@ -251,6 +251,5 @@ def _where(work: Sampling, place: int, part: Part) -> dict[str, dict[str, Array]
         row = int(np.argmax(column == value))
         rows.append({name: values[row] for name, values in work.arguments(int(block)).items()})
     found = {name: np.reshape([row[name] for row in rows], (2, *shape, -1)) for name in rows[0]}
-    return {
-        kind: {name: found[name][k] for name in found} for k, kind in enumerate(("min", "max")) if kind in work.kinds
-    }
+    kinds = [(kind, k) for k, kind in enumerate(("min", "max")) if kind in work.kinds]
+    return {kind: {name: values[k] for name, values in found.items()} for kind, k in kinds}

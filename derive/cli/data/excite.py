@@ -14,6 +14,7 @@ of the robot file.
   derive excite puma560-corke --speed 100 --floor none -o excite.yaml
   derive excite arm.yaml --criterion condition --period 20 --torque 50,50,30,8,8,8 -o excite.yaml
 """
+LIMITS = ("position", "speed", "acceleration", "torque")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,17 +25,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--harmonics", metavar="N", type=positive, default=5, help="of the Fourier series (default: 5)")
     criteria = "make the determinant of the covariance small (default), or the condition number"
     add("--criterion", choices=("determinant", "condition"), default="determinant", help=criteria)
-    add("--position", metavar="V1,V2,...", help="largest position either way (default: the limits of the file)")
-    add("--speed", metavar="V1,V2,...", help="largest speed (default: that of the file)")
-    add("--acceleration", metavar="V1,V2,...", help="largest acceleration (default: none)")
-    add("--torque", metavar="V1,V2,...", help="largest torque, N m or N (default: that of the file)")
+    for name in LIMITS:
+        usual = "none" if name == "acceleration" else "the robot file's"
+        add(f"--{name}", metavar="V1,V2,...", help=f"largest {name} either way (default: {usual})")
     add("--floor", metavar="Z", default="0", help="height above which frames stay, in metres, or none (default: 0)")
-    add(
-        "--noise",
-        metavar="V1,V2,...",
-        default="1%",
-        help="of the torques: N m or N, or %% of the largest (default: 1%%)",
-    )
+    usual = "of the torques: N m or N, or %% of the largest (default: 1%%)"
+    add("--noise", metavar="V1,V2,...", default="1%", help=usual)
     add("--sample", metavar="S", type=float, default=0.01, help="time between two samples (default: 0.01)")
     parts = "what to identify though the file does not give it: viscous, coulomb, armature, none"
     add("--add", metavar="PART,...", default="viscous,coulomb", help=f"{parts} (default: the first two)")
@@ -48,12 +44,12 @@ def run(arguments: argparse.Namespace) -> None:
     from derive.api.excite import excite
     from derive.identification.excited import HEAD
 
-    options = keywords(arguments, "period", "harmonics", "criterion", "position", "speed", "acceleration", "torque")
-    options |= keywords(arguments, "noise", "sample", "starts", "seed", "force")
+    options = keywords(arguments, "period", "harmonics", "criterion", "noise", "sample", "starts", "seed", "force")
     added = [] if arguments.add == "none" else [name.strip() for name in arguments.add.split(",")]
     floor = None if arguments.floor == "none" else float(arguments.floor)
-    found = excite(arguments.robot, arguments.out, floor=floor, add=added, **options)
+    found = excite(arguments.robot, arguments.out, floor=floor, add=added, **options, **keywords(arguments, *LIMITS))
     lines = [f"{arguments.out}: condition number {found.condition:.4g}", *(f"  {note}" for note in found.notes)]
     print_written(arguments, found.text, found.as_dict(), lines)
     if arguments.out is not None and not (arguments.quiet or arguments.json):
-        print_columns(found.rows(), HEAD)
+        rows = [(name, f"{value:.4g}", f"{sigma:.2g}", text or "") for name, value, sigma, text in found.rows()]
+        print_columns(rows, HEAD)
