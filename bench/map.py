@@ -69,7 +69,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench.map", description=__doc__)
     parser.add_argument("--every", type=int, default=1, help="which blocks are computed: every so many-th")
     every = parser.parse_args().every
-    grid = MapGrid.of(load(ROBOT), CELL, TURNS)
+    grid = MapGrid.of(load(ROBOT), CELL, *TURNS)
     if every > 1:
         seconds = part_of(grid, every) / 2.0
         say(f"on two cores {seconds:.0f} s; bar {BAR:.0f} s")

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import numpy.typing as npt
+
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, listed
-from derive.handouts.figure.writers import require_matplotlib
+from derive.handouts.figure.writers import figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
-from derive.sampling.clusters import cluster, data_module
+from derive.sampling.clusters import cluster
 from derive.sampling.grid import MapGrid
-from derive.sampling.picture import slice_picture
-from derive.sampling.reach import VALUES, value_names
+from derive.sampling.reach import value_type
 from derive.sampling.store import MapStore, map_dataset
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ SUFFIXES = (".pdf", ".svg", ".png")
 
 _MOST = 10**10  # poses of a map that nobody is asked about
 _SECONDS = 1e-6  # for a pose of an arm with formulas, compiled
+_SLICED = "y"  # the axis that a picture of a map of three leaves out, which is across an arm that stretches along x
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +68,8 @@ def map(
 ) -> xarray.Dataset:
     """The map of a workspace, lazily: nothing is computed before it is asked for.
 
-    Each cell of a grid is tried at its middle, in directions of the end effector's z axis on a Fibonacci sphere and
-    rolls about it, or in what else the task of the robot file prescribes, within the joint limits. Dask computes the
-    blocks; its schedulers and `distributed.Client` say where. ``derive map`` writes the same to a Zarr store.
+    Each cell is tried at its middle, in directions of the end effector's z axis on a Fibonacci sphere and rolls about
+    it, or in what else the task prescribes, within the joint limits. Dask computes the blocks.
 
     Args:
         robot: A robot, the path of a robot file, or a name of the catalogue; all symbols have numbers.
@@ -87,20 +89,8 @@ def map(
         QuantityError: An arm of which not all solutions are found, or that has infinitely many.
         TargetError: Dask or xarray is not installed.
     """
-    return map_dataset(_grid_of(robot, grid, orientations, rolls, box, conditioning=conditioning))
-
-
-def _grid_of(
-    robot: RobotLike,
-    grid: float = 0.05,
-    orientations: int = 64,
-    rolls: int = 12,
-    box: Sequence[float] | None = None,
-    *,
-    conditioning: bool = False,
-) -> MapGrid:
     chosen = load(robot, remarks_on_bodies=False)
-    return MapGrid.of(chosen, grid, (orientations, rolls), box, conditioning=conditioning)
+    return map_dataset(MapGrid.of(chosen, grid, orientations, rolls, box, conditioning=conditioning))
 
 
 def write_map(
@@ -137,45 +127,54 @@ def write_map(
         OutputError: There is such a store, or with ``resume`` it is of another map, or it cannot be written.
         DeriveError: Besides what `map` refuses: too many poses, or a scheduler that does not answer.
     """
-    path, picture = Path(path), None if picture is None else Path(picture)
-    for module in ("zarr", "xarray", "dask"):
-        data_module(module, "maps")
-    if picture is not None:
+    pictures = [] if picture is None else [Path(picture)]
+    if pictures:
         require_matplotlib()
-        refuse_taken([picture], force=force)
-    suffix = "" if picture is None else ending_of(picture, SUFFIXES)
-    made = _grid_of(robot, **asked)
-    _require_small(made, large=large)
-    store = MapStore(path, made)
+    refuse_taken(pictures, force=force)
+    suffixes = [ending_of(name, SUFFIXES) for name in pictures]
+    grid = MapGrid.of(load(robot, remarks_on_bodies=False), **asked)
+    if grid.poses > _MOST and not large:
+        size = grid.poses * sum(int(kind[1]) for kind in value_type(grid).values()) / 1e9
+        hours = grid.poses * _SECONDS / 3600
+        raise DeriveError(
+            f"a map of {grid.poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
+            allowed=f"allowed: {_MOST:.0e} unasked",
+            remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
+        )
+    store = MapStore(Path(path), grid)
     with cluster(workers, scheduler) as found:
         store.begin(resume=resume)
         computed = store.fill(found, progress)
     shares = store.shares()
-    remarks = _assumed(made)
-    if picture is not None:
-        data, title = slice_picture(made, shares, suffix)
-        write_files({picture: data}, force=force)
-        remarks += (f"{picture}: {title}",)
-    counts = int((shares > 0.0).sum()), int((shares == 1.0).sum())
-    return WrittenMap(made.robot.name, path, shares.size, made.poses, computed, len(made.blocks), *counts, remarks)
-
-
-def _require_small(grid: MapGrid, *, large: bool) -> None:
-    """Ask before much is computed."""
-    if grid.poses <= _MOST or large:
-        return
-    size = grid.poses * sum(int(VALUES[name].kind[1]) for name in value_names(grid)) / 1e9
-    hours = grid.poses * _SECONDS / 3600
-    raise DeriveError(
-        f"a map of {grid.poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
-        allowed=f"allowed: {_MOST:.0e} unasked",
-        remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
-    )
-
-
-def _assumed(grid: MapGrid) -> tuple[str, ...]:
-    """Limits that the file does not give."""
     turning = [way.variable for way in grid.ranges if way.assumed and way.revolute]
     sliding = [f"{way.variable} {way.interval}" for way in grid.ranges if way.assumed and not way.revolute]
-    found = [f"without limits: {listed(turning)}, full turns"] if turning else []
-    return (*found, *([f"limits assumed: {listed(sliding)}"] if sliding else []))
+    remarks = [f"without limits: {listed(turning)}, full turns"] if turning else []
+    remarks += [f"limits assumed: {listed(sliding)}"] if sliding else []
+    for name, suffix in zip(pictures, suffixes, strict=True):
+        data, title = _slice_picture(grid, shares, suffix)
+        write_files({name: data}, force=force)
+        remarks.append(f"{name}: {title}")
+    counts = shares.size, grid.poses, computed, len(grid.blocks), int((shares > 0.0).sum()), int((shares == 1.0).sum())
+    return WrittenMap(grid.robot.name, store.path, *counts, tuple(remarks))
+
+
+def _slice_picture(grid: MapGrid, shares: npt.NDArray[np.float32], suffix: str) -> tuple[bytes, str]:
+    """The contents of a file of that ending, and what it shows: a slice through the middle."""
+    axes, centres, where = list(grid.axes), list(grid.centres), ""
+    if len(axes) == 3:
+        k = axes.index(_SLICED)
+        place = int(np.abs(centres[k]).argmin())
+        shares, where = shares[(slice(None),) * k + (place,)], f" at {_SLICED} = {centres[k][place]:.4g} m"
+        del axes[k], centres[k]
+    if len(axes) == 1:
+        axes, centres, shares = [*axes, ""], [*centres, np.zeros(1)], shares[:, None]
+    title = f"{grid.robot.name}: share of orientations reached{where}"
+    with require_matplotlib().rc_context({"svg.hashsalt": grid.robot.name}):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+        labels = dict(zip(("xlabel", "ylabel"), (name and f"{name} [m]" for name in axes), strict=True))
+        panel = figure.add_subplot(aspect="equal" if axes[1] else "auto", title=title, **labels)
+        left, right, low, high = (a[end] + way * grid.step for a in centres for end, way in ((0, -0.5), (-1, 0.5)))
+        figure.colorbar(panel.imshow(shares.T, origin="lower", extent=(left, right, low, high), vmin=0.0, vmax=1.0))
+        return figure_bytes(figure, suffix, title), title

@@ -59,15 +59,11 @@ class Cluster:
                 waiting.extend(self.executor.submit(work, block, *shared) for block in islice(coming, wanted))
                 yield waiting.popleft().result()
                 if tell is not None:
-                    tell(what, _progress(done + 1, len(blocks), time.monotonic() - since))
+                    left = (time.monotonic() - since) / (done + 1) * (len(blocks) - done - 1)
+                    tell(what, f"{100 * (done + 1) / len(blocks):.0f} %, {left:.0f} s left,")
         finally:  # after an error or an interrupt
             for future in waiting:
                 future.cancel()
-
-
-def _progress(done: int, total: int, seconds: float) -> str:
-    """``34 %, 12 s left``."""
-    return f"{done / total:.0%}, {seconds / done * (total - done):.0f} s left,".replace("%", " %")
 
 
 @contextmanager
@@ -86,10 +82,7 @@ def cluster(workers: int | None = None, scheduler: str | None = None, *, process
         return
     distributed = data_module("distributed")
     if scheduler is None:
-        with (
-            distributed.LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
-            distributed.Client(local) as client,
-        ):
+        with distributed.Client(n_workers=count, threads_per_worker=1, dashboard_address=None) as client:
             yield Cluster(client.get_executor(), count, client)
         return
     with _client(distributed, scheduler) as client:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +18,17 @@ from derive.robot.options.inverse import POSE, InverseOptions, Task
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.robot.tree import require_chain
-from derive.sampling.extent import Extent
 from derive.workspace.point import TURN, Range, joint_ranges
 from derive.workspace.poses import RobotPoses
 
 _MOST = 2**19  # poses of a block: half a second of compiled code, and a few megabytes
 _ROUNDING = 1e-6  # parts of a cell by which the arm's box may be in the next one
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # the angle from one direction to the next
+_STARTS = 64  # random configurations from which the farthest ones are looked for
+_SWEEPS = 200  # most times that every joint is moved to its best place
+_SETTLED = 1e-12  # a sweep that gains less than this part of the arm's size squared is the last one
+_BEYOND = 1e-9  # by which box and ball are larger than what was found, in parts of the ball
+_THIRDS = TURN / 3.0 * np.arange(3.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +48,9 @@ class Orientations:
         if not {"approach", "orientation"} & set(task):
             return cls(np.eye(3)[None], {}, {})
         places = np.arange(count, dtype=float)
-        height, turned = 1.0 - (2.0 * places + 1.0) / count, _GOLDEN * places % TURN
-        tilt = _about_z(np.arccos(height))[:, [1, 2, 0]][:, :, [1, 2, 0]]  # about y
-        across = np.sqrt(1.0 - height**2)
-        ways = zip("xyz", (across * np.cos(turned), across * np.sin(turned), height), strict=True)
-        known = {f"direction_{name}": ("direction", values) for name, values in ways}
-        directed = _about_z(turned) @ tilt
+        tilt = _about_z(np.arccos(1.0 - (2.0 * places + 1.0) / count))[:, [1, 2, 0]][:, :, [1, 2, 0]]  # about y
+        directed = _about_z(_GOLDEN * places) @ tilt
+        known = {f"direction_{name}": ("direction", directed[:, k, 2]) for k, name in enumerate("xyz")}
         if "approach" in task:
             return cls(directed, {"direction": count}, known)
         roll = TURN / rolls * np.arange(rolls, dtype=float)
@@ -58,11 +60,8 @@ class Orientations:
 
 def _about_z(angle: Array) -> Array:
     """Rotations (k, 3, 3) about z."""
-    found = np.tile(np.eye(3), (len(angle), 1, 1))
-    found[:, 0, 0] = found[:, 1, 1] = np.cos(angle)
-    found[:, 1, 0] = np.sin(angle)
-    found[:, 0, 1] = -found[:, 1, 0]
-    return found
+    c, s, no = np.cos(angle), np.sin(angle), np.zeros(len(angle))
+    return np.stack([c, -s, no, s, c, no, no, no, no + 1.0], axis=-1).reshape(-1, 3, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,46 +74,44 @@ class MapGrid:
     step: float  # side of a cell [m]
     first: tuple[int, ...]  # k of the first cell along each axis
     shape: tuple[int, ...]  # how many cells there are along each axis
-    extent: Extent  # of the arm along these axes
+    block_shape: tuple[int, ...]  # cells of a block along each axis, where no end of the grid cuts it
+    middle: Array  # (axes,) of the ball that holds all positions [m]
+    radius: float  # of this ball [m]
     orientations: Orientations
-    edge: int  # cells along the side of a block, a power of two
     conditioning: bool = False  # whether the condition of the Jacobian is wanted, too
 
     @classmethod
     def of(
         cls,
         robot: Robot,
-        step: float,
-        counts: tuple[int, int],
+        grid: float = 0.05,
+        orientations: int = 64,
+        rolls: int = 12,
         box: Sequence[float] | None = None,
         *,
         conditioning: bool = False,
     ) -> MapGrid:
         """The grid over what an arm reaches, or a box, with so many directions (or angles) and rolls."""
-        if not 0.0 < step < math.inf:
-            raise DeriveError(f"a grid of {step:g} m", allowed="allowed: the side of a cell in metres, above zero")
-        if (least := min(counts)) < 1:
+        if not 0.0 < grid < math.inf:
+            raise DeriveError(f"a grid of {grid:g} m", allowed="allowed: the side of a cell in metres, above zero")
+        if (least := min(orientations, rolls)) < 1:
             raise DeriveError(f"{least} orientations", allowed="allowed: whole numbers from 1 on")
         require_chain(robot, "the map")
         task = map_task(robot)
         chosen = InverseOptions(task, robot.inverse.given, robot.inverse.location)
         arm = replace(robot, inverse=chosen, links=(), gravity=None, runtime=())
-        chain, ranges = NumericChain.of(arm), joint_ranges(RobotPoses(arm))
-        axes = tuple(name for name in "xyz" if name in task)
-        extent = Extent.of(chain, ranges, ["xyz".index(name) for name in axes])
-        low, high = _within(extent, axes, box)
-        first = np.floor(low / step + _ROUNDING).astype(int)
-        count = np.maximum(np.ceil(high / step - _ROUNDING).astype(int) - first, 1)
-        turns = Orientations.of(task, *counts)
+        ranges, axes = joint_ranges(RobotPoses(arm)), tuple(name for name in "xyz" if name in task)
+        low, high, radius = extent(NumericChain.of(arm), ranges, ["xyz".index(name) for name in axes])
+        middle = (low + high) / 2.0
+        if box is not None:
+            low, high = _within(low, high, axes, box)
+        first = np.floor(low / grid + _ROUNDING).astype(int)
+        count = np.maximum(np.ceil(high / grid - _ROUNDING).astype(int) - first, 1)
+        turns = Orientations.of(task, orientations, rolls)
         most = min(count.max(), (_MOST / len(turns.rotations)) ** (1.0 / len(axes)))
-        edge = 2 ** int(math.log2(max(1.0, most)))
-        whole = tuple(first.tolist()), tuple(count.tolist())
-        return cls(arm, ranges, axes, step, *whole, extent, turns, edge, conditioning)
-
-    @property
-    def block_shape(self) -> tuple[int, ...]:
-        """Cells of a block along each axis, where no end of the grid cuts it."""
-        return tuple(min(self.edge, count) for count in self.shape)
+        sides = np.minimum(count, 2 ** int(math.log2(max(1.0, most))))
+        whole = tuple(first.tolist()), tuple(count.tolist()), tuple(sides.tolist())
+        return cls(arm, ranges, axes, grid, *whole, middle, radius, turns, conditioning)
 
     @property
     def centres(self) -> tuple[Array, ...]:
@@ -131,7 +128,7 @@ class MapGrid:
         """Middles of the cells of a block (..., axes), and whether they are within reach (...)."""
         along = (values[part] for values, part in zip(self.centres, self.slices(block), strict=True))
         middles = np.stack(np.meshgrid(*along, indexing="ij"), axis=-1)
-        return middles, np.linalg.norm(middles - self.extent.middle, axis=-1) <= self.extent.radius
+        return middles, np.linalg.norm(middles - self.middle, axis=-1) <= self.radius
 
     @cached_property
     def blocks(self) -> tuple[tuple[int, ...], ...]:
@@ -161,18 +158,62 @@ def map_task(robot: Robot) -> Task:
     return task
 
 
-def _within(extent: Extent, axes: Sequence[str], box: Sequence[float] | None) -> tuple[Array, Array]:
-    """Corners of what is mapped: the box of the arm, and of that what is in the user's."""
-    low, high = np.array(extent.low), np.array(extent.high)
-    if box is None:
-        return low, high
+def _within(low: Array, high: Array, axes: Sequence[str], box: Sequence[float]) -> tuple[Array, Array]:
+    """Corners of what is in the user's box of that of the arm."""
     if len(box) == 2 * len(axes) and np.isfinite(box).all():
-        wanted = np.reshape(box, (-1, 2))
-        low, high = np.maximum(low, wanted[:, 0]), np.minimum(high, wanted[:, 1])
-        if (low < high).all():
-            return low, high
-    ways = zip(axes, extent.low, extent.high, strict=True)
+        lower, upper = np.maximum(low, box[::2]), np.minimum(high, box[1::2])
+        if (lower < upper).all():
+            return lower, upper
+    ways = zip(axes, low, high, strict=True)
     allowed = listed(f"{name} from {least:.4g} to {most:.4g} m" for name, least, most in ways)
     found = f"the box {', '.join(f'{value:g}' for value in box)} is not one that the arm reaches"
     ends = ",".join(f"{name}0,{name}1" for name in axes)
     raise DeriveError(found, allowed=f"allowed: {ends} within {allowed}, the lower end first")
+
+
+def extent(chain: NumericChain, ranges: Sequence[Range], axes: Sequence[int]) -> tuple[Array, Array, float]:
+    """Corners of a box and the radius of a ball about its middle [m] that hold all positions along some axes."""
+    sides = np.concatenate([np.eye(3)[axes], -np.eye(3)[axes]])
+    most = _most(chain, ranges, lambda p: np.sum(p * sides, axis=-1), len(sides))
+    high, low = most[: len(axes)], -most[len(axes) :]
+    middle = (low + high) / 2.0
+    (square,) = _most(chain, ranges, lambda p: np.sum((p[..., axes] - middle) ** 2, axis=-1), 1)
+    radius = float(square**0.5)
+    room = _BEYOND * (radius or 1.0)
+    return low - room, high + room, radius + room
+
+
+def _most(chain: NumericChain, ranges: Sequence[Range], value: Callable[[Array], Array], groups: int) -> Array:
+    """The largest values (groups,) that functions of positions (..., groups, 3) -> (..., groups) take in the ranges.
+
+    One joint after the other goes to its best place: coordinates and squared distances are a + b cos(q) + c sin(q) of
+    a joint that turns, and largest at an end of one that slides.
+    """
+
+    def _values(q: Array) -> Array:
+        return value(chain.pose_and_jacobian(q)[0][..., :3, 3])
+
+    def _tried(q: Array, joint: int, places: Sequence[Any]) -> Array:  # (places, ..., n)
+        tried = np.stack([q] * len(places))
+        for one, place in zip(tried, places, strict=True):
+            one[..., joint] = place
+        return tried
+
+    lower, upper = np.array([[way.lower, way.upper] for way in ranges]).T
+    q = np.random.default_rng(0).uniform(lower, upper, (_STARTS, groups, len(ranges)))
+    best = np.full(groups, -np.inf)
+    for _ in range(_SWEEPS):
+        before = best
+        for joint, way in enumerate(ranges):
+            places: list[Any] = [way.lower, way.upper]
+            if way.revolute:
+                samples = np.moveaxis(_values(_tried(q, joint, _THIRDS.tolist())), 0, -1)
+                top = np.arctan2(samples @ np.sin(_THIRDS), samples @ np.cos(_THIRDS))
+                top = way.lower + (top - way.lower) % TURN
+                places.append(np.where(top > way.upper, way.lower, top))
+            tried = _tried(q, joint, places)
+            q = np.take_along_axis(tried, _values(tried).argmax(axis=0)[None, ..., None], axis=0)[0]
+        best = _values(q).max(axis=0)
+        if np.all(best - before <= _SETTLED * max(chain.reach, 1.0) ** 2):
+            break
+    return best

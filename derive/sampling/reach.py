@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from pathlib import Path
 from threading import Lock
 from typing import Any
 
@@ -21,7 +20,6 @@ from derive.publish.modules import loaded
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.sampling.grid import MapGrid
-from derive.targets.numpy import FILE
 from derive.targets.target import Source
 from derive.version import __version__
 from derive.workspace.point import TURN, Range
@@ -33,23 +31,13 @@ _MARGIN = (
 _CONDITION = "the smallest by the largest singular value of J of the task, lengths in parts of the reach"
 
 
-@dataclass(frozen=True, slots=True)
-class MapValue:
-    """What is known of a cell and orientation."""
-
-    kind: str  # type of its numbers
-    nothing: float  # where no posture reaches
-    unit: str
-    words: str
-
-
 VALUES = {
-    "postures": MapValue("u1", 0, "1", "postures within the joint limits, counted modulo full turns"),
-    "manipulability": MapValue("f4", np.nan, "", "largest sqrt(det(J J^T)) of the postures, J of the task"),
-    "margin": MapValue("f4", np.nan, "1", f"largest margin to the limits of the postures: {_MARGIN}"),
-    "conditioning": MapValue("f4", np.nan, "1", f"largest of the postures: {_CONDITION}"),
+    "postures": ("1", "postures within the joint limits, counted modulo full turns"),
+    "manipulability": ("", "largest sqrt(det(J J^T)) of the postures, J of the task"),
+    "margin": ("1", f"largest margin to the limits of the postures: {_MARGIN}"),
+    "conditioning": ("1", f"largest of the postures: {_CONDITION}"),
 }
-"""What a map has, in this order; the last on request."""
+"""What a map has, in this order, with units and words; the first are whole numbers, the last is there on request."""
 
 _AT_ONCE = 2048  # poses that are solved at once: their postures fit into the caches of a core
 _ROUNDING = 1e-9  # by which a joint may be beyond a limit [rad or m]
@@ -57,14 +45,10 @@ _NAMES = frozenset({"manipulability", "jacobian"})
 _one_at_a_time = Lock()  # threads that need the same library do not compile it twice
 
 
-def value_names(grid: MapGrid) -> tuple[str, ...]:
-    """The values that a map has."""
-    return tuple(name for name in VALUES if name != "conditioning" or grid.conditioning)
-
-
-def value_type(grid: MapGrid) -> np.dtype[Any]:
-    """The values of a cell and orientation side by side."""
-    return np.dtype([(name, VALUES[name].kind) for name in value_names(grid)])
+def value_type(grid: MapGrid) -> dict[str, str]:
+    """Names and types of the values of a cell and orientation."""
+    names = (name for name in VALUES if name != "conditioning" or grid.conditioning)
+    return {name: "u1" if name == "postures" else "f4" for name in names}
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +63,6 @@ class MapFunctions:
     per_half: Array  # (n,) one by half of the way between the limits; zero without
     rows: tuple[int, ...]  # of the Jacobian, those of the task
     units: Array  # (rows, 1) what these rows are measured in: the reach [m], or 1
-
-    @property
-    def is_compiled(self) -> bool:
-        """Whether C does the work."""
-        return Path(self.module.__file__).name != FILE
 
     def values(self, goals: Array, *, conditioning: bool = False) -> tuple[Array, ...]:
         """The values of poses (k, 4, 4), in the order of `VALUES`."""
@@ -126,8 +105,7 @@ def _functions_of(robot: Robot, ranges: tuple[Range, ...]) -> MapFunctions:
     low, high = np.where(is_limited[:, None], limits, 0.0).T
     turning = np.array([way.revolute for way in ranges])
     per_half = np.where(is_limited, 1.0 / ((high - low) / 2.0 + _ROUNDING), 0.0)
-    rows = task_rows(robot)
-    reach = NumericChain.of(robot).reach
+    rows, reach = task_rows(robot), NumericChain.of(robot).reach
     units = np.array([[reach if row < 3 else 1.0] for row in rows])
     return MapFunctions(module, folder, branches, turning / TURN, (low + high) / 2.0, per_half, rows, units)
 
@@ -149,11 +127,11 @@ def _solver(robot: Robot, program: Program) -> Inverse | InverseSearch:
 
 def computed(block: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
     """The values of a block, (cells..., orientations...) records."""
-    functions, turns = functions_of(grid), grid.orientations.rotations
+    functions, turns, kinds = functions_of(grid), grid.orientations.rotations, value_type(grid)
     middles, is_near = grid.cells(block)
-    found = np.empty((*is_near.shape, len(turns)), dtype=value_type(grid))
-    for name in value_names(grid):
-        found[name] = VALUES[name].nothing
+    found = np.zeros((*is_near.shape, len(turns)), dtype=[*kinds.items()])
+    for name in [*kinds][1:]:
+        found[name] = np.nan
     places, per = np.argwhere(is_near), max(1, _AT_ONCE // len(turns))
     axes = ["xyz".index(name) for name in grid.axes]
     for start in range(0, len(places), per):
@@ -162,6 +140,6 @@ def computed(block: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
         goals[..., :3, :3], goals[..., 3, 3] = turns, 1.0
         goals[:, :, axes, 3] = middles[some][:, None]
         values = functions.values(goals.reshape(-1, 4, 4), conditioning=grid.conditioning)
-        for name, value in zip(value_names(grid), values, strict=True):
+        for name, value in zip(kinds, values, strict=True):
             found[name][some] = value.reshape(len(goals), len(turns))
     return found.reshape(*is_near.shape, *grid.orientations.sizes.values())

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import secrets
-import shutil
 import warnings
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -16,37 +15,29 @@ from derive.errors import OutputError, listed
 from derive.publish.atomic_folder import system_errors
 from derive.sampling.clusters import Cluster, Tell, data_module
 from derive.sampling.grid import MapGrid
-from derive.sampling.reach import VALUES, computed, functions_of, value_names, value_type
+from derive.sampling.reach import VALUES, computed, functions_of, value_type
 from derive.version import __version__
 
 _LAST = "postures"  # written last of a block, whose chunk of it says that all of the block is there
 _SHARE = "reachability"  # per cell
-_WORDS = "share of the orientations in which the cell's centre is reached"
+_SHARED = {"units": "1", "long_name": "share of the orientations in which the cell's centre is reached"}
 _NEEDED = "maps"
 
 
 def map_dataset(grid: MapGrid) -> Any:
     """The map as an `xarray.Dataset` of lazy Dask arrays, one chunk for each block."""
     arrays, xarray = data_module("dask.array", _NEEDED), data_module("xarray", _NEEDED)
-    sizes = grid.orientations.sizes
-    names = (*grid.axes, *sizes)
+    sizes, kinds = grid.orientations.sizes, value_type(grid)
     sides = zip(grid.block_shape, grid.shape, strict=True)
     chunks = [(side,) * (count // side) + (count % side,) * (count % side > 0) for side, count in sides]
-    kind = value_type(grid)
-    records = arrays.map_blocks(
-        _block,
-        grid=grid,
-        chunks=(*chunks, *((size,) for size in sizes.values())),
-        dtype=kind,
-        meta=np.empty((0,) * len(names), kind),
-    )
+    chunks += [(size,) for size in sizes.values()]
+    empty = np.empty((0,) * len(chunks), [*kinds.items()])
+    records = arrays.map_blocks(_block, grid=grid, chunks=tuple(chunks), dtype=empty.dtype, meta=empty)
     lengths = len(grid.axes) - sum(not way.revolute for way in grid.ranges)  # rows of J in metres, columns by metres
     volume = f"m^{lengths}" if lengths else "1"
-    variables = {
-        name: (names, records[name], {"units": VALUES[name].unit or volume, "long_name": VALUES[name].words})
-        for name in value_names(grid)
-    }
-    variables[_SHARE] = (grid.axes, share_of(records, grid), {"units": "1", "long_name": _WORDS})
+    told = {name: {"units": VALUES[name][0] or volume, "long_name": VALUES[name][1]} for name in kinds}
+    variables = {name: ((*grid.axes, *sizes), records[name], words) for name, words in told.items()}
+    variables[_SHARE] = (grid.axes, share_of(records, grid), _SHARED)
     along = {name: (name, values, {"units": "m"}) for name, values in zip(grid.axes, grid.centres, strict=True)}
     turned = {
         name: (dimension, values, {"units": "rad" if name == dimension else "1"})
@@ -64,17 +55,16 @@ def attributes(grid: MapGrid) -> dict[str, Any]:
     robot, solver = grid.robot, functions_of(grid)
     limits = ("none" if way.assumed and way.revolute else way.interval for way in grid.ranges)
     return {
-        "title": f"workspace of {robot.name}",
         "robot": robot.name,
         "robot_file_sha256": robot.digest,
         "task": listed(robot.inverse.task),
         "joint_limits": "; ".join(f"{way.variable}: {text}" for way, text in zip(grid.ranges, limits, strict=True)),
-        "values": listed(value_names(grid)),
+        "values": listed(value_type(grid)),
         "cell_m": grid.step,
         "first_cell": list(grid.first),
-        "reach_middle_m": grid.extent.middle.round(6).tolist(),
-        "reach_radius_m": round(grid.extent.radius, 6),
-        "inverse_kinematics": f"{'compiled' if solver.is_compiled else 'NumPy'}, up to {solver.branches} postures",
+        "cells": list(grid.shape),
+        "orientations": dict(grid.orientations.sizes),
+        "inverse_kinematics": f"{Path(solver.module.__file__).stem}, up to {solver.branches} postures",
         "derive_version": __version__,
     }
 
@@ -83,7 +73,7 @@ class MapStore:
     """A Zarr store that holds a map, or the finished blocks of one."""
 
     def __init__(self, path: Path, grid: MapGrid) -> None:
-        self.path, self.grid = path, grid
+        self.path, self.grid, self.zarr = path, grid, data_module("zarr", _NEEDED)
 
     def begin(self, *, resume: bool) -> None:
         """Make a store without blocks, or find one of the same map, of which interrupted writes are removed."""
@@ -92,45 +82,36 @@ class MapStore:
         elif not resume:
             remedy = "choose another name, remove it, or go on with it by --resume"
             raise OutputError(f"{self.path} exists already", remedy=remedy)
-        self._require_same()
+        remedy = "choose another name, or leave out what differs"
+        try:
+            there = self._open().attrs
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{self.path} is not the store of a map", remedy=remedy) from error
+        if differing := [name for name, value in attributes(self.grid).items() if there.get(name) != value]:
+            raise OutputError(f"{self.path} is the store of another map: {listed(differing)} differ", remedy=remedy)
         for file in self.path.rglob("*.partial"):
             file.unlink()
 
     def _create(self) -> None:
-        names = (*value_names(self.grid), _SHARE)
-        nothing = {name: {"fill_value": VALUES[name].nothing if name in VALUES else 0.0} for name in names}
-        staging = self.path.with_name(f".derive-{secrets.token_hex(4)}-{self.path.name}")
+        nothing = {name: {"fill_value": 0 if kind == "u1" else np.nan} for name, kind in value_type(self.grid).items()}
+        nothing[_SHARE] = {"fill_value": 0.0}
+        whole, folder = map_dataset(self.grid), self.path.parent
         with system_errors(self.path, "choose another place"):
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with TemporaryDirectory(prefix=".derive-", dir=folder) as staging:
+                made = Path(staging, self.path.name)
                 with warnings.catch_warnings():  # other readers than Zarr's may not know consolidated metadata
                     warnings.simplefilter("ignore", UserWarning)
-                    map_dataset(self.grid).to_zarr(staging, compute=False, zarr_format=3, encoding=nothing)
-                staging.rename(self.path)
-            finally:
-                shutil.rmtree(staging, ignore_errors=True)
-
-    def _require_same(self) -> None:
-        """Refuse the store of another robot, grid or set of orientations."""
-        remedy = "choose another name, or leave out what differs"
-        try:
-            there = self._open()
-            own = map_dataset(self.grid)
-            shapes = {name: there[name].shape for name in (*own.variables,)}
-        except (KeyError, OSError, ValueError) as error:
-            raise OutputError(f"{self.path} is not the store of this map", remedy=remedy) from error
-        differing = [name for name, value in own.attrs.items() if there.attrs.get(name) != value]
-        differing += [name for name, shape in shapes.items() if own[name].shape != shape]
-        if differing:
-            raise OutputError(f"{self.path} is the store of another map: {listed(differing)} differ", remedy=remedy)
+                    whole.to_zarr(made, compute=False, zarr_format=3, encoding=nothing)
+                made.rename(self.path)
 
     def _open(self) -> Any:
-        return data_module("zarr", _NEEDED).open_group(self.path, mode="r+")
+        return self.zarr.open_group(self.path, mode="r+")
 
     def fill(self, workers: Cluster, tell: Tell | None = None, every: int = 1) -> int:
         """Compute and write the blocks that are missing, or every so many-th of them; how many there were."""
-        zarr, group, grid = data_module("zarr", _NEEDED), self._open(), self.grid
-        names = sorted((*value_names(grid), _SHARE), key=lambda name: name == _LAST)
+        group, grid = self._open(), self.grid
+        names = sorted((*value_type(grid), _SHARE), key=lambda name: name == _LAST)
         last, further = group[_LAST], (0,) * len(grid.orientations.sizes)
 
         def _is_there(block: tuple[int, ...]) -> bool:
@@ -139,8 +120,8 @@ class MapStore:
         blocks = [block for block in grid.blocks if not _is_there(block)][::every]
         done = workers.in_order(computed, blocks, workers.shared(grid), what=f"map of {grid.robot.name}", tell=tell)
         # A chunk exists once it is written, whatever is in it.
-        with zarr.config.set({"array.write_empty_chunks": True}):
-            arrays = {name: zarr.open_array(self.path / name, mode="r+") for name in names}
+        with self.zarr.config.set({"array.write_empty_chunks": True}):
+            arrays = {name: self.zarr.open_array(self.path / name, mode="r+") for name in names}
             for block, records in zip(blocks, done, strict=True):
                 with system_errors(self.path, "make room and go on with --resume; finished blocks are kept"):
                     for name in names:
@@ -155,4 +136,4 @@ class MapStore:
 def share_of(records: Any, grid: MapGrid) -> Any:
     """Of each cell of records, NumPy's or Dask's, the share of orientations that are reached."""
     turns = tuple(range(len(grid.axes), records.ndim))
-    return (records["postures"] > 0).mean(axis=turns, dtype=np.float64).astype(np.float32)
+    return (records[_LAST] > 0).mean(axis=turns, dtype=np.float64).astype(np.float32)

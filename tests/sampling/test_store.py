@@ -1,11 +1,12 @@
 """Stores that were interrupted, killed, made elsewhere or belong to something else, and lazy data sets."""
 
+import itertools
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,8 +16,7 @@ from derive.api.map import write_map
 from derive.errors import DeriveError
 from derive.robot.robot import Robot
 from derive.sampling import grid
-from derive.sampling.clusters import cluster
-from derive.sampling.store import MapStore, map_dataset
+from derive.sampling.store import map_dataset
 from tests.places import ROOT
 from tests.sampling.numeric_arms import ELBOW, SCARA
 
@@ -41,25 +41,10 @@ def whole(tmp_path: Path) -> dict[str, bytes]:
     return contents(written.path)
 
 
-def stopping(after: int, stop: Callable[[], object]) -> Callable[[str, str], None]:
-    told: list[str] = []
-
-    def _tell(_: str, text: str) -> None:
-        told.append(text)
-        if len(told) == after:
-            stop()
-
-    return _tell
-
-
-def _interrupt() -> None:
-    raise KeyboardInterrupt
-
-
 def test_an_interrupted_map_goes_on_to_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
     path = tmp_path / "part.zarr"
     with pytest.raises(KeyboardInterrupt):
-        write_map(ROBOT, path, **HOW, progress=stopping(7, _interrupt))
+        write_map(ROBOT, path, **HOW, progress=mock.Mock(side_effect=[None] * 6 + [KeyboardInterrupt]))
     (path / "margin" / "c.partial").write_bytes(b"half")
     again = write_map(ROBOT, path, **HOW, resume=True)
     assert again.computed == again.blocks - 7
@@ -92,10 +77,13 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_bytes(tmp_path: Path, whol
     distributed = pytest.importorskip("distributed")
     path = tmp_path / "cluster.zarr"
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as local:
-        victim = local.workers[0]
-        write_map(
-            ROBOT, path, **HOW, scheduler=local.scheduler_address, progress=stopping(5, victim.process.process.kill)
-        )
+        victim, told = local.workers[0], itertools.count(1)
+
+        def _tell(*_: str) -> None:
+            if next(told) == 5:
+                victim.process.process.kill()
+
+        write_map(ROBOT, path, **HOW, scheduler=local.scheduler_address, progress=_tell)
     assert contents(path) == whole
 
 
@@ -118,45 +106,33 @@ def test_a_data_set_is_lazy_and_equals_the_store_and_a_box_is_a_part_of_it(tmp_p
     there = lazy.sel(x=box.x, y=box.y, z=box.z)
     assert box.sizes["x"] == 4
     xarray.testing.assert_equal(box.postures.compute(), there.postures.compute())
-    alone = lazy_map(ELBOW.robot, grid=0.2)
+    alone = map_dataset(grid.MapGrid.of(ELBOW.robot, 0.2))
     assert alone.postures.dims == ("x", "y", "z")
 
 
 def test_a_store_of_another_map_is_refused_and_stays(tmp_path: Path, whole: dict[str, bytes]) -> None:
     path = tmp_path / "whole.zarr"
-    with pytest.raises(DeriveError, match=r"whole.zarr exists already; choose another name, remove it, or go on"):
-        write_map(ROBOT, path, **HOW)
-    with pytest.raises(DeriveError, match=r"is the store of another map: .*cell_m.* differ"):
-        write_map(ROBOT, path, grid=0.2, orientations=9, resume=True)
-    with pytest.raises(DeriveError, match=r"is the store of another map: .*postures.* differ"):
-        write_map(ROBOT, path, grid=0.1, orientations=8, resume=True)
     other = Robot.from_text(SCARA.text.replace("0.4", "0.41"))
-    with pytest.raises(DeriveError, match="is the store of another map: robot_file_sha256"):
-        write_map(other, path, **HOW, resume=True)
-    with pytest.raises(DeriveError, match=r"is the store of another map: first_cell.* differ"):
-        write_map(ROBOT, path, **HOW, box=(-1, 1, 0, 1, -1, 1), resume=True)
+    cases: list[tuple[Robot, dict[str, object], str]] = [
+        (ROBOT, {"grid": 0.2}, "cell_m, first_cell, cells differ"),
+        (ROBOT, {"orientations": 8}, "orientations differ"),
+        (ROBOT, {"conditioning": True}, "values differ"),
+        (ROBOT, {"box": (-1, 1, 0, 1, -1, 1)}, "first_cell, cells differ"),
+        (other, {}, "robot_file_sha256"),
+    ]
+    for robot, options, said in cases:
+        with pytest.raises(DeriveError, match=f"is the store of another map: {said}"):
+            write_map(robot, path, **{**HOW, **options}, resume=True)  # type: ignore[arg-type]
     (tmp_path / "folder").mkdir()
-    with pytest.raises(DeriveError, match="is not the store of this map"):
+    with pytest.raises(DeriveError, match="is not the store of a map"):
         write_map(ROBOT, tmp_path / "folder", **HOW, resume=True)
     assert contents(path) == whole
-
-
-def test_a_store_is_filled_where_it_lacks_blocks(tmp_path: Path, whole: dict[str, bytes]) -> None:
-    made = grid.MapGrid.of(ROBOT, 0.1, (9, 12))
-    store = MapStore(tmp_path / "whole.zarr", made)
-    assert map_dataset(made).sizes["angle"] == 9
-    for chunk in [file for file in (store.path / "postures" / "c").rglob("*") if file.is_file()][:3]:
-        chunk.unlink()
-    with cluster(1) as workers:
-        assert store.fill(workers) == 3
-    assert contents(store.path) == whole
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         ({"grid": 1e-4}, r"a map of 4.*e\+.* poses: up to .* GB and about .* h of one core; .*--yes"),
-        ({"picture": "slice.txt"}, "has the ending of another kind of file"),
         ({"workers": 2, "scheduler": "tcp://127.0.0.1:9"}, "--workers with --scheduler"),
     ],
 )

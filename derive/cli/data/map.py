@@ -48,19 +48,11 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the blocks that are missing, and report what is reached."""
     from derive.api.map import write_map
 
-    how = keywords(
-        arguments, "grid", "orientations", "rolls", "box", "conditioning", "workers", "scheduler", "resume", "force"
-    )
+    names = ("grid", "orientations", "rolls", "box", "conditioning", "workers", "scheduler", "resume", "force")
+    how = keywords(arguments, *names) | {"large": arguments.yes, "picture": arguments.plot}
     with progress(1, quiet=arguments.quiet or arguments.json) as tell:
         try:
-            found = write_map(
-                arguments.robot,
-                arguments.out,
-                **how,
-                large=arguments.yes,
-                picture=arguments.plot,
-                progress=tell,
-            )
+            found = write_map(arguments.robot, arguments.out, **how, progress=tell)
         except KeyboardInterrupt:
             print(f"derive: finished blocks are kept; go on with: --resume -o {arguments.out}", file=sys.stderr)
             raise
