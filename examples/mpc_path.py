@@ -25,7 +25,7 @@ from mpc_casadi import LIMITS, ROBOT, STEP, generated_model, step_function
 
 import derive
 from derive.motion.output.code import MODULE
-from derive.motion.torques.functions import module_of
+from derive.publish.modules import module_of
 
 PLAN = Path(__file__).with_name("swing-path.yaml")
 HORIZON, STEPS = 8, 80

@@ -48,7 +48,7 @@ def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
             pass
         raise DeriveError(f"{cell_text(part)} has no finite value", remedy="choose other numbers")
     if hasattr(part, "__dataclass_fields__"):
-        names = (entry.name for entry in fields(part) if entry.name != "follows")  # names of derivatives, no cells
+        names = (entry.name for entry in fields(part) if entry.name not in ("follows", "meant"))  # no cells
         return replace(part, **{name: _filled(getattr(part, name), values) for name in names})
     return part
 

@@ -12,12 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import QuantityError, optional
+from derive.errors import QuantityError
 from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
@@ -87,7 +88,7 @@ class Design:
 
     @cached_property
     def _casadi(self) -> Any:
-        return optional("casadi", "exciting motions need casadi", "casadi")
+        return import_module("casadi")
 
     @cached_property
     def fine(self) -> Array:

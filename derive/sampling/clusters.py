@@ -94,9 +94,12 @@ def cluster(workers: int | None = None, scheduler: str | None = None, *, process
 
 def _client(distributed: Any, address: str) -> Any:
     """A client of a scheduler that runs, or a refusal."""
+    dask = data_module("dask")
+    before = dask.config.get("scheduler", None)
     try:
         return distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
+        dask.config.set(scheduler=before)  # what an address without a meaning leaves is a scheduler without a client
         raise DeriveError(
             f"no Dask scheduler answers at {address!r} within {PATIENCE} s",
             allowed="allowed: an address such as tcp://127.0.0.1:8786",

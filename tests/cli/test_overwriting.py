@@ -44,6 +44,8 @@ WRITING = {
     ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.checking.printouts.file_printout"),
     ("import", "out"): ("import arm.urdf -o b.yaml", "b.yaml", "derive.api.importing.import_urdf"),
     ("import --all", "out"): ("import arm.urdf --all -o arms", "arms/arm-b.yaml", ""),
+    ("excite", "out"): ("excite arm.yaml -o e.yaml", "e.yaml", "derive.api.excite.load"),
+    ("map", "plot"): ("map arm.yaml -o reach.zarr --plot a.png", "a.png", "derive.api.map.load"),
     ("identify", "out"): ("identify arm.yaml log.csv -o b.yaml", "b.yaml", "derive.api.identify.load"),
     ("identify", "report"): ("identify arm.yaml log.csv --report a.html", "a.html", "derive.api.identify.load"),
     ("export", "out"): ("export kuka-kr5 --format csv -o a.csv", "a.csv", "derive.api.export.exported"),
@@ -52,8 +54,8 @@ WRITING = {
 }
 """By command and destination: what is typed, a file that it writes, and what must not run when the file is there."""
 
-NOT_OVERWRITTEN = {("build", "out"), ("verify", "out"), ("handout", "style_from")}
-"""The folder of a build is the manifest's matter (tests/publish); `verify` and notes are read."""
+NOT_OVERWRITTEN = {("build", "out"), ("verify", "out"), ("handout", "style_from"), ("map", "out")}
+"""The folder of a build is the manifest's matter (tests/publish), a store goes on (tests/sampling); the rest is read."""
 
 
 @pytest.fixture

@@ -36,10 +36,11 @@ def test_a_scheduler_that_does_not_answer_is_told_within_seconds() -> None:
     assert time.monotonic() - since < 12
 
 
-@pytest.mark.parametrize("address", ["nowhere", "tcp://nowhere.invalid:1", "tcp://127.0.0.1:x"])
+@pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:x"])
 def test_what_is_no_address_is_refused(address: str) -> None:
     with pytest.raises(DeriveError, match="no Dask scheduler answers at"), cluster(scheduler=address):
         pass
+    assert pytest.importorskip("dask").config.get("scheduler", None) is None  # what follows is computed here
 
 
 def test_the_core_imports_nothing_of_what_data_need(tmp_path: Path) -> None:
