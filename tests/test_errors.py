@@ -21,7 +21,7 @@ HINTED = {
 
 
 def test_hints_name_extras_that_exist() -> None:
-    assert {"handout", "motion", "exchange"} == HINTED
+    assert {"data", "handout", "motion", "exchange"} == HINTED
     assert EXTRAS.keys() >= HINTED
 
 
