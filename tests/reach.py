@@ -34,8 +34,8 @@ def imported(path: Path, folder: Path) -> Iterator[str]:
             files = [file_of(alias.name, folder) for alias in node.names]
         elif isinstance(node, ast.List) and {"-m", "derive"} <= {getattr(entry, "value", None) for entry in node.elts}:
             files = ["derive/__main__.py"]  # in another process
-        elif isinstance(node, ast.Constant) and node.value == "derive.cli.":
-            files = [file.relative_to(folder).as_posix() for file in (folder / "derive/cli").glob("*.py")]  # by name
+        elif isinstance(node, ast.Constant) and node.value == "derive.cli":
+            files = [file.relative_to(folder).as_posix() for file in (folder / "derive/cli").rglob("*.py")]  # by name
         else:
             continue
         yield from filter(None, files)
