@@ -55,7 +55,7 @@ WRITING = {
 """By command and destination: what is typed, a file that it writes, and what must not run when the file is there."""
 
 NOT_OVERWRITTEN = {("build", "out"), ("verify", "out"), ("handout", "style_from"), ("map", "out")}
-"""The folder of a build is the manifest's matter (tests/publish), a store goes on (tests/sampling); the rest is read."""
+"""A build's folder is the manifest's matter (tests/publish), a store goes on (tests/sampling), the rest is read."""
 
 
 @pytest.fixture

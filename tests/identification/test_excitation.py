@@ -125,7 +125,7 @@ def test_a_motion_that_asks_too_much_is_made_smaller() -> None:
     assert written(smaller, arm())[1] == pytest.approx(smaller, abs=1e-9)
 
 
-@pytest.mark.parametrize("robot", ["two-armed-torso", "scara-matlab"])
+@pytest.mark.parametrize("robot", [pytest.param("two-armed-torso", marks=pytest.mark.sweep), "scara-matlab"])
 def test_other_robots(robot: str, tmp_path: Path) -> None:
     path = tmp_path / "plans" / "excite.yaml"
     path.parent.mkdir()

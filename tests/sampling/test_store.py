@@ -72,7 +72,7 @@ def test_a_killed_map_goes_on_to_the_same_bytes(tmp_path: Path, whole: dict[str,
     assert contents(path) == whole
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 def test_a_cluster_that_loses_a_worker_makes_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
     distributed = pytest.importorskip("distributed")
     path = tmp_path / "cluster.zarr"
