@@ -10,6 +10,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.identification.excitation import SINGULAR, Design, condition, information
+from derive.robot.expression import to_text
 from derive.robot.robot import Robot
 
 DIGITS = Decimal("1e-8")  # of the coefficients of a plan, in the units of the robot file
@@ -74,7 +75,7 @@ def excited(design: Design, starts: int, seed: int, sample: float, head: Sequenc
         text="\n".join([*head, f"sample: {sample!r}", f"time: {series.period!r}", "curves:", *curves, ""]),
         condition=found,
         names=tuple(parameter.name for parameter in design.unknowns.base.parameters),
-        formulas=design.unknowns.formulas,
+        formulas=tuple(None if formula is None else to_text(formula) for formula in design.unknowns.formulas),
         values=design.unknowns.prior,
         deviations=np.sqrt(np.diag(covariance)) / sizes,
         noise=noise,

@@ -49,7 +49,9 @@ class Preparation:
         if not (self.missing or self.cutoff):
             return 0.0
         if not step:
-            raise self.log.error("no time, by which rows are filtered", remedy="add a column time")
+            raise DeriveError(
+                f"{self.log.path or 'the table'}: no time, by which rows are filtered", remedy="add a column time"
+            )
         found = min(CUTOFF, 0.1 / step) if self.cutoff is None else self.cutoff
         if not 0 < 2 * found * step < 1:
             raise DeriveError(
@@ -58,16 +60,17 @@ class Preparation:
         return found
 
     @cached_property
-    def _filters(self) -> tuple[Any, Any]:
-        """Of states and of fewer rows; None where there is none."""
-        edges = (2 * self.band * self.log.step, BAND / self.decimate if self.decimate > 1 else 0.0)
-        smooth, thin = (_signal().butter(ORDER, edge, output="sos") if edge else None for edge in edges)
-        return smooth, thin
+    def _smooth(self) -> Any:
+        return _butterworth(2 * self.band * self.log.step) if self.band else None
+
+    @cached_property
+    def _thin(self) -> Any:
+        return _butterworth(BAND / self.decimate) if self.decimate > 1 else None
 
     @cached_property
     def margin(self) -> int:
         """Rows at both ends of a block that filters and differences need, a multiple of ``decimate``."""
-        poles = ([np.roots(s[3:]) for s in each] for each in self._filters if each is not None)
+        poles = ([np.roots(s[3:]) for s in each] for each in (self._smooth, self._thin) if each is not None)
         rows = sum(ceil(log(FORGOTTEN) / log(np.abs(each).max())) for each in poles) + 2 * len(self.missing)
         return -(-rows // self.decimate) * self.decimate
 
@@ -88,16 +91,15 @@ class Preparation:
     def states(self, rows: Array) -> dict[str, Array]:
         """Times, states and torques of a block by name, those near its ends wrong where filters are."""
         parts, step = {quantity: rows[:, self.log.places(quantity)] for quantity in self.log.columns}, self.log.step
-        smooth = self._filters[0]
-        if smooth is not None:
+        if self._smooth is not None:
             # What is differentiated; where nothing is, all of the state, so that it stays one motion.
             source = ("q",) if "qd" in self.missing else ("qd",) if self.missing else ("q", "qd", "qdd")
-            parts |= {quantity: _both_ways(smooth, parts[quantity]) for quantity in source}
-        if "qd" in self.missing:
-            parts["qd"] = _difference(parts["q"], FIRST, step)
+            parts |= {quantity: _both_ways(self._smooth, parts[quantity]) for quantity in source}
         if "qdd" in self.missing:
             twice = "qd" in self.missing
             parts["qdd"] = _difference(parts["q"], SECOND, step**2) if twice else _difference(parts["qd"], FIRST, step)
+        if "qd" in self.missing:
+            parts["qd"] = _difference(parts["q"], FIRST, step)
         return {"time": np.arange(float(len(rows)))[:, None]} | parts
 
     def blocks(self, regressor: Callable[[Array, Array, Array], Array]) -> Iterator[Block]:
@@ -107,9 +109,9 @@ class Preparation:
                 continue
             parts = self.states(rows)
             time, state, tau = parts["time"][:, 0], [parts[key] for key in ("q", "qd", "qdd")], parts["tau"]
-            if self.decimate > 1:
+            if self._thin is not None:
                 kept = slice(used.start, used.stop, self.decimate)
-                thin = [_both_ways(self._filters[1], each)[kept] for each in (regressor(*state), tau)]
+                thin = [_both_ways(self._thin, each)[kept] for each in (regressor(*state), tau)]
                 yield time[kept], state[1][kept], thin[0], thin[1]
                 continue
             for start in range(used.start, used.stop, ROWS):
@@ -117,12 +119,14 @@ class Preparation:
                 yield time[part], state[1][part], regressor(*(each[part] for each in state)), tau[part]
 
 
-def _signal() -> Any:
-    return optional("scipy.signal", "filtering a log needs SciPy", "data")
+def _butterworth(edge: float) -> Any:
+    """A low-pass filter up to a part of half the rate of rows, in sections of second order."""
+    return optional("scipy.signal", "filtering a log needs SciPy", "data").butter(ORDER, edge, output="sos")
 
 
 def _both_ways(sections: Any, values: Array) -> Array:
-    return np.asarray(_signal().sosfiltfilt(sections, values, axis=0, padlen=min(6 * ORDER, len(values) - 1)))
+    signal = optional("scipy.signal", "filtering a log needs SciPy", "data")
+    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=min(6 * ORDER, len(values) - 1)))
 
 
 def _difference(values: Array, weights: Array, unit: float) -> Array:

@@ -2,17 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
 from derive.arrays import Array, Flags
-from derive.errors import listed
+from derive.errors import DeriveError, listed
 from derive.identification.filters import Block, Preparation
 from derive.identification.regression import SMALLEST, Factors, Method, estimate, refuse_strange_torques
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.publish.modules import loaded
+from derive.robot.expression import Expression, to_text
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 from derive.targets.target import Source
@@ -33,7 +35,7 @@ class Identified:
     source: Robot  # the robot that was given
     method: Method  # how they are estimated
     names: tuple[str, ...]  # of the base parameters, each that of the parameter that takes others over
-    formulas: tuple[str, ...]  # what each groups, ``Izz1 + 0.1865*m3``
+    formulas: tuple[Expression | None, ...]  # what each groups, ``Izz1 + a2**2*m3``; None where that is no polynomial
     prior: Array  # (p,) their values in the robot file that was given
     values: Array  # (p,) the identified ones
     deviations: Array  # (p,) their standard deviations; zero where a value is kept
@@ -62,13 +64,17 @@ class Identified:
     def parameter_rows(self) -> list[tuple[str, ...]]:
         """For each base parameter the texts of `PARAMETER_HEAD`."""
         ranges = ("kept" if kept else f"{QUANTILE * d:.2g}" for kept, d in zip(self.kept, self.deviations, strict=True))
-        rows = zip(self.names, self.values, ranges, self.prior, self.formulas, strict=True)
+        groups = (to_text(each, _short) if each else "" for each in self.formulas)
+        rows = zip(self.names, self.values, ranges, self.prior, groups, strict=True)
         return [(name, f"{value:.6g}", own, f"{prior:.6g}", group) for name, value, own, prior, group in rows]
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        own = {key: each for key, each in vars(self).items() if key not in ("robot", "source", "formulas", "shown")}
-        return {key: each.tolist() if isinstance(each, np.ndarray) else each for key, each in own.items()}
+        keys = ("prior", "values", "deviations", "kept")
+        columns = {key: getattr(self, key).tolist() for key in (*keys, "torques", "before", "residuals")}
+        held = None if self.held_out is None else self.held_out.tolist()
+        words = {"method": str(self.method), "rows": self.rows, "names": list(self.names), "notes": list(self.notes)}
+        return words | columns | {"held_out": held}
 
 
 def identified(
@@ -95,7 +101,8 @@ def identified(
         _gather(held_out, module.base_regressor, held, held, 1.0)
     del folder
     if used.rows * n < count:
-        raise log.error(f"{used.rows} rows of {n} torques for {count} base parameters", remedy="give a longer log")
+        short = f"{log.path or 'the table'}: {used.rows} rows of {n} torques for {count} base parameters"
+        raise DeriveError(short, remedy="give a longer log")
     if not trusted:
         refuse_strange_torques(used, unknowns.prior, [joint.label for joint in unknowns.robot.joints])
     found = estimate(used, method, unknowns.prior, unknowns.largest)
@@ -136,16 +143,19 @@ def _gather(
 ) -> Block:
     """Take in a part of a log, the rest as held out, and keep some rows."""
     total = preparation.log.rows // preparation.decimate
-    row, every, kept = 0, total // SHOWN + 1, list[list[Array]]()
+    row, every, kept = 0, total // SHOWN + 1, list[Block]()
     for block in preparation.blocks(regressor):
         cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
         for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
             factors.add(block[2][own], block[3][own])
-        kept.append([each[-row % every :: every].copy() for each in block])
+        time, speed, rows, torque = (each[-row % every :: every].copy() for each in block)
+        kept.append((time, speed, rows, torque))
         row += len(block[0])
     if not kept:
         found = f"{preparation.log.rows} rows, none of them left between gaps and edges of filters"
-        raise preparation.log.error(found, remedy="give a longer log, or raise --cutoff")
+        raise DeriveError(
+            f"{preparation.log.path or 'the table'}: {found}", remedy="give a longer log, or raise --cutoff"
+        )
     time, speed, rows, torque = (np.concatenate(parts) for parts in zip(*kept, strict=True))
     return time, speed, rows, torque
 
@@ -158,3 +168,7 @@ def _notes(preparation: Preparation, unknowns: Unknowns, kept: Flags) -> list[st
         notes.append(f"regressor and torques filtered alike, 1 of {preparation.decimate} rows kept")
     names = [parameter.name for parameter, own in zip(unknowns.base.parameters, kept, strict=True) if own]
     return notes + ([f"not excited by the log, kept as they were: {listed(names)}"] if names else [])
+
+
+def _short(value: Fraction) -> str:
+    return f"{float(value):.4g}"

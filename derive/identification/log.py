@@ -34,6 +34,7 @@ UNITS: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = {
     "tau": (_FORCES, _TORQUES),
 }
 _HEADER = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")  # a name with a unit in brackets
+_NUMBER = re.compile(r"\s*([-+.\de]*|nan|null|na|n/a)\s*", re.IGNORECASE)  # or an empty cell
 BATCH = 65_536  # rows that are read at once
 CSV_BLOCK, PARQUET_BUFFER = 4 << 20, 1 << 18  # bytes of a CSV, and of a column of Parquet, that are read at once
 JUMP = 1.5  # steps of time above which a gap is between two rows
@@ -74,7 +75,7 @@ class Log:
         try:  # what is read ahead would be a whole group of rows
             return parquet.ParquetFile(self.path, buffer_size=PARQUET_BUFFER, pre_buffer=False)
         except arrow.ArrowInvalid as error:
-            raise self.error(f"no Parquet: {error}", remedy="check the file; a CSV ends with .csv") from None
+            raise self._error(f"no Parquet: {error}", remedy="check the file; a CSV ends with .csv") from None
 
     @cached_property
     def _head(self) -> tuple[str, list[str]]:
@@ -98,7 +99,7 @@ class Log:
         with self._csv.open("rb") as file:
             return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
 
-    def error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
+    def _error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
         """A refusal; a row is counted from 0."""
         place = Location(str(self.path), row + 2) if self._csv else None
         return DeriveError(
@@ -126,12 +127,13 @@ class Log:
 
     def _of(self, quantity: str) -> tuple[LogColumn, ...]:
         given, joints = self.patterns.get(quantity, ""), self.robot.joints
-        marks = [(str(k + 1), str(k), joint.label, joint.variable) for k, joint in enumerate(joints)]
+        counts = range(len(joints))
+        marks = [[str(k + 1) for k in counts], [str(k) for k in counts], [joint.label for joint in joints]]
         patterns = [given.removeprefix("-")] if given else PATTERNS[quantity].split()
         tried = [
             [pattern.replace("*", mark) for mark in row] if quantity != "time" else [pattern]
             for pattern in patterns
-            for row in zip(*marks, strict=True)
+            for row in (*marks, [joint.variable for joint in joints])
         ]
         best = max(tried, key=lambda names: sum(name in self._by_name for name in names) / len(names))
         missing = [name for name in best if name not in self._by_name]
@@ -144,7 +146,7 @@ class Log:
         more = f" and {len(self.names) - SHOWN} more" if len(self.names) > SHOWN else ""
         allowed = f"its columns: {listed(map(quoted, self.names[:SHOWN]))}{more}"
         remedy = f"name them with --columns '{quantity}=...*', * for the number or the name of a joint"
-        raise self.error(f"no column {listed(missing)}", allowed=allowed, remedy=remedy)
+        raise self._error(f"no column {listed(missing)}", allowed=allowed, remedy=remedy)
 
     def _column(self, quantity: str, name: str, sign: float, turns: bool) -> LogColumn:
         units = UNITS[quantity][turns]
@@ -152,7 +154,7 @@ class Log:
         plain = re.sub(r"s2$", "s^2", re.sub(r"[ *·]", "", unit).replace("°", "deg").replace("²", "^2"))
         if unit and plain not in units:
             found = f"unit {quoted(unit)} of column {quoted(column)}"
-            raise self.error(found, allowed=f"allowed: {listed(units)}", remedy="convert it")
+            raise self._error(found, allowed=f"allowed: {listed(units)}", remedy="convert it")
         return column, sign * (units[plain] if unit else 1.0)
 
     def places(self, quantity: str) -> slice:
@@ -168,19 +170,14 @@ class Log:
         read = [column for columns in self.columns.values() for column in columns]
         try:
             for batch in self._record_batches([name for name, _ in read]):
-                cells = (batch.column(name).to_numpy(zero_copy_only=False) for name, _ in read)
-                block = np.column_stack([each.astype(float, casting="same_kind") for each in cells])
-                block *= [by for _, by in read]
+                cells = (
+                    batch.column(name).to_numpy(zero_copy_only=False).astype(float, casting="same_kind") * by
+                    for name, by in read
+                )
+                block = np.column_stack([*cells])
                 yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
         except (ValueError, TypeError) as error:  # those of Arrow among them
-            found = " ".join(str(error).split())
-            line = re.search(r"Row #(\d+): (?:CSV conversion error to double: )?", found)
-            if line and self._csv:
-                remedy = "correct the line"
-                raise self.error(
-                    found[line.end() :], int(line[1]) - 2, allowed="allowed: numbers", remedy=remedy
-                ) from None
-            raise self.error(f"cannot be read: {found}", remedy="check the file") from None
+            raise self._unreadable([name for name, _ in read], str(error)) from None
 
     def _record_batches(self, names: list[str]) -> Iterator[Any]:
         if self.path and not self._csv:
@@ -189,11 +186,29 @@ class Log:
             return iter(self._store.select(names).to_batches(BATCH))
         arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
         reader = optional("pyarrow.csv", "reading a log needs pyarrow", "data")
-        blocks = reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False)  # one thread counts the lines
-        cells = reader.ParseOptions(delimiter=self._head[0])
         types = dict.fromkeys(names, arrow.float64())
-        columns = reader.ConvertOptions(column_types=types, include_columns=names)
-        return iter(reader.open_csv(self.path, blocks, cells, columns))
+        return iter(
+            reader.open_csv(
+                self.path,
+                read_options=reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False),
+                parse_options=reader.ParseOptions(delimiter=self._head[0]),
+                convert_options=reader.ConvertOptions(column_types=types, include_columns=names),
+            )
+        )
+
+    def _unreadable(self, names: list[str], reason: str) -> DeriveError:
+        """Where a CSV has something else than a number; what the reader says of other files."""
+        if self._csv:
+            with self._csv.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+                rows = csv.DictReader(file, delimiter=self._head[0])
+                for row in rows:
+                    cells = len(self.names) - list(row.values()).count(None) + len(row.get(None) or ())
+                    wrong = [name for name in names if not _NUMBER.fullmatch(row[name] or "")]
+                    if wrong or cells != len(self.names):
+                        what = f"{quoted(row[wrong[0]])} for {wrong[0]}" if wrong else f"{cells} cells"
+                        remedy = "correct the line" if wrong else f"write {len(self.names)}"
+                        return self._error(what, rows.line_num - 2, allowed="allowed: numbers", remedy=remedy)
+        return self._error(f"cannot be read: {' '.join(reason.split())}", remedy="check the file")
 
     def segments(self) -> Iterator[tuple[Array, bool]]:
         """The rows in blocks, and whether something is missing before a block."""
@@ -220,7 +235,7 @@ class Log:
         steps = np.diff(times[np.isfinite(times)])
         found = float(np.median(steps)) if len(steps) else 0.0
         if len(steps) and not found > 0:
-            raise self.error(f"times that do not grow, by {found:g} s from row to row", remedy="sort the rows by time")
+            raise self._error(f"times that do not grow, by {found:g} s from row to row", remedy="sort the rows by time")
         return found
 
     def _broken(self, batch: Array, good: Flags, at: int, row: int) -> DeriveError:
@@ -229,9 +244,9 @@ class Log:
         if good[at]:
             gap = batch[at, 0] - batch[at - 1, 0] if at else np.nan
             what = f"a gap of {gap:.4g} s" if not gap <= 0 else f"time goes back by {-gap:.4g} s"
-            return self.error(f"{what} before row {row + at + 1}, t = {batch[at, 0]:.6g} s", row + at, remedy=remedy)
+            return self._error(f"{what} before row {row + at + 1}, t = {batch[at, 0]:.6g} s", row + at, remedy=remedy)
         read = [name for columns in self.columns.values() for name, _ in columns]
         names = listed(name for name, cell in zip(read, batch[at], strict=True) if not np.isfinite(cell))
         count = int(np.argmax(np.append(good[at:], True)))
         lasting = f"{count} rows, {count * self.step:.4g} s" if self.step else f"{count} rows"
-        return self.error(f"no number in {names} from row {row + at + 1} on ({lasting})", row + at, remedy=remedy)
+        return self._error(f"no number in {names} from row {row + at + 1} on ({lasting})", row + at, remedy=remedy)

@@ -1,6 +1,5 @@
 """The report of an identification as a web page: joints, base parameters, residuals over time and against speed."""
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -8,10 +7,13 @@ import numpy as np
 from derive import version
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Drawing, Item, Label, Path
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.page.writer import page
 from derive.handouts.sheet.document import Document, Figure, Paragraph, Section, Table
 from derive.handouts.sheet.language import Text
 from derive.identification.identified import JOINT_HEAD, PARAMETER_HEAD, Identified
+from derive.lecture.sympy_conversion import expression_to_sympy
 
 WIDTH, HEIGHT, GAP, EDGE = 220.0, 90.0, 50.0, 20.0  # of a panel, between two, and around them [pt]
 DOT = 1.6  # diameter of a row of the log [pt]
@@ -21,8 +23,9 @@ RESIDUAL: Color = (0.1, 0.3, 0.6)
 
 def report_page(found: Identified) -> str:
     """One HTML file that needs no network."""
-    lecture = [re.sub(r"\*?([A-Za-z])(\w+)", r" \1_{\2}", formula) for formula in found.formulas]
-    rows = [(*row[:-1], f"${symbols}$") for row, symbols in zip(found.parameter_rows(), lecture, strict=True)]
+    printer = LatexPrinter(Notation.of(found.source))
+    symbols = [f"${printer.latex(expression_to_sympy(formula))}$" if formula else "" for formula in found.formulas]
+    rows = [(*row[:-1], symbol) for row, symbol in zip(found.parameter_rows(), symbols, strict=True)]
     about = f"{found.rows} rows, method `{found.method}`. Residuals are root mean squares in N m or N."
     notes = [Paragraph(text) for text in (about, *found.notes)]
     what = (
@@ -31,11 +34,7 @@ def report_page(found: Identified) -> str:
     )
     sections = (
         Section("joints", "Torques and residuals", (*notes, Table(JOINT_HEAD, tuple(found.joint_rows())))),
-        Section(
-            "base",
-            "Base parameters",
-            (Paragraph(what), Table(PARAMETER_HEAD, tuple(rows), long=True)),
-        ),
+        Section("base", "Base parameters", (Paragraph(what), Table(PARAMETER_HEAD, tuple(rows), long=True))),
         Section("residuals", "Residuals", tuple(_figures(found))),
     )
     document = Document(

@@ -7,8 +7,8 @@ allow that can exist: pseudo-inertias without negative eigenvalues (Wensing, Kim
 Automation Letters 3(1), 2018; Sousa and Cortesao, Int. J. Robotics Research 33(6), 2014).
 """
 
-import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -16,19 +16,22 @@ from typing import Any
 
 import numpy as np
 
+from derive.algebra.domain import PolynomialDomain, polynomial_expression
+from derive.algebra.quotients import Quotient
+from derive.algebra.ring import Polynomial
 from derive.arrays import Array
-from derive.errors import DeriveError, QuantityError, listed, near_miss, quoted
+from derive.errors import DeriveError, ExpressionError, QuantityError, listed, near_miss, quoted
 from derive.identification.regression import Estimate
-from derive.mechanics.chain import build_chain
-from derive.mechanics.floats import ArrayDomain, FloatDomain
-from derive.mechanics.regressor import Regressor, with_unit_rotors
+from derive.mechanics.chain import Domain
+from derive.mechanics.floats import FloatDomain
+from derive.mechanics.vectors import S
 from derive.model.identification.base_parameters import BaseSet, base_set
-from derive.model.identification.parameter_values import standard_values
+from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
 from derive.robot import tree
 from derive.robot.description import Inertia, Link, Motor
-from derive.robot.expression import ONE, ZERO, Expression, Number, number
+from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
 from derive.robot.inertial_parameters import (
     FRICTION_PARTS,
     LINK_PARTS,
@@ -74,10 +77,10 @@ class Unknowns:
     @cached_property
     def wide(self) -> Robot:
         """The robot with all that is identified: one where its file gives nothing."""
-        links = list(self.robot.links)
-        for name in self.added:
-            one: dict[str, Any] = {name: ONE}
-            links = [replace(each, **one) if getattr(each, name) == ZERO else each for each in links]
+        lacking: Iterator[dict[str, Any]] = (
+            {name: ONE for name in self.added if getattr(link, name) == ZERO} for link in self.robot.links
+        )
+        links = (replace(link, **cells) for link, cells in zip(self.robot.links, lacking, strict=True))
         return replace(self.robot, links=tuple(links), runtime=())
 
     @cached_property
@@ -90,45 +93,56 @@ class Unknowns:
         """Its standard parameters."""
         return standard_parameters(self.wide)
 
-    def _values(self, robot: Robot) -> Array:
-        return np.array(standard_values(robot, self.standard, FloatDomain(robot, [0.0] * robot.n)))
-
     @cached_property
     def given(self) -> Array:
         """The standard parameters of the links as the file has them, without bodies that are fixed to them, (s,)."""
-        return self._values(replace(self.robot, fixed=tree.massless(self.robot.fixed)))
+        return np.array(
+            standard_values(replace(self.robot, fixed=tree.massless(self.robot.fixed)), self.standard, self._floats)
+        )
+
+    @cached_property
+    def _floats(self) -> FloatDomain:
+        return FloatDomain(self.robot, [0.0] * self.robot.n)
+
+    def _number(self, coefficient: Quotient) -> float:
+        numerator, denominator = map(self._floats.constant, self.base.fraction(coefficient))
+        return numerator / denominator
 
     @cached_property
     def grouping(self) -> Array:
         """K, (p, s): the base parameters are what the standard parameters are times it."""
-        # Y = Y_b K at random states, some at rest, which tells weights from friction by direction; columns of length 1.
-        count = 3 + 2 * len(self.base.parameters)
-        q, qd, qdd = np.random.default_rng(1).uniform(-2, 2, (3, self.robot.n, count))
-        qd[:, ::2] = 0.0
-        chain = build_chain(with_unit_rotors(self.wide), ArrayDomain(self.wide, q))
-
-        def _stacked(parameters: Sequence[Parameter], ends: bool) -> Array:
-            rows = Regressor(chain, qd, qdd, ends=ends, sign=np.sign).rows(parameters)
-            cells = np.array([[np.broadcast_to(cell, count) for cell in row] for row in rows], dtype=float)
-            return cells.transpose(0, 2, 1).reshape(-1, len(parameters))
-
-        own = _stacked(self.base.parameters, False)
-        lengths = np.linalg.norm(own, axis=0)
-        found = np.linalg.lstsq(own / lengths, _stacked(self.standard, True), rcond=None)[0] / lengths[:, None]
-        return np.where(np.abs(found) > 10.0**-DIGITS, found, 0.0)
+        return np.array(_grouping(self.wide, self.base, self.standard, self._floats, self._number)).T
 
     @cached_property
     def prior(self) -> Array:
         """The base parameters as the file has them, (p,)."""
-        whole = self._values(self.robot)
-        found = self.grouping @ whole
-        return np.where(np.abs(found) > 10.0**-DIGITS * (np.abs(self.grouping) @ np.abs(whole)), found, 0.0)
+        fixed = base_values(replace(self._nothing, fixed=self.robot.fixed), self.base, self._floats, self._number)
+        bare = base_values(self._nothing, self.base, self._floats, self._number)
+        found = self.grouping @ self.given + np.array(fixed) - np.array(bare)
+        rounding = np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(self.given))
+        return np.where(np.abs(found) > 10 * rounding, found, 0.0)
 
     @cached_property
-    def formulas(self) -> tuple[str, ...]:
-        """What each base parameter groups, ``Izz1 + 0.1865*m3``."""
-        rows = ([f" {k:+.4g}*{p.name}" for k, p in zip(row, self.standard, strict=True) if k] for row in self.grouping)
-        return tuple(re.sub(r" ([+-])(1\*)?", r" \1 ", "".join(row)).removeprefix(" + ").strip() for row in rows)
+    def _nothing(self) -> Robot:
+        return replace(self.wide, links=_empty(self.wide), fixed=tree.massless(self.robot.fixed))
+
+    @cached_property
+    def formulas(self) -> tuple[Expression | None, ...]:
+        """What each base parameter groups, ``Izz1 + a2**2*m3``; None where a cell is none of polynomials."""
+
+        def _polynomial(coefficient: Quotient) -> Polynomial:
+            top, bottom = self.base.fraction(coefficient)
+            if not isinstance(bottom, Number):
+                raise ExpressionError("a denominator")
+            return domain.constant(multiply(number(1 / bottom.value), top))
+
+        with suppress(ExpressionError, ZeroDivisionError):
+            domain = PolynomialDomain(self._nothing, rates=False)
+            columns = _grouping(self.wide, self.base, self.standard, domain, _polynomial)
+            cells = [[polynomial_expression(entry, domain) for entry in column] for column in columns]
+            names = [Name(parameter.name) for parameter in self.standard]
+            return tuple(add(*map(multiply, row, names)) for row in zip(*cells, strict=True))
+        return (None,) * len(self.base.parameters)
 
     # -- scales
 
@@ -151,13 +165,12 @@ class Unknowns:
     @cached_property
     def units(self) -> Array:
         """What a change of each standard parameter is counted in, (s,)."""
-        found = np.abs(self.given)
-        for k, parameter in enumerate(self.standard):
-            if parameter.of_link or not found[k]:
-                mass, length = (sizes[parameter.joint - 1] for sizes in self._sizes)
-                degree = 0 if parameter.part in ("m", "mm") else 1 if parameter.part in LINK_PARTS[1:4] else 2
-                found[k] = 1.0 if parameter.part in FRICTION_PARTS else mass * length**degree
-        return found
+        found = []
+        for parameter, value in zip(self.standard, self.given, strict=True):
+            mass, length = (sizes[parameter.joint - 1] for sizes in self._sizes)
+            usual = 1.0 if parameter.part in FRICTION_PARTS else mass * length ** _degree(parameter)
+            found.append(usual if parameter.of_link or not value else abs(value))
+        return np.array(found)
 
     @cached_property
     def largest(self) -> Array:
@@ -235,15 +248,62 @@ class Unknowns:
         return without_lost_symbols(self.robot, replace(self.robot, links=tuple(links)))
 
 
+def _degree(parameter: Parameter) -> int:
+    """The power of a length in its unit, times a mass."""
+    return {"m": 0, "mm": 0}.get(parameter.part, 1 if parameter.part in LINK_PARTS[1:4] else 2)
+
+
+def _empty(wide: Robot) -> tuple[Link, ...]:
+    """Links without bodies, their joints with one of all that is not zero."""
+    links = []
+    for link in wide.links:
+        motor = link.motor and Motor(ratio=link.motor.ratio)
+        joint: dict[str, Any] = {name: ONE for name in ("viscous", "armature") if getattr(link, name) != ZERO}
+        dry = (ONE, ONE) if isinstance(link.coulomb, tuple) else ZERO if link.coulomb == ZERO else ONE
+        links.append(Link(motor=motor, coulomb=dry, **joint))
+    return tuple(links)
+
+
+def _grouping(
+    wide: Robot, base: BaseSet, standard: Sequence[Parameter], domain: Domain[S], coefficient: Callable[[Quotient], S]
+) -> list[list[S]]:
+    """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
+    empty = _empty(wide)
+
+    def _values(i: int, link: Link) -> list[S]:
+        links = (*empty[:i], link, *empty[i + 1 :])
+        return base_values(replace(wide, links=links, fixed=tree.massless(wide.fixed)), base, domain, coefficient)
+
+    nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
+    for parameter in standard:
+        i, one = parameter.joint - 1, _unit(empty[parameter.joint - 1], parameter.part)
+        columns[parameter] = [a - b for a, b in zip(_values(i, one), nothing, strict=True)]
+        if parameter.part in LINK_PARTS[1:4]:  # a first moment comes with a mass
+            mass = columns[Parameter(parameter.joint, "m")]
+            columns[parameter] = [a - b for a, b in zip(columns[parameter], mass, strict=True)]
+    return list(columns.values())
+
+
+def _unit(link: Link, part: str) -> Link:
+    """An empty link and one of a parameter; of a first moment, and of the mass that has it."""
+    if part in LINK_PARTS:
+        return _with_body(link, [float(p == part or (p == "m" and part in LINK_PARTS[1:4])) for p in LINK_PARTS])
+    return _with_part(link, part, ONE if part in ("mm", "Im") else number(2))
+
+
 def _with_part(link: Link, part: str, cell: Expression) -> Link:
     """A link with another cell of its joint."""
     ahead, back = link.dry
-    if part in ("mm", "Im"):
-        rotor = {"mass" if part == "mm" else "inertia": cell}
-        return replace(link, motor=replace(link.motor or Motor(), **rotor))
-    field, dry = {"Ia": "armature", "b": "viscous"}.get(part, "coulomb"), {"fp": (cell, back), "fm": (ahead, cell)}
-    value: dict[str, Any] = {field: dry.get(part, cell)}
-    return replace(link, **value)
+    motor = link.motor or Motor()
+    return {
+        "mm": lambda: replace(link, motor=replace(motor, mass=cell)),
+        "Im": lambda: replace(link, motor=replace(motor, inertia=cell)),
+        "Ia": lambda: replace(link, armature=cell),
+        "b": lambda: replace(link, viscous=cell),
+        "f": lambda: replace(link, coulomb=cell),
+        "fp": lambda: replace(link, coulomb=(cell, back)),
+        "fm": lambda: replace(link, coulomb=(ahead, cell)),
+    }[part]()
 
 
 def _with_body(link: Link, parameters: Sequence[float] | Array) -> Link:

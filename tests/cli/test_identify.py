@@ -25,9 +25,11 @@ COMMAND = ("identify", "puma560-corke", "log.csv", "--columns", "tau=effort_*")
 
 def test_what_was_found_is_printed_and_written(folder: Path) -> None:
     printed = accepted(*COMMAND, "-o", "found.yaml", "--report", "page.html", "--held-out", "0.2", folder=folder).stdout
-    lines = [line.split() for line in printed.splitlines()]
-    assert lines[0] == ["found.yaml:", "640", "rows,", "wls"]
-    assert (lines[1][0], lines[8][0], [line[0] for line in lines[9:12]]) == ("joint", "parameter", ["Izz1", "b1", "f1"])
+    lines = printed.splitlines()
+    assert lines[0] == "found.yaml: 640 rows, wls"
+    assert lines[1].split() == ["joint", "torque", "RMS", "residual", "before", "residual", "held", "out"]
+    assert lines[8].split() == ["parameter", "value", "+-", "95", "%", "prior"]
+    assert [line.split()[0] for line in lines[9:12]] == ["Izz1", "b1", "f1"]
     assert (folder / "page.html").is_file()
     assert "wls, 800 rows; residuals by joint" in accepted(*COMMAND, folder=folder).stdout
     found = json.loads(accepted(*COMMAND, "--json", "--method", "ols", "--add", "none", folder=folder).stdout)
@@ -39,7 +41,9 @@ def test_what_was_found_is_printed_and_written(folder: Path) -> None:
     ("arguments", "message"),
     [
         (("identify", "puma560-corke", "log.csv"), "log.csv:1:1: no column tau1, tau2, tau3, tau4, tau5, tau6; its"),
+        (("identify", "thumb", "log.csv"), "thumb has no links to identify"),
         ((*COMMAND[:4], "effort"), "'effort' in --columns; allowed: q=...*,"),
+        ((*COMMAND, "--cutoff", "no"), "--cutoff"),
         ((*COMMAND, "--held-out", "other.csv"), "no file 'other.csv'"),
     ],
 )

@@ -37,18 +37,25 @@ def test_blocks_give_what_the_whole_log_gives(decimate: int, monkeypatch: pytest
         assert parts == pytest.approx(whole, abs=2e-5 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("missing", [("qd", "qdd"), ("qdd",), ()])
-def test_speeds_and_accelerations_are_those_of_the_motion(missing: tuple[str, ...]) -> None:
-    t, *motion = states(PUMA.n, 8000, 1000.0)
-    columns = {k: v for k, v in simulated(PUMA, 8000, 1000.0)[0].items() if k.rstrip("123456") not in missing}
-    preparation = Preparation(Log(columns, PUMA))
-    assert (preparation.missing, preparation.margin > 0) == (missing, bool(missing))
-    time, speed, state, _ = gathered(preparation)
+def test_speeds_and_accelerations_are_those_of_the_motion() -> None:
+    t, q, qd, qdd = states(PUMA.n, 8000, 1000.0)
+    time, speed, state, _ = gathered(Preparation(Log(positions(8000), PUMA)))
     used = np.rint(time * 1000).astype(int)
     assert time == pytest.approx(t[used])
     assert (speed == state[:, :, 1]).all()
-    for order, wanted in enumerate(motion):
+    for order, wanted in enumerate((q, qd, qdd)):
         assert state[:, :, order] == pytest.approx(wanted[used], abs=1e-4 * np.abs(wanted).max())
+
+
+def test_measured_speeds_are_differentiated_once_and_nothing_is_filtered_unasked() -> None:
+    columns = simulated(PUMA, 8000, 1000.0)[0]
+    assert Preparation(Log(columns, PUMA)).margin == 0
+    speeds = {name: values for name, values in columns.items() if not name.startswith("qdd")}
+    preparation = Preparation(Log(speeds, PUMA))
+    assert preparation.missing == ("qdd",)
+    time, _, state, _ = gathered(preparation)
+    wanted = states(PUMA.n, 8000, 1000.0)[3][np.rint(time * 1000).astype(int)]
+    assert state[:, :, 2] == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
 
 
 def test_what_cannot_be_filtered_is_refused() -> None:

@@ -1,5 +1,6 @@
 """Logs: the same rows from CSV, Parquet and tables, columns by pattern and unit, and what is wrong with a log."""
 
+from collections.abc import Callable
 from math import pi
 from pathlib import Path
 
@@ -47,38 +48,43 @@ def test_columns_by_pattern_unit_and_sign(tmp_path: Path) -> None:
     assert found[:, log.places("tau")] == pytest.approx(np.tile([-0.5, -1, -1, -1, -1, -1], (3, 1)))
 
 
-def without(name: str) -> Columns:
-    return {key: values for key, values in COLUMNS.items() if key != name}
+def without(name: str) -> Callable[[Columns], Columns]:
+    return lambda columns: {key: values for key, values in columns.items() if key != name}
 
 
-def broken(columns: Columns, name: str, start: int, end: int, value: float = np.nan) -> Columns:
-    places = np.arange(len(columns[name]))
-    return columns | {name: np.where((start <= places) & (places < end), value, columns[name])}
+def broken(name: str, start: int, end: int, value: float = np.nan) -> Callable[[Columns], Columns]:
+    def change(columns: Columns) -> Columns:
+        values = columns[name].copy()
+        values[start:end] = value
+        return columns | {name: values}
+
+    return change
 
 
-CUT = {name: np.delete(values, slice(100, 160)) for name, values in COLUMNS.items()}
+def cut(columns: Columns) -> Columns:
+    return {name: np.delete(values, slice(100, 160)) for name, values in columns.items()}
 
 
 @pytest.mark.parametrize(
-    ("columns", "message"),
+    ("change", "message"),
     [
         (without("tau3"), r"no column tau3; its columns: 'time', 'q1', .* and 12 more; name them with --columns 'tau="),
         (without("qd2"), "no column qd2"),
-        (broken(COLUMNS, "q2", 100, 113), r"no number in q2 from row 101 on \(13 rows, 0.13 s\); .* --drop"),
-        (CUT, "a gap of 0.61 s before row 101, t = 1.6 s"),
-        (broken(COLUMNS, "time", 200, 201, 1.0), "time goes back by 0.99 s before row 201"),
-        (COLUMNS | {"time": COLUMNS["time"][::-1]}, "times that do not grow, by -0.01 s"),
-        (without("q3") | {"q3 [ft]": COLUMNS["q3"]}, "unit 'ft' of .* allowed: rad, deg"),
-        (COLUMNS | {"q3": np.array(["x"] * 400)}, "the table: cannot be read: "),
+        (broken("q2", 100, 113), r"no number in q2 from row 101 on \(13 rows, 0.13 s\); .* --drop"),
+        (cut, "a gap of 0.61 s before row 101, t = 1.6 s"),
+        (broken("time", 200, 201, 1.0), "time goes back by 0.99 s before row 201"),
+        (lambda columns: columns | {"time": columns["time"][::-1]}, "times that do not grow, by -0.01 s"),
+        (lambda columns: without("q3")(columns) | {"q3 [ft]": columns["q3"]}, "unit 'ft' of .* allowed: rad, deg"),
+        (lambda columns: columns | {"q3": np.array(["x"] * 400)}, "the table: cannot be read: "),
     ],
 )  # fmt: skip
-def test_what_is_wrong_with_a_log(columns: Columns, message: str) -> None:
+def test_what_is_wrong_with_a_log(change: Callable[[Columns], Columns], message: str) -> None:
     with pytest.raises(DeriveError, match=message):
-        rows(Log(columns, PUMA))
+        rows(Log(change(COLUMNS), PUMA))
 
 
 def test_places_that_are_passed_over_begin_new_segments() -> None:
-    log = Log(broken(CUT, "q2", 100, 113), PUMA, drop=True)
+    log = Log(broken("q2", 100, 113)(cut(COLUMNS)), PUMA, drop=True)
     assert [(len(block), starts) for block, starts in log.segments()] == [(100, True), (227, True)]
     long = {name: np.resize(values, 2 * BATCH) for name, values in COLUMNS.items()}
     long["time"] = np.arange(2 * BATCH) / 100
@@ -86,21 +92,25 @@ def test_places_that_are_passed_over_begin_new_segments() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "line", "patterns", "message"),
+    ("line", "message"),
     [
-        ("log.csv", "1,abc" + ",1" * 23, {}, r":3:1: invalid value 'abc'; allowed: numbers; correct the line"),
-        ("log.csv", "1,2,3", {}, r":3:1: Expected 25 columns, got 3: 1,2,3; allowed: numbers; correct the line"),
-        ("log.csv", "0.01," + ",1" * 23, {}, r":3:1: no number in q1 from row 2 on \(1 rows, 0.01 s\)"),
-        ("log.csv", "1", {"tauu": "x"}, "no quantity 'tauu' of a log; .*; did you mean 'tau'"),
-        ("log.parquet", "1", {}, r"log.parquet: no Parquet: .*a CSV ends with .csv"),
-        (".", "1", {}, r"no file .*; allowed: a .csv or a .parquet"),
+        ("1,abc" + ",1" * 23, r":3:1: 'abc' for q1; allowed: numbers; correct the line"),
+        ("1,2,3", r":3:1: 3 cells; allowed: numbers; write 25"),
+        ("0.01," + ",1" * 23, r":3:1: no number in q1 from row 2 on \(1 rows, 0.01 s\)"),
     ],
 )
-def test_what_is_wrong_with_a_file(
-    name: str, line: str, patterns: dict[str, str], message: str, tmp_path: Path
-) -> None:
-    text = "\n".join([",".join(COLUMNS), "0" + ",1" * 24, line, "0.02" + ",1" * 24, "0.03" + ",1" * 24])
-    for each in ("log.csv", "log.parquet"):
-        (tmp_path / each).write_text(text)
+def test_what_is_wrong_with_a_line_of_a_csv(line: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join([",".join(COLUMNS), "0" + ",1" * 24, line, "0.02" + ",1" * 24, "0.03" + ",1" * 24]))
     with pytest.raises(DeriveError, match=message):
-        rows(Log(tmp_path / name, PUMA, patterns))
+        rows(Log(path, PUMA))
+
+
+def test_files_that_are_none_or_no_logs(tmp_path: Path) -> None:
+    (tmp_path / "log.parquet").write_text("no")
+    with pytest.raises(DeriveError, match=r"log.parquet: no Parquet: .*a CSV ends with .csv"):
+        Log(tmp_path / "log.parquet", PUMA).names  # noqa: B018
+    with pytest.raises(DeriveError, match=r"no file .*; allowed: a .csv or a .parquet"):
+        Log(tmp_path / "none.csv", PUMA).rows  # noqa: B018
+    with pytest.raises(DeriveError, match=r"no quantity 'tauu' of a log; .*; did you mean 'tau'"):
+        Log(COLUMNS, PUMA, {"tauu": "x"}).columns  # noqa: B018

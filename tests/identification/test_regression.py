@@ -65,6 +65,12 @@ def test_each_parameter_is_within_three_deviations_in_a_thousand_runs() -> None:
     assert within.min() >= 990
 
 
+def test_a_log_without_noise_is_exact() -> None:
+    regressor, torques, _ = rows_of(300, 0.0)
+    found = estimate(factors_of(regressor, torques), Method.WLS, 0 * UNKNOWNS.prior, 0 * UNKNOWNS.prior + np.inf)
+    assert found.beta == pytest.approx(UNKNOWNS.prior, rel=1e-8, abs=1e-10)
+
+
 def test_what_does_not_move_is_kept_and_the_rest_is_found() -> None:
     columns, sizes = simulated(REAL, 2000, still=(0, 3))
     names = [[f"{name}{j}" for j in range(1, 7)] for name in ("q", "qd", "qdd", "tau")]
@@ -83,16 +89,17 @@ def test_what_does_not_move_is_kept_and_the_rest_is_found() -> None:
 
 
 @pytest.mark.parametrize(
-    ("factor", "message"),
+    ("factors", "message"),
     [
-        (-1.0, r"torques opposite to those .*: q2 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"),
-        (1000.0, r"torques in another unit .*: q2 \(1e\+03 times\); name the unit in the header, 'tau1 \[mNm\]'"),
+        ({1: -1.0}, r"torques opposite to those .*: q2 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"),
+        ({1: 1000.0}, r"torques in another unit .*: q2 \(1e\+03 times\); name the unit in the header, 'tau1 \[mNm\]'"),
+        ({1: 0.001}, r"another unit .*: q2 \(0.001 times\)"),
     ],
 )
-def test_torques_of_another_sign_or_unit_are_refused(factor: float, message: str) -> None:
+def test_torques_of_another_sign_or_unit_are_refused(factors: dict[int, float], message: str) -> None:
     regressor, torques, _ = rows_of(300, 0.01)
     labels = [f"q{j}" for j in range(1, 7)]
     refuse_strange_torques(factors_of(regressor, torques), UNKNOWNS.prior, labels)
-    torques[:, 1] *= factor
+    torques = torques * [factors.get(j, 1.0) for j in range(6)]
     with pytest.raises(DeriveError, match=message):
         refuse_strange_torques(factors_of(regressor, torques), UNKNOWNS.prior, labels)
