@@ -54,6 +54,9 @@ def joins(urdf: Urdf, joints: Sequence[UrdfJoint], snap: Fraction) -> Iterator[J
         around = tuple(j for j in (*ways[0], *ways[1]) if j.type in MOVING and (j in ways[0]) != (j in ways[1]))
         first, *others = [[frame_at(origin, snap) for origin in each.origins] for each in group]
         by, frames = (Joining.FIXED if is_weld else Joining.SPHERICAL), first
+        others = [
+            pair for pair in others if length(plus(pair[0].origin, first[0].origin, -1)) > _APART
+        ]  # no point twice
         turns = [(joint, at_zero[joint.child].direction(direction_of(joint, snap))) for joint in around]
         if not is_weld and others:
             spots = [[plus(pair[side].origin, first[side].origin, -1) for pair in others] for side in (0, 1)]
@@ -110,7 +113,7 @@ def closed(robot: Robot, urdf: Urdf, found: Sequence[Join], labels: Mapping[str,
         at = {labels[name]: value for name, value in posture.items() if name in labels}
         if branch := _on_branch(made, [np.array([at.get(joint.label, 0.0)]) for joint in robot.joints]):
             return branch, ""
-    linkage(made)
+    linkage(made)  # refuses what it cannot solve
     return made, "no configuration of the file closes its loops: the first branch is taken"
 
 

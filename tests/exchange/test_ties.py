@@ -182,6 +182,9 @@ def test_only_equalities_of_two_joints_are_read_from_an_mjcf() -> None:
     held = text.format('<connect body1="body1" body2="tip" anchor="0 0 1"/>').replace("<body>", '<body name="body1">')
     with pytest.raises(DeriveError, match="no motor drives a joint of the loops, a, b"):
         import_tree(read_mjcf(held.encode(), "pair.xml"))
+    twice = held.replace("</equality>", '<connect body1="body1" body2="tip" anchor="0 0 1"/></equality>')
+    with pytest.raises(DeriveError, match="no motor drives"):  # the same point again is no second one
+        import_tree(read_mjcf(twice.encode(), "pair.xml"))
     points = "".join(f'<connect body1="body1" body2="tip" anchor="{at}"/>' for at in ("0 0 1", "0 1 0", "1 0 0"))
     read = read_mjcf(text.format(points).replace("<body>", '<body name="body1">').encode(), "pair.xml")
     with pytest.raises(DeriveError, match="3 points connect body1, tip, which are not on one line"):
