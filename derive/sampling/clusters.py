@@ -82,10 +82,11 @@ def cluster(workers: int | None = None, scheduler: str | None = None, *, process
         return
     distributed = data_module("distributed")
     if scheduler is None:
-        with distributed.Client(n_workers=count, threads_per_worker=1, dashboard_address=None) as client:
+        own = distributed.Client(n_workers=count, threads_per_worker=1, dashboard_address=None, set_as_default=False)
+        with own as client, client.as_current():
             yield Cluster(client.get_executor(), count, client)
         return
-    with _client(distributed, scheduler) as client:
+    with _client(distributed, scheduler) as client, client.as_current():
         threads = sum(client.nthreads().values())
         if not threads:
             raise DeriveError(f"the scheduler at {scheduler!r} has no workers", remedy="start one: dask worker ADDRESS")
@@ -94,12 +95,9 @@ def cluster(workers: int | None = None, scheduler: str | None = None, *, process
 
 def _client(distributed: Any, address: str) -> Any:
     """A client of a scheduler that runs, or a refusal."""
-    dask = data_module("dask")
-    before = dask.config.get("scheduler", None)
-    try:
-        return distributed.Client(address, timeout=PATIENCE)
+    try:  # as the default, a client that finds no scheduler would take all that is computed afterwards, and wait
+        return distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
-        dask.config.set(scheduler=before)  # what an address without a meaning leaves is a scheduler without a client
         raise DeriveError(
             f"no Dask scheduler answers at {address!r} within {PATIENCE} s",
             allowed="allowed: an address such as tcp://127.0.0.1:8786",

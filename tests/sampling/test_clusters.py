@@ -36,6 +36,9 @@ def test_a_scheduler_that_does_not_answer_is_told_within_seconds(monkeypatch: py
     with pytest.raises(DeriveError, match=said), cluster(scheduler="tcp://127.0.0.1:9"):
         pass
     assert time.monotonic() - since < 4
+    from distributed.client import _global_clients
+
+    assert not [client for client in _global_clients.values() if client.status != "closed"]  # such a one computes nothing
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:x"])

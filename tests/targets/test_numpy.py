@@ -320,5 +320,5 @@ def test_functions_of_nothing_are_constants() -> None:
 def test_code_stays_compact() -> None:
     robot = robot_of_rows("|".join(["R a: 0.3, d: 0.1, alpha: pi/2"] * 64))
     text = render_numpy(models.source_of(robot))["model_numpy.py"]
-    assert len(text) < 320_000
+    assert len(text) < 330_000
     assert models.load(text).forward_kinematics(np.zeros(64)).shape == (4, 4)
