@@ -30,22 +30,23 @@ def test_results_come_in_the_order_of_the_blocks(where: dict[str, int]) -> None:
 
 
 def test_a_scheduler_that_does_not_answer_is_told_within_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
-    default_client = pytest.importorskip("distributed").default_client
     monkeypatch.setattr(clusters, "PATIENCE", 2)
     since = time.monotonic()
     said = "no Dask scheduler answers at 'tcp://127.0.0.1:9' within 2 s; allowed: an address such as"
-    with pytest.raises(DeriveError, match=said) as _held, cluster(scheduler="tcp://127.0.0.1:9"):
+    with pytest.raises(DeriveError, match=said), cluster(scheduler="tcp://127.0.0.1:9"):
         pass
     assert time.monotonic() - since < 4
-    with pytest.raises(ValueError, match="No client"):  # one without a scheduler would let all that follows wait
-        default_client()
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:x"])
-def test_what_is_no_address_is_refused(address: str) -> None:
-    with pytest.raises(DeriveError, match="no Dask scheduler answers at"), cluster(scheduler=address):
+def test_what_is_no_address_is_refused_and_what_follows_is_computed_here(address: str) -> None:
+    distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
+    with pytest.raises(DeriveError, match="no Dask scheduler answers at") as held, cluster(scheduler=address):
         pass
-    assert pytest.importorskip("dask").config.get("scheduler", None) is None  # what follows is computed here
+    assert held.value.__cause__ is not None  # which keeps the client
+    with pytest.raises(ValueError, match="No client"):
+        distributed.default_client()
+    assert dask.config.get("scheduler", None) is None
 
 
 def test_the_core_imports_nothing_of_what_data_need(tmp_path: Path) -> None:
