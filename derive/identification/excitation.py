@@ -1,4 +1,4 @@
-"""Motions that tell the base parameters of an arm: Fourier series, the best within what its joints may do.
+"""Motions that tell the base parameters of an arm: Fourier series, the best within what its joints may do, as plans.
 
 With W the base regressors of all samples one above the other, the parameters follow from torques with noise of
 deviation sigma with the covariance (W^T W)^-1 sigma^2. Either its determinant is made small (D-optimal; Swevers et
@@ -8,23 +8,24 @@ al., IEEE Trans. Robotics and Automation 13(5), 1997), or the condition number o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from enum import StrEnum
 from functools import cached_property
-from importlib import import_module
+from math import radians
 from typing import Any
 
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import QuantityError
+from derive.errors import QuantityError, optional
 from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ZERO
+from derive.robot.expression import ZERO, to_text
 from derive.robot.inertial_parameters import FRICTION_PARTS
 from derive.robot.robot import Robot
 from derive.targets.casadi import casadi_function
@@ -41,6 +42,8 @@ ROUNDED = 1 - 1e-6  # what limits lose to the digits of a plan
 SINGULAR = 1e7  # condition number from which on parameters are not told apart
 POWER = 3  # condition numbers are searched by tr(R^8) and tr(R^-8): 2^3
 STEPS = 150  # of the search from one start
+DIGITS = Decimal("1e-8")  # of the coefficients of a plan, in the units of the robot file
+HEAD = ("parameter", "value", "sigma", "groups")
 IPOPT = {
     "print_time": False,
     "ipopt": {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": STEPS, "tol": 1e-3},
@@ -88,7 +91,7 @@ class Design:
 
     @cached_property
     def _casadi(self) -> Any:
-        return import_module("casadi")
+        return optional("casadi", "the search for motions needs CasADi", "casadi")
 
     @cached_property
     def fine(self) -> Array:
@@ -269,6 +272,68 @@ def condition(blocks: Array) -> float:
     """The condition number of regressors (times, n, p) one above the other, their columns of unit length."""
     stacked = blocks.reshape(-1, blocks.shape[-1])
     return float(np.linalg.cond(stacked / np.linalg.norm(stacked, axis=0)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Excitation:
+    """A motion that excites the base parameters of a robot, p of n joints, in SI units."""
+
+    text: str  # the plan of the motion
+    condition: float  # condition number of the regressors of all samples, with columns of unit length
+    names: tuple[str, ...]  # of the base parameters, each that of the parameter that takes others over
+    formulas: tuple[str | None, ...]  # what each groups, ``Izz1 + a2**2*m3``; None where that is no polynomial
+    values: Array  # (p,) their values by the robot file
+    deviations: Array  # (p,) standard deviations with which they follow from one period by least squares
+    noise: Array  # (n,) standard deviation of the noise of each torque [N m or N]
+    torques: Array  # (n,) largest torque of each joint by the robot file, without Coulomb friction [N m or N]
+    notes: tuple[str, ...]  # what a reader should know, in sentences
+
+    def rows(self) -> list[tuple[str, float, float, str | None]]:
+        """Of each base parameter what `HEAD` says."""
+        return [*zip(self.names, self.values.tolist(), self.deviations.tolist(), self.formulas, strict=True)]
+
+    def as_dict(self) -> dict[str, object]:
+        """All but the text as plain data."""
+        parameters = [dict(zip(HEAD, row, strict=True)) for row in self.rows()]
+        found = {"condition": self.condition, "parameters": parameters, "noise": self.noise.tolist()}
+        return found | {"torques": self.torques.tolist(), "notes": self.notes}
+
+
+def excited(design: Design, starts: int, seed: int, sample: float, head: Sequence[str]) -> Excitation:
+    """The best motion that is found from so many random ones, as a plan below some lines."""
+    robot, series = design.unknowns.robot, design.series
+    rows = design.best(starts, seed)
+    rows, factor = design.shrunk(rows, design.fine)
+    cells, rows = written(rows, robot)
+    regressors = design.samples(rows, np.arange(0.0, series.period, sample))[0]
+    torques = np.abs(design.samples(rows, design.fine)[1]).max(axis=0)
+    noise, found = design.noise(torques), condition(regressors)
+    if not found < SINGULAR:
+        what = f"{series.harmonics} harmonics do not tell the parameters of {robot.name} apart"
+        raise QuantityError(f"{what}: a condition number of {found:.3g}", remedy="raise --harmonics")
+    sizes = np.linalg.norm(regressors, axis=(0, 1))
+    covariance = np.linalg.inv(information(regressors / sizes, noise**-2.0))
+    curves = [f"  {joint.variable}: {series.formula(row)}" for joint, row in zip(robot.variables, cells, strict=True)]
+    smaller = f"amplitudes at {factor:.1%}, so that torques and floor are kept to between the times of the search, too"
+    return Excitation(
+        text="\n".join([*head, f"sample: {sample!r}", f"time: {series.period!r}", "curves:", *curves, ""]),
+        condition=found,
+        names=tuple(parameter.name for parameter in design.unknowns.base.parameters),
+        formulas=tuple(None if formula is None else to_text(formula) for formula in design.unknowns.formulas),
+        values=design.unknowns.prior,
+        deviations=np.sqrt(np.diag(covariance)) / sizes,
+        noise=noise,
+        torques=torques,
+        notes=(smaller,) * (factor < 1),
+    )
+
+
+def written(rows: Array, robot: Robot) -> tuple[list[list[Decimal]], Array]:
+    """Coefficients as a plan has them, in the units of the robot file, and the same in SI units, (n, width)."""
+    angle, length = radians(1) if robot.units.degrees else 1.0, 1e-3 if robot.units.millimetres else 1.0
+    units = np.array([[angle if joint.is_revolute else length] for joint in robot.variables])
+    cells = [[Decimal(value).quantize(DIGITS) for value in row] for row in rows / units]
+    return cells, np.array(cells, dtype=float) * units
 
 
 def _functions(robot: Robot, *names: str) -> dict[str, Any]:
