@@ -117,11 +117,8 @@ class Unknowns:
     @cached_property
     def prior(self) -> Array:
         """The base parameters as the file has them, (p,)."""
-        nothing = _empty(self.wide)
-        fixed = base_values(replace(nothing, fixed=self.robot.fixed), self.base, self._floats, self._number)
-        bare = base_values(nothing, self.base, self._floats, self._number)
-        found = self.grouping @ self.given + np.array(fixed) - np.array(bare)
-        rounding = np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(self.given))
+        whole = np.array(standard_values(self.robot, self.standard, self._floats))
+        found, rounding = self.grouping @ whole, np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(whole))
         return np.where(np.abs(found) > 10 * rounding, found, 0.0)
 
     @cached_property
@@ -247,13 +244,12 @@ class Unknowns:
 
 
 def _empty(wide: Robot) -> Robot:
-    """The robot without bodies, its joints with one of all that is not zero."""
+    """The robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
     links = []
     for link in wide.links:
-        motor = link.motor and Motor(ratio=link.motor.ratio)
-        joint: dict[str, Any] = {name: ONE for name in ("viscous", "armature") if getattr(link, name) != ZERO}
-        dry = (ONE, ONE) if isinstance(link.coulomb, tuple) else ZERO if link.coulomb == ZERO else ONE
-        links.append(Link(motor=motor, coulomb=dry, **joint))
+        motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
+        armature = ZERO if link.armature == ZERO else ONE
+        links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
     return replace(wide, links=tuple(links), fixed=tree.massless(wide.fixed))
 
 
@@ -273,7 +269,7 @@ def _grouping(
         if parameter.of_link:  # a first moment comes with a mass, which is taken off again
             one = _with_body(empty.links[i], [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
         else:
-            one = _with_part(empty.links[i], part, ONE if part in ("mm", "Im") else number(2))
+            one = _with_part(empty.links[i], part, number(2) if part == "Ia" else ONE)
         less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
         columns[parameter] = [reduce(sub, cells) for cells in zip(_values(i, one), *less, strict=True)]
     return list(columns.values())
