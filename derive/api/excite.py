@@ -75,7 +75,6 @@ def excite(
         DeriveError: A value is not what is allowed, or a joint has no limits.
         QuantityError: The robot cannot be identified, or its torques or the floor allow it nowhere.
         OutputError: There is such a file already, or it cannot be written.
-        TargetError: CasADi is not installed.
     """
     paths = [] if path is None else [Path(path)]
     refuse_taken(paths, force=force)

@@ -16,11 +16,12 @@ from functools import cached_property
 from math import radians
 from typing import Any
 
+import casadi
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import QuantityError, optional
-from derive.identification.fourier import FourierSeries
+from derive.errors import QuantityError
+from derive.identification.fourier import BETWEEN, FourierSeries
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
@@ -44,7 +45,7 @@ POWER = 3  # condition numbers are searched by tr(R^8) and tr(R^-8): 2^3
 STEPS = 150  # of the search from one start
 DIGITS = Decimal("1e-8")  # of the coefficients of a plan, in the units of the robot file
 HEAD = ("parameter", "value", "sigma", "groups")
-IPOPT = {
+IPOPT: dict[str, Any] = {
     "print_time": False,
     "ipopt": {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": STEPS, "tol": 1e-3},
 }
@@ -90,10 +91,6 @@ class Design:
     noise: Callable[[Array], Array]  # deviations of the torques, (n,), by largest torques, (n,)
 
     @cached_property
-    def _casadi(self) -> Any:
-        return optional("casadi", "the search for motions needs CasADi", "casadi")
-
-    @cached_property
     def fine(self) -> Array:
         """Many times of a period [s]."""
         return np.linspace(0.0, self.series.period, FINE * len(self.series.times))
@@ -103,7 +100,7 @@ class Design:
     @cached_property
     def _function(self) -> Any:
         """Function of q, qd, qdd and the signs of speeds: Y_b, torques without Coulomb friction, heights."""
-        casadi, n = self._casadi, self.unknowns.robot.dof
+        robot, n = self.unknowns.robot, self.unknowns.robot.dof
         q, qd, qdd, signs = (casadi.SX.sym(name, n) for name in ("q", "qd", "qdd", "signs"))
         regressor = _functions(self.unknowns.wide, "base_regressor")["base_regressor"](q, qd, qdd)
         for k, parameter in enumerate(self.unknowns.base.parameters):
@@ -111,7 +108,6 @@ class Design:
                 sign = signs[i := parameter.joint - 1]
                 ahead = (sign + sign**2) / 2
                 regressor[i, k] = {"f": sign, "fp": ahead, "fm": sign - ahead}[parameter.part]
-        robot = self.unknowns.robot
         smooth = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
         given = _functions(smooth, "inverse_dynamics", "link_transforms", "forward_kinematics")
         torque = given.pop("inverse_dynamics")(q, qd, qdd)
@@ -123,9 +119,8 @@ class Design:
     @cached_property
     def dry(self) -> Array:
         """Coulomb friction of each joint, the larger of both directions, (n,) [N m or N]."""
-        robot = self.unknowns.robot
-        values = parameter_values(robot)
-        return np.array([max(abs(evaluate(cell, values)) for cell in link.dry) for link in robot.links])
+        links, values = self.unknowns.robot.links, parameter_values(self.unknowns.robot)
+        return np.array([max(abs(evaluate(cell, values)) for cell in link.dry) for link in links])
 
     def samples(self, rows: Array, times: Array) -> tuple[Array, Array, Array]:
         """Regressors (t, n, p), torques without Coulomb friction (t, n) and heights of frames at times (t,) [s]."""
@@ -145,9 +140,9 @@ class Design:
         room, series = self.room, self.series
         moved, speeds, accelerations = np.einsum("otw,nw->ont", series.basis(series.times)[..., 1:], rows[:, 1:])
         off = (rows[:, 0] - room.middle)[:, None]
-        ways = np.abs(moved) / (series.between * room.half[:, None] - np.sign(moved) * off)
+        ways = np.abs(moved) / (BETWEEN * room.half[:, None] - np.sign(moved) * off)
         rates = np.abs(speeds) / room.speed[:, None], np.abs(accelerations) / room.acceleration[:, None]
-        used = np.max([ways, *(rate / series.between for rate in rates)], axis=(0, 2))
+        used = np.max([ways, *(rate / BETWEEN for rate in rates)], axis=(0, 2))
         return scaled(rows, ROUNDED / np.maximum(used, 0.0 if grown else ROUNDED)[:, None])
 
     def shrunk(self, rows: Array, times: Array) -> tuple[Array, float]:
@@ -192,7 +187,7 @@ class Design:
 
     def improved(self, rows: Array, weights: Array, criterion: Criterion) -> Array:
         """A better motion, by IPOPT, that keeps to all limits at the times of the grid, or the same one."""
-        casadi, series, room, n = self._casadi, self.series, self.room, len(rows)
+        series, room, n = self.series, self.room, len(rows)
         # In units in which all terms of a joint move it alike, and about as far as it may go.
         w = 2 * np.pi / series.period
         reach = np.min([room.half, room.speed / w, room.acceleration / w**2], axis=0)
@@ -204,7 +199,7 @@ class Design:
         slow = casadi.DM(SLOW * np.repeat(room.speed[:, None], len(times), axis=1))
         regressor, torque, height = self._function.map(len(times))(q, qd, qdd, qd / casadi.sqrt(qd**2 + slow**2))
         _, still, standing = self._function(terms[:, 0], *[np.zeros(n)] * 3)
-        moved = casadi.horzcat((q - room.middle) / room.half, qd / room.speed, qdd / room.acceleration) / series.between
+        moved = casadi.horzcat((q - room.middle) / room.half, qd / room.speed, qdd / room.acceleration) / BETWEEN
         pulls = casadi.horzcat(torque, still * (1 + SPARE)) / (room.torque - self.dry)
         sides = casadi.horzcat(moved, pulls)  # from -1 to 1
         above = casadi.horzcat(height, standing - SPARE) - room.floor if height.numel() else casadi.MX()
@@ -220,8 +215,7 @@ class Design:
 
     def _objective(self, regressor: Any, weights: Array, criterion: Criterion) -> Any:
         """What is made small, of regressors of all times of the grid side by side."""
-        casadi, n, p = self._casadi, len(weights), len(self.unknowns.base.parameters)
-        times = len(self.series.times)
+        n, p, times = len(weights), len(self.unknowns.base.parameters), len(self.series.times)
         w = casadi.reshape(casadi.reshape(regressor, n * p, times).T, times * n, p)  # joint by joint
         if criterion is Criterion.DETERMINANT:
             w = w * np.repeat(np.sqrt(weights), times)
