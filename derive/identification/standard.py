@@ -112,7 +112,7 @@ class Unknowns:
     @cached_property
     def grouping(self) -> Array:
         """K, (p, s): the base parameters are what the standard parameters are times it."""
-        return np.array(_grouping(self.wide, self.base, self.standard, self._floats, self._number)).T
+        return np.array(self._grouping(self._floats, self._number)).T
 
     @cached_property
     def prior(self) -> Array:
@@ -132,12 +132,41 @@ class Unknowns:
             return domain.constant(multiply(number(1 / bottom.value), top))
 
         with suppress(ExpressionError, ZeroDivisionError):
-            domain = PolynomialDomain(_empty(self.wide), rates=False)
-            columns = _grouping(self.wide, self.base, self.standard, domain, _polynomial)
+            domain = PolynomialDomain(self._empty, rates=False)
+            columns = self._grouping(domain, _polynomial)
             cells = [[polynomial_expression(entry, domain) for entry in column] for column in columns]
             names = [Name(parameter.name) for parameter in self.standard]
             return tuple(add(*map(multiply, row, names)) for row in zip(*cells, strict=True))
         return (None,) * len(self.base.parameters)
+
+    @cached_property
+    def _empty(self) -> Robot:
+        """The robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
+        links = []
+        for link in self.wide.links:
+            motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
+            armature = ZERO if link.armature == ZERO else ONE
+            links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
+        return replace(self.wide, links=tuple(links), fixed=tree.massless(self.wide.fixed))
+
+    def _grouping(self, domain: Domain[S], coefficient: Callable[[Quotient], S]) -> list[list[S]]:
+        """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
+        empty = self._empty.links
+
+        def _values(i: int, link: Link) -> list[S]:
+            robot = replace(self._empty, links=(*empty[:i], link, *empty[i + 1 :]))
+            return base_values(robot, self.base, domain, coefficient)
+
+        nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
+        for parameter in self.standard:
+            i, part, is_moment = parameter.joint - 1, parameter.part, parameter.part in LINK_PARTS[1:4]
+            if parameter.of_link:  # a first moment comes with a mass, which is taken off again
+                one = _with_body(empty[i], [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
+            else:
+                one = _with_part(empty[i], part, number(2) if part == "Ia" else ONE)
+            less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
+            columns[parameter] = [reduce(sub, cells) for cells in zip(_values(i, one), *less, strict=True)]
+        return list(columns.values())
 
     # -- scales
 
@@ -241,38 +270,6 @@ class Unknowns:
             if not parameter.of_link and not same[k]:
                 links[i] = _with_part(links[i], parameter.part, _cell(standard[k]))
         return without_lost_symbols(self.robot, replace(self.robot, links=tuple(links)))
-
-
-def _empty(wide: Robot) -> Robot:
-    """The robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
-    links = []
-    for link in wide.links:
-        motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
-        armature = ZERO if link.armature == ZERO else ONE
-        links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
-    return replace(wide, links=tuple(links), fixed=tree.massless(wide.fixed))
-
-
-def _grouping(
-    wide: Robot, base: BaseSet, standard: Sequence[Parameter], domain: Domain[S], coefficient: Callable[[Quotient], S]
-) -> list[list[S]]:
-    """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
-    empty = _empty(wide)
-
-    def _values(i: int, link: Link) -> list[S]:
-        links = (*empty.links[:i], link, *empty.links[i + 1 :])
-        return base_values(replace(empty, links=links), base, domain, coefficient)
-
-    nothing, columns = _values(0, empty.links[0]), dict[Parameter, list[S]]()
-    for parameter in standard:
-        i, part, is_moment = parameter.joint - 1, parameter.part, parameter.part in LINK_PARTS[1:4]
-        if parameter.of_link:  # a first moment comes with a mass, which is taken off again
-            one = _with_body(empty.links[i], [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
-        else:
-            one = _with_part(empty.links[i], part, number(2) if part == "Ia" else ONE)
-        less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
-        columns[parameter] = [reduce(sub, cells) for cells in zip(_values(i, one), *less, strict=True)]
-    return list(columns.values())
 
 
 def _with_part(link: Link, part: str, cell: Expression) -> Link:

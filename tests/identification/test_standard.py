@@ -15,6 +15,7 @@ from derive.model.identification.possible import pseudo_inertias
 from derive.robot.description import Link
 from derive.robot.evaluate import to_float
 from derive.robot.expression import number
+from derive.robot.inertial_parameters import FRICTION_PARTS
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
 from derive.verification.oracle.functions import Oracle
@@ -63,6 +64,8 @@ def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) 
     assert own @ unknowns.grouping == pytest.approx(standard, rel=1e-9, abs=1e-9 * np.abs(standard).max())
     tau = Oracle.of(robot).evaluate("inverse_dynamics", *state)
     assert own @ unknowns.prior == pytest.approx(tau, rel=1e-9, abs=1e-9 * np.abs(tau).max())
+    given = dict(zip(unknowns.standard, unknowns.given, strict=True))  # friction is grouped with nothing, to the bit
+    assert all(v == given[p] for p, v in zip(base, unknowns.prior, strict=True) if p.part in FRICTION_PARTS)
     assert (unknowns.units > 0).all()
     # The same in formulas, by numbers for all names.
     values = {name: to_float(cell, {}) for name, cell in robot.parameters}
