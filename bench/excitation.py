@@ -14,7 +14,7 @@ from time import process_time
 
 import numpy as np
 
-from derive.api.excite import _noise, _room, excite
+from derive.api.excite import _noise, _of_joints, _room, excite
 from derive.identification.excitation import Criterion, Design, condition
 from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
@@ -51,7 +51,7 @@ LIMITS = {
 
 def random_best(robot: Robot, limits: dict[str, object]) -> float:
     """The least condition number of random series within the limits."""
-    options = {name: limits.get(name) for name in ("position", "speed", "acceleration", "torque")}
+    options = {name: _of_joints(robot, limits[name], name) for name in ("speed", "torque") if name in limits}
     unknowns, series = Unknowns(robot, ("viscous", "coulomb")), FourierSeries(10.0, 5)
     room = _room(robot, options, limits["floor"])
     design = Design(unknowns, series, room, Criterion.CONDITION, _noise(robot, "1%"))

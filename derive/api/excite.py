@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,7 @@ import numpy as np
 from derive.api.robots import RobotLike, load
 from derive.arrays import Array
 from derive.errors import DeriveError, listed
-from derive.identification.excitation import Criterion, Design, Room
-from derive.identification.excited import Excitation, excited
+from derive.identification.excitation import Criterion, Design, Excitation, Room, excited
 from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
 from derive.publish.atomic_folder import refuse_taken, write_files
@@ -22,12 +22,11 @@ from derive.robot.evaluate import evaluate
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from derive.robot.writer import robot_text
-from derive.targets.target import joint_bounds, joint_limits
+from derive.targets.target import joint_limits
 
 OfJoints = float | str | Sequence[float | str]
 """One value for all joints, or one a joint; a text is one cell or several with commas between."""
-HARMONICS = (2, 20)
-MOST_SAMPLES = 100_000
+MOST_HARMONICS, MOST_SAMPLES = 20, 100_000
 
 
 def excite(
@@ -76,29 +75,23 @@ def excite(
         DeriveError: A value is not what is allowed, or a joint has no limits.
         QuantityError: The robot cannot be identified, or its torques or the floor allow it nowhere.
         OutputError: There is such a file already, or it cannot be written.
-        TargetError: CasADi is not installed.
     """
     paths = [] if path is None else [Path(path)]
     refuse_taken(paths, force=force)
     chosen = load(robot, remarks_on_bodies=False)
-    least, most = HARMONICS
-    _check(least <= harmonics <= most, f"{harmonics} harmonics", f"{least} to {most}")
+    _check(2 <= harmonics <= MOST_HARMONICS, f"{harmonics} harmonics", f"2 to {MOST_HARMONICS}")
     _check(0 < period < np.inf, f"a period of {period:.6g} s", "a time above zero [s]")
     shortest, longest = period / MOST_SAMPLES, period / (4 * harmonics)
     _check(shortest <= sample <= longest, f"samples every {sample:.6g} s", f"{shortest:.3g} to {longest:.3g} s")
     _check(starts >= 1, f"{starts} starts", "one or more")
     _check(criterion in [*Criterion], f"criterion {criterion}", listed(Criterion))
-    limits = {"speed": speed, "acceleration": acceleration, "torque": torque}
-    design = Design(
-        Unknowns(chosen, tuple(add)),
-        FourierSeries(float(period), harmonics),
-        _room(chosen, {"position": position, **limits}, -np.inf if floor is None else floor),
-        Criterion(criterion),
-        _noise(chosen, noise),
-    )
-    typed = {name: _of_joints(chosen, values, name) for name, values in limits.items() if values is not None}
-    head = [_robot_lines(robot, paths), *(f"{name}: [{', '.join(texts)}]" for name, texts in typed.items())]
-    found = excited(design, starts, seed, sample, head)
+    unknowns, series = Unknowns(chosen, tuple(add)), FourierSeries(float(period), harmonics)
+    asked = {"position": position, "speed": speed, "acceleration": acceleration, "torque": torque}
+    typed = {what: _of_joints(chosen, values, what) for what, values in asked.items() if values is not None}
+    room = _room(chosen, typed, -np.inf if floor is None else floor)
+    design = Design(unknowns, series, room, Criterion(criterion), _noise(chosen, noise))
+    limits = [f"{what}: [{', '.join(texts)}]" for what, texts in typed.items() if what != "position"]
+    found = excited(design, starts, seed, sample, [_robot_lines(robot, paths), *limits])
     write_files({path: found.text.encode() for path in paths}, force=force)
     return found
 
@@ -118,15 +111,14 @@ def _of_joints(robot: Robot, values: OfJoints, what: str) -> list[str]:
     return texts
 
 
-def _room(robot: Robot, given: dict[str, OfJoints | None], floor: float) -> Room:
+def _room(robot: Robot, given: Mapping[str, Sequence[str]], floor: float) -> Room:
     """What robot file and options allow together."""
     joints = robot.variables
 
     def _most(what: str) -> Array:
-        of_file = joint_bounds(robot).get(f"{what.upper()}_LIMITS", (None,) * robot.dof)
-        found = np.array([np.inf if value is None else value for value in of_file])
-        values = given[what]
-        for i, text in enumerate(() if values is None else _of_joints(robot, values, what)):
+        of_file = (getattr(joint, what, None) for joint in joints)
+        found = np.array([np.inf if cell is None else evaluate(cell, {}) for cell in of_file])
+        for i, text in enumerate(given.get(what, ())):
             of_joint = f"{what} of {joints[i].variable}"
             typed = evaluate(joint_value(robot, None if what == "torque" else joints[i], text, of_joint), {})
             _check(typed > 0, f"{what} {text} of {joints[i].variable}", "above zero")
@@ -148,12 +140,11 @@ def _room(robot: Robot, given: dict[str, OfJoints | None], floor: float) -> Room
 
 def _noise(robot: Robot, noise: OfJoints) -> Callable[[Array], Array]:
     """Deviations of the torques by the largest torques."""
-    texts, found = _of_joints(robot, noise, "noise"), []
-    for text in texts:
-        try:
+    found = []
+    for text in _of_joints(robot, noise, "noise"):
+        value = 0.0
+        with suppress(ValueError):
             value = float(text.removesuffix("%"))
-        except ValueError:
-            value = 0.0
         _check(0 < value < np.inf, f"noise {text}", "N m or N, or per cent such as 1%")
         found.append((value / 100, 0.0) if text.endswith("%") else (0.0, value))
     parts, fixed = np.array(found).T

@@ -77,7 +77,7 @@ def identify(
     unknowns = Unknowns(given, tuple(add))
     logs = (log, *(() if part or held_out is None else (held_out,)))
     prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]
-    found = identified(unknowns, Method(method), *prepared, part=1 - part, trusted=trust_torques)
+    found = identified(unknowns, Method(method), prepared, part=1 - part, trusted=trust_torques)
     try:
         Robot.from_text(found.text)
     except RobotFileError as error:

@@ -1,4 +1,4 @@
-"""Motions that tell the base parameters of an arm: Fourier series, the best within what its joints may do.
+"""Motions that tell the base parameters of an arm: Fourier series, the best within what its joints may do, as plans.
 
 With W the base regressors of all samples one above the other, the parameters follow from torques with noise of
 deviation sigma with the covariance (W^T W)^-1 sigma^2. Either its determinant is made small (D-optimal; Swevers et
@@ -8,23 +8,25 @@ al., IEEE Trans. Robotics and Automation 13(5), 1997), or the condition number o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from enum import StrEnum
 from functools import cached_property
-from importlib import import_module
+from math import radians
 from typing import Any
 
+import casadi
 import numpy as np
 
 from derive.arrays import Array
 from derive.errors import QuantityError
-from derive.identification.fourier import FourierSeries
+from derive.identification.fourier import BETWEEN, FourierSeries
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import ZERO
+from derive.robot.expression import ZERO, to_text
 from derive.robot.inertial_parameters import FRICTION_PARTS
 from derive.robot.robot import Robot
 from derive.targets.casadi import casadi_function
@@ -41,7 +43,9 @@ ROUNDED = 1 - 1e-6  # what limits lose to the digits of a plan
 SINGULAR = 1e7  # condition number from which on parameters are not told apart
 POWER = 3  # condition numbers are searched by tr(R^8) and tr(R^-8): 2^3
 STEPS = 150  # of the search from one start
-IPOPT = {
+DIGITS = Decimal("1e-8")  # of the coefficients of a plan, in the units of the robot file
+HEAD = ("parameter", "value", "sigma", "groups")
+IPOPT: dict[str, Any] = {
     "print_time": False,
     "ipopt": {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": STEPS, "tol": 1e-3},
 }
@@ -87,10 +91,6 @@ class Design:
     noise: Callable[[Array], Array]  # deviations of the torques, (n,), by largest torques, (n,)
 
     @cached_property
-    def _casadi(self) -> Any:
-        return import_module("casadi")
-
-    @cached_property
     def fine(self) -> Array:
         """Many times of a period [s]."""
         return np.linspace(0.0, self.series.period, FINE * len(self.series.times))
@@ -100,7 +100,7 @@ class Design:
     @cached_property
     def _function(self) -> Any:
         """Function of q, qd, qdd and the signs of speeds: Y_b, torques without Coulomb friction, heights."""
-        casadi, n = self._casadi, self.unknowns.robot.dof
+        robot, n = self.unknowns.robot, self.unknowns.robot.dof
         q, qd, qdd, signs = (casadi.SX.sym(name, n) for name in ("q", "qd", "qdd", "signs"))
         regressor = _functions(self.unknowns.wide, "base_regressor")["base_regressor"](q, qd, qdd)
         for k, parameter in enumerate(self.unknowns.base.parameters):
@@ -108,7 +108,6 @@ class Design:
                 sign = signs[i := parameter.joint - 1]
                 ahead = (sign + sign**2) / 2
                 regressor[i, k] = {"f": sign, "fp": ahead, "fm": sign - ahead}[parameter.part]
-        robot = self.unknowns.robot
         smooth = replace(robot, links=tuple(replace(link, coulomb=ZERO) for link in robot.links), runtime=())
         given = _functions(smooth, "inverse_dynamics", "link_transforms", "forward_kinematics")
         torque = given.pop("inverse_dynamics")(q, qd, qdd)
@@ -120,9 +119,8 @@ class Design:
     @cached_property
     def dry(self) -> Array:
         """Coulomb friction of each joint, the larger of both directions, (n,) [N m or N]."""
-        robot = self.unknowns.robot
-        values = parameter_values(robot)
-        return np.array([max(abs(evaluate(cell, values)) for cell in link.dry) for link in robot.links])
+        links, values = self.unknowns.robot.links, parameter_values(self.unknowns.robot)
+        return np.array([max(abs(evaluate(cell, values)) for cell in link.dry) for link in links])
 
     def samples(self, rows: Array, times: Array) -> tuple[Array, Array, Array]:
         """Regressors (t, n, p), torques without Coulomb friction (t, n) and heights of frames at times (t,) [s]."""
@@ -142,9 +140,9 @@ class Design:
         room, series = self.room, self.series
         moved, speeds, accelerations = np.einsum("otw,nw->ont", series.basis(series.times)[..., 1:], rows[:, 1:])
         off = (rows[:, 0] - room.middle)[:, None]
-        ways = np.abs(moved) / (series.between * room.half[:, None] - np.sign(moved) * off)
+        ways = np.abs(moved) / (BETWEEN * room.half[:, None] - np.sign(moved) * off)
         rates = np.abs(speeds) / room.speed[:, None], np.abs(accelerations) / room.acceleration[:, None]
-        used = np.max([ways, *(rate / series.between for rate in rates)], axis=(0, 2))
+        used = np.max([ways, *(rate / BETWEEN for rate in rates)], axis=(0, 2))
         return scaled(rows, ROUNDED / np.maximum(used, 0.0 if grown else ROUNDED)[:, None])
 
     def shrunk(self, rows: Array, times: Array) -> tuple[Array, float]:
@@ -189,7 +187,7 @@ class Design:
 
     def improved(self, rows: Array, weights: Array, criterion: Criterion) -> Array:
         """A better motion, by IPOPT, that keeps to all limits at the times of the grid, or the same one."""
-        casadi, series, room, n = self._casadi, self.series, self.room, len(rows)
+        series, room, n = self.series, self.room, len(rows)
         # In units in which all terms of a joint move it alike, and about as far as it may go.
         w = 2 * np.pi / series.period
         reach = np.min([room.half, room.speed / w, room.acceleration / w**2], axis=0)
@@ -201,7 +199,7 @@ class Design:
         slow = casadi.DM(SLOW * np.repeat(room.speed[:, None], len(times), axis=1))
         regressor, torque, height = self._function.map(len(times))(q, qd, qdd, qd / casadi.sqrt(qd**2 + slow**2))
         _, still, standing = self._function(terms[:, 0], *[np.zeros(n)] * 3)
-        moved = casadi.horzcat((q - room.middle) / room.half, qd / room.speed, qdd / room.acceleration) / series.between
+        moved = casadi.horzcat((q - room.middle) / room.half, qd / room.speed, qdd / room.acceleration) / BETWEEN
         pulls = casadi.horzcat(torque, still * (1 + SPARE)) / (room.torque - self.dry)
         sides = casadi.horzcat(moved, pulls)  # from -1 to 1
         above = casadi.horzcat(height, standing - SPARE) - room.floor if height.numel() else casadi.MX()
@@ -217,8 +215,7 @@ class Design:
 
     def _objective(self, regressor: Any, weights: Array, criterion: Criterion) -> Any:
         """What is made small, of regressors of all times of the grid side by side."""
-        casadi, n, p = self._casadi, len(weights), len(self.unknowns.base.parameters)
-        times = len(self.series.times)
+        n, p, times = len(weights), len(self.unknowns.base.parameters), len(self.series.times)
         w = casadi.reshape(casadi.reshape(regressor, n * p, times).T, times * n, p)  # joint by joint
         if criterion is Criterion.DETERMINANT:
             w = w * np.repeat(np.sqrt(weights), times)
@@ -269,6 +266,68 @@ def condition(blocks: Array) -> float:
     """The condition number of regressors (times, n, p) one above the other, their columns of unit length."""
     stacked = blocks.reshape(-1, blocks.shape[-1])
     return float(np.linalg.cond(stacked / np.linalg.norm(stacked, axis=0)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Excitation:
+    """A motion that excites the base parameters of a robot, p of n joints, in SI units."""
+
+    text: str  # the plan of the motion
+    condition: float  # condition number of the regressors of all samples, with columns of unit length
+    names: tuple[str, ...]  # of the base parameters, each that of the parameter that takes others over
+    formulas: tuple[str | None, ...]  # what each groups, ``Izz1 + a2**2*m3``; None where that is no polynomial
+    values: Array  # (p,) their values by the robot file
+    deviations: Array  # (p,) standard deviations with which they follow from one period by least squares
+    noise: Array  # (n,) standard deviation of the noise of each torque [N m or N]
+    torques: Array  # (n,) largest torque of each joint by the robot file, without Coulomb friction [N m or N]
+    notes: tuple[str, ...]  # what a reader should know, in sentences
+
+    def rows(self) -> list[tuple[str, float, float, str | None]]:
+        """Of each base parameter what `HEAD` says."""
+        return [*zip(self.names, self.values.tolist(), self.deviations.tolist(), self.formulas, strict=True)]
+
+    def as_dict(self) -> dict[str, object]:
+        """All but the text as plain data."""
+        parameters = [dict(zip(HEAD, row, strict=True)) for row in self.rows()]
+        found = {"condition": self.condition, "parameters": parameters, "noise": self.noise.tolist()}
+        return found | {"torques": self.torques.tolist(), "notes": self.notes}
+
+
+def excited(design: Design, starts: int, seed: int, sample: float, head: Sequence[str]) -> Excitation:
+    """The best motion that is found from so many random ones, as a plan below some lines."""
+    robot, series = design.unknowns.robot, design.series
+    rows = design.best(starts, seed)
+    rows, factor = design.shrunk(rows, design.fine)
+    cells, rows = written(rows, robot)
+    regressors = design.samples(rows, np.arange(0.0, series.period, sample))[0]
+    torques = np.abs(design.samples(rows, design.fine)[1]).max(axis=0)
+    noise, found = design.noise(torques), condition(regressors)
+    if not found < SINGULAR:
+        what = f"{series.harmonics} harmonics do not tell the parameters of {robot.name} apart"
+        raise QuantityError(f"{what}: a condition number of {found:.3g}", remedy="raise --harmonics")
+    sizes = np.linalg.norm(regressors, axis=(0, 1))
+    covariance = np.linalg.inv(information(regressors / sizes, noise**-2.0))
+    curves = [f"  {joint.variable}: {series.formula(row)}" for joint, row in zip(robot.variables, cells, strict=True)]
+    smaller = f"amplitudes at {factor:.1%}, so that torques and floor are kept to between the times of the search, too"
+    return Excitation(
+        text="\n".join([*head, f"sample: {sample!r}", f"time: {series.period!r}", "curves:", *curves, ""]),
+        condition=found,
+        names=tuple(parameter.name for parameter in design.unknowns.base.parameters),
+        formulas=tuple(None if formula is None else to_text(formula) for formula in design.unknowns.formulas),
+        values=design.unknowns.prior,
+        deviations=np.sqrt(np.diag(covariance)) / sizes,
+        noise=noise,
+        torques=torques,
+        notes=(smaller,) * (factor < 1),
+    )
+
+
+def written(rows: Array, robot: Robot) -> tuple[list[list[Decimal]], Array]:
+    """Coefficients as a plan has them, in the units of the robot file, and the same in SI units, (n, width)."""
+    angle, length = radians(1) if robot.units.degrees else 1.0, 1e-3 if robot.units.millimetres else 1.0
+    units = np.array([[angle if joint.is_revolute else length] for joint in robot.variables])
+    cells = [[Decimal(value).quantize(DIGITS) for value in row] for row in rows / units]
+    return cells, np.array(cells, dtype=float) * units
 
 
 def _functions(robot: Robot, *names: str) -> dict[str, Any]:

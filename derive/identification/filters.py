@@ -26,7 +26,7 @@ ROWS, THIN = 2000, 8192  # rows of a regressor that are worked on at once, and f
 # Central differences of five points for the first and the second derivative, errors h^4/30 and h^4/90.
 FIRST, SECOND = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12, np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12
 # Times (rows,) [s], or numbers of rows, speeds (rows, n), regressor (rows, n, p), torques (rows, n).
-Block = tuple[Array, Array, Array, Array]
+Block = tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -49,14 +49,12 @@ class Preparation:
         if not (self.missing or self.cutoff):
             return 0.0
         if not step:
-            raise DeriveError(
-                f"{self.log.path or 'the table'}: no time, by which rows are filtered", remedy="add a column time"
-            )
+            lacking = f"{self.log.path or 'the table'}: no time, by which rows are filtered"
+            raise DeriveError(lacking, remedy="add a column time")
         found = min(CUTOFF, 0.1 / step) if self.cutoff is None else self.cutoff
         if not 0 < 2 * found * step < 1:
-            raise DeriveError(
-                f"a cutoff of {found:g} Hz", allowed=f"allowed: below {0.5 / step:g} Hz, half the rows' rate"
-            )
+            allowed = f"allowed: below {0.5 / step:g} Hz, half the rows' rate"
+            raise DeriveError(f"a cutoff of {found:g} Hz", allowed=allowed)
         return found
 
     @cached_property
@@ -88,8 +86,8 @@ class Preparation:
                 held = held[size:]
         yield held, slice(margin, len(held) - margin)
 
-    def states(self, rows: Array) -> dict[str, Array]:
-        """Times, states and torques of a block by name, those near its ends wrong where filters are."""
+    def states(self, rows: Array) -> tuple[Array, list[Array], Array]:
+        """Times, q, qd and qdd, and torques of a block, those near its ends wrong where filters are."""
         parts, step = {quantity: rows[:, self.log.places(quantity)] for quantity in self.log.columns}, self.log.step
         if self._smooth is not None:
             # What is differentiated; where nothing is, all of the state, so that it stays one motion.
@@ -100,15 +98,15 @@ class Preparation:
             parts["qdd"] = _difference(parts["q"], SECOND, step**2) if twice else _difference(parts["qd"], FIRST, step)
         if "qd" in self.missing:
             parts["qd"] = _difference(parts["q"], FIRST, step)
-        return {"time": np.arange(float(len(rows)))[:, None]} | parts
+        time = parts["time"][:, 0] if "time" in parts else np.arange(float(len(rows)))
+        return time, [parts[key] for key in ("q", "qd", "qdd")], parts["tau"]
 
     def blocks(self, regressor: Callable[[Array, Array, Array], Array]) -> Iterator[Block]:
         """What tau = Y beta is solved from, in blocks of some thousand rows."""
         for rows, used in self.windows():
             if used.stop <= used.start:
                 continue
-            parts = self.states(rows)
-            time, state, tau = parts["time"][:, 0], [parts[key] for key in ("q", "qd", "qdd")], parts["tau"]
+            time, state, tau = self.states(rows)
             if self._thin is not None:
                 kept = slice(used.start, used.stop, self.decimate)
                 thin = [_both_ways(self._thin, each)[kept] for each in (regressor(*state), tau)]

@@ -18,6 +18,7 @@ from derive.arrays import Array
 # Of a trigonometric polynomial of degree K the largest magnitude is at most 1/cos(pi K/N) times that at N > 2 K evenly
 # spaced times of its period (M. Riesz 1914): about the maximum it falls no faster than its cosine of degree K.
 TIMES = 12  # of the grid for each harmonic: 3.5 % between
+BETWEEN = float(np.cos(np.pi / TIMES))  # what part of its largest magnitude a series reaches at one of these at least
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +35,9 @@ class FourierSeries:
 
     @property
     def times(self) -> Array:
-        """Evenly spaced times of a period [s], on which bounds within `between` of one hold everywhere."""
+        """Evenly spaced times of a period [s], on which bounds within `BETWEEN` of one hold everywhere."""
         count = TIMES * self.harmonics
         return self.period / count * np.arange(count, dtype=float)
-
-    @property
-    def between(self) -> float:
-        """What part of its largest magnitude a series reaches at one of `times` at least."""
-        return float(np.cos(np.pi / TIMES))
 
     @property
     def sizes(self) -> Array:

@@ -1,8 +1,7 @@
 """Identification from end to end: a robot and its log, and what came of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
@@ -45,7 +44,7 @@ class Identified:
     before: Array  # (n,) root mean square of what the given robot leaves of them [N m or N]
     residuals: Array  # (n,) the same of the identified robot
     held_out: Array | None  # (n,) the same of rows that were not used; None where none were held out
-    shown: tuple[Array, Array, Array]  # of some rows time [s] or number, (rows,), speeds and residuals, (rows, n)
+    shown: tuple[Array, ...]  # of some rows time [s] or number, (rows,), speeds and residuals, (rows, n)
     notes: tuple[str, ...]  # what a reader should know, in sentences
 
     @property
@@ -64,7 +63,7 @@ class Identified:
     def parameter_rows(self) -> list[tuple[str, ...]]:
         """For each base parameter the texts of `PARAMETER_HEAD`."""
         ranges = ("kept" if kept else f"{QUANTILE * d:.2g}" for kept, d in zip(self.kept, self.deviations, strict=True))
-        groups = (to_text(each, _short) if each else "" for each in self.formulas)
+        groups = (to_text(each, lambda value: f"{float(value):.4g}") if each else "" for each in self.formulas)
         rows = zip(self.names, self.values, ranges, self.prior, groups, strict=True)
         return [(name, f"{value:.6g}", own, f"{prior:.6g}", group) for name, value, own, prior, group in rows]
 
@@ -78,15 +77,10 @@ class Identified:
 
 
 def identified(
-    unknowns: Unknowns,
-    method: Method,
-    preparation: Preparation,
-    held_out: Preparation | None = None,
-    *,
-    part: float = 1.0,
-    trusted: bool = False,
+    unknowns: Unknowns, method: Method, logs: Sequence[Preparation], *, part: float, trusted: bool
 ) -> Identified:
-    """The parameters of a robot from a part of a log; the rest, or another log, is held out."""
+    """The parameters of a robot from a part of the first log; the rest, and further ones, are held out."""
+    preparation, *others = logs
     program, log = build_program(unknowns.wide, Effort.QUICK, names={"base_regressor"}), preparation.log
     saved = log.rows * SAVED * sum(program.operations["base_regressor"].values())
     source = Source(unknowns.wide, program, __version__)
@@ -97,8 +91,8 @@ def identified(
     there = np.broadcast_to(module.base_regressor(*random), (16, n, count)) != 0
     used, held = (Factors(tuple(np.flatnonzero(there[:, j].any(axis=0)) for j in range(n)), count) for _ in range(2))
     shown = _gather(preparation, module.base_regressor, used, held, part)
-    if held_out is not None:
-        _gather(held_out, module.base_regressor, held, held, 1.0)
+    for other in others:
+        _gather(other, module.base_regressor, held, held, 1.0)
     del folder
     if used.rows * n < count:
         short = f"{log.path or 'the table'}: {used.rows} rows of {n} torques for {count} base parameters"
@@ -106,16 +100,17 @@ def identified(
     if not trusted:
         refuse_strange_torques(used, unknowns.prior, [joint.label for joint in unknowns.robot.joints])
     found = estimate(used, method, unknowns.prior, unknowns.largest)
-    beta, standard, notes = found.beta, np.empty(0), [*_notes(preparation, unknowns, found.kept)]
-    if method is Method.POSSIBLE:
+    beta, notes = found.beta, _notes(preparation, unknowns, found.kept)
+    if method is not Method.POSSIBLE:
+        standard = unknowns.nearest(beta)
+    else:
         standard = unknowns.nearest_possible(found)
         beta = unknowns.prior + unknowns.grouping @ (standard - unknowns.given)
         least = np.maximum(used.deviations(found.beta), SMALLEST * used.deviations(np.zeros(count)))
         cost = float((used.deviations(beta) / least).max()) - 1
         notes.append(f"bodies that exist: residuals up to {max(cost, 0.0):.2%} larger than without this limit")
-    robot = unknowns.robot_of(standard if len(standard) else unknowns.nearest(beta))
     return Identified(
-        robot=Robot.of(robot),
+        robot=Robot.of(unknowns.robot_of(standard)),
         source=unknowns.robot,
         method=method,
         names=tuple(parameter.name for parameter in unknowns.base.parameters),
@@ -135,11 +130,7 @@ def identified(
 
 
 def _gather(
-    preparation: Preparation,
-    regressor: Callable[[Array, Array, Array], Array],
-    used: Factors,
-    held: Factors,
-    part: float,
+    preparation: Preparation, regressor: Callable[..., Array], used: Factors, held: Factors, part: float
 ) -> Block:
     """Take in a part of a log, the rest as held out, and keep some rows."""
     total = preparation.log.rows // preparation.decimate
@@ -148,16 +139,13 @@ def _gather(
         cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
         for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
             factors.add(block[2][own], block[3][own])
-        time, speed, rows, torque = (each[-row % every :: every].copy() for each in block)
-        kept.append((time, speed, rows, torque))
+        kept.append(tuple(each[-row % every :: every].copy() for each in block))
         row += len(block[0])
     if not kept:
-        found = f"{preparation.log.rows} rows, none of them left between gaps and edges of filters"
-        raise DeriveError(
-            f"{preparation.log.path or 'the table'}: {found}", remedy="give a longer log, or raise --cutoff"
-        )
-    time, speed, rows, torque = (np.concatenate(parts) for parts in zip(*kept, strict=True))
-    return time, speed, rows, torque
+        log = preparation.log
+        found = f"{log.path or 'the table'}: {log.rows} rows, none of them left between gaps and edges of filters"
+        raise DeriveError(found, remedy="give a longer log, or raise --cutoff")
+    return tuple(np.concatenate(parts) for parts in zip(*kept, strict=True))
 
 
 def _notes(preparation: Preparation, unknowns: Unknowns, kept: Flags) -> list[str]:
@@ -168,7 +156,3 @@ def _notes(preparation: Preparation, unknowns: Unknowns, kept: Flags) -> list[st
         notes.append(f"regressor and torques filtered alike, 1 of {preparation.decimate} rows kept")
     names = [parameter.name for parameter, own in zip(unknowns.base.parameters, kept, strict=True) if own]
     return notes + ([f"not excited by the log, kept as they were: {listed(names)}"] if names else [])
-
-
-def _short(value: Fraction) -> str:
-    return f"{float(value):.4g}"

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -39,8 +39,6 @@ BATCH = 65_536  # rows that are read at once
 CSV_BLOCK, PARQUET_BUFFER = 4 << 20, 1 << 18  # bytes of a CSV, and of a column of Parquet, that are read at once
 JUMP = 1.5  # steps of time above which a gap is between two rows
 SHOWN = 12  # columns that a message lists
-
-
 LogColumn = tuple[str, float]  # its name in the log, and what takes it to SI units; negative where its sign is turned
 
 
@@ -102,9 +100,8 @@ class Log:
     def _error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
         """A refusal; a row is counted from 0."""
         place = Location(str(self.path), row + 2) if self._csv else None
-        return DeriveError(
-            found if place else f"{self.path or 'the table'}: {found}", location=place, allowed=allowed, remedy=remedy
-        )
+        text = found if place else f"{self.path or 'the table'}: {found}"
+        return DeriveError(text, location=place, allowed=allowed, remedy=remedy)
 
     # -- columns
 
@@ -112,12 +109,9 @@ class Log:
     def columns(self) -> dict[str, tuple[LogColumn, ...]]:
         """By quantity its columns, one for each joint; those of q and tau are there, of the others all or none."""
         for wrong in self.patterns.keys() - PATTERNS.keys():
-            hint = near_miss(wrong, PATTERNS)
-            raise DeriveError(
-                f"no quantity {quoted(wrong)} of a log", allowed=f"allowed: {listed(PATTERNS)}", remedy=hint
-            )
-        found = {quantity: self._of(quantity) for quantity in PATTERNS}
-        return {quantity: columns for quantity, columns in found.items() if columns}
+            found, allowed = f"no quantity {quoted(wrong)} of a log", f"allowed: {listed(PATTERNS)}"
+            raise DeriveError(found, allowed=allowed, remedy=near_miss(wrong, PATTERNS))
+        return {quantity: columns for quantity in PATTERNS if (columns := self._of(quantity))}
 
     @cached_property
     def _by_name(self) -> dict[str, tuple[str, str]]:
@@ -127,14 +121,10 @@ class Log:
 
     def _of(self, quantity: str) -> tuple[LogColumn, ...]:
         given, joints = self.patterns.get(quantity, ""), self.robot.joints
-        counts = range(len(joints))
-        marks = [[str(k + 1) for k in counts], [str(k) for k in counts], [joint.label for joint in joints]]
+        marks = [(str(k + 1), str(k), joint.label, joint.variable) for k, joint in enumerate(joints)]
+        rows = zip(*marks, strict=True) if quantity != "time" else [("*",)]
         patterns = [given.removeprefix("-")] if given else PATTERNS[quantity].split()
-        tried = [
-            [pattern.replace("*", mark) for mark in row] if quantity != "time" else [pattern]
-            for pattern in patterns
-            for row in (*marks, [joint.variable for joint in joints])
-        ]
+        tried = [[pattern.replace("*", mark) for mark in row] for pattern, row in product(patterns, rows)]
         best = max(tried, key=lambda names: sum(name in self._by_name for name in names) / len(names))
         missing = [name for name in best if name not in self._by_name]
         if not missing:
@@ -168,33 +158,26 @@ class Log:
     def batches(self) -> Iterator[Array]:
         """The rows in SI units, (rows, columns), not a number where the log has none."""
         read = [column for columns in self.columns.values() for column in columns]
+        names = [name for name, _ in read]
         try:
-            for batch in self._record_batches([name for name, _ in read]):
-                cells = (
-                    batch.column(name).to_numpy(zero_copy_only=False).astype(float, casting="same_kind") * by
-                    for name, by in read
-                )
-                block = np.column_stack([*cells])
+            for batch in self._record_batches(names):
+                columns = (batch.column(name).to_numpy(zero_copy_only=False) for name in names)
+                block = np.column_stack([column.astype(float, casting="same_kind") for column in columns])
+                block *= [factor for _, factor in read]
                 yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
         except (ValueError, TypeError) as error:  # those of Arrow among them
-            raise self._unreadable([name for name, _ in read], str(error)) from None
+            raise self._unreadable(names, str(error)) from None
 
-    def _record_batches(self, names: list[str]) -> Iterator[Any]:
-        if self.path and not self._csv:
-            return iter(self._store.iter_batches(BATCH, columns=names, use_threads=False))
+    def _record_batches(self, names: list[str]) -> Any:
         if self.path is None:
-            return iter(self._store.select(names).to_batches(BATCH))
-        arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
+            return self._store.select(names).to_batches(BATCH)
+        if not self._csv:
+            return self._store.iter_batches(BATCH, columns=names, use_threads=False)
         reader = optional("pyarrow.csv", "reading a log needs pyarrow", "data")
-        types = dict.fromkeys(names, arrow.float64())
-        return iter(
-            reader.open_csv(
-                self.path,
-                read_options=reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False),
-                parse_options=reader.ParseOptions(delimiter=self._head[0]),
-                convert_options=reader.ConvertOptions(column_types=types, include_columns=names),
-            )
-        )
+        reading = reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False)
+        parsing = reader.ParseOptions(delimiter=self._head[0])
+        converting = reader.ConvertOptions(column_types=dict.fromkeys(names, "float64"), include_columns=names)
+        return reader.open_csv(self.path, reading, parsing, converting)
 
     def _unreadable(self, names: list[str], reason: str) -> DeriveError:
         """Where a CSV has something else than a number; what the reader says of other files."""

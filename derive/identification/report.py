@@ -28,10 +28,8 @@ def report_page(found: Identified) -> str:
     rows = [(*row[:-1], symbol) for row, symbol in zip(found.parameter_rows(), symbols, strict=True)]
     about = f"{found.rows} rows, method `{found.method}`. Residuals are root mean squares in N m or N."
     notes = [Paragraph(text) for text in (about, *found.notes)]
-    what = (
-        "Each base parameter in SI units, called by the parameter that takes the others over, with 1.96 standard "
-        "deviations; `kept` is what the log does not excite."
-    )
+    named = "Each base parameter in SI units, called by the parameter that takes the others over"
+    what = f"{named}, with 1.96 standard deviations; `kept` is what the log does not excite."
     sections = (
         Section("joints", "Torques and residuals", (*notes, Table(JOINT_HEAD, tuple(found.joint_rows())))),
         Section("base", "Base parameters", (Paragraph(what), Table(PARAMETER_HEAD, tuple(rows), long=True))),

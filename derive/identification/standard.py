@@ -7,11 +7,12 @@ allow that can exist: pseudo-inertias without negative eigenvalues (Wensing, Kim
 Automation Letters 3(1), 2018; Sousa and Cortesao, Int. J. Robotics Research 33(6), 2014).
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -24,13 +25,13 @@ from derive.errors import DeriveError, ExpressionError, QuantityError, listed, n
 from derive.identification.regression import Estimate
 from derive.mechanics.chain import Domain
 from derive.mechanics.floats import FloatDomain
-from derive.mechanics.vectors import S
+from derive.mechanics.vectors import S, Symmetric, steiner
 from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
 from derive.robot import tree
-from derive.robot.description import Inertia, Link, Motor
+from derive.robot.description import INERTIA, Inertia, Link, Motor
 from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
 from derive.robot.inertial_parameters import (
     FRICTION_PARTS,
@@ -48,6 +49,7 @@ FAR = 0.1  # radius of gyration of links of which nothing is known [m]
 BEYOND = 10.0  # times what its file says no robot has
 LIGHT = 1e-6  # part of its unit of mass below which a link has none
 SLACK = 0.1  # the pull of the prior per unit of change, where the noise of all torques pulls with 1
+POWERS = {"m": 0, "mm": 0, "mx": 1, "my": 1, "mz": 1}  # of a length in the units of parameters, else 2
 WIDTH = len(LINK_PARTS)
 
 
@@ -77,10 +79,10 @@ class Unknowns:
     @cached_property
     def wide(self) -> Robot:
         """The robot with all that is identified: one where its file gives nothing."""
-        lacking: Iterator[dict[str, Any]] = (
-            {name: ONE for name in self.added if getattr(link, name) == ZERO} for link in self.robot.links
-        )
-        links = (replace(link, **cells) for link, cells in zip(self.robot.links, lacking, strict=True))
+        links = []
+        for link in self.robot.links:
+            lacking: dict[str, Any] = {name: ONE for name in self.added if getattr(link, name) == ZERO}
+            links.append(replace(link, **lacking))
         return replace(self.robot, links=tuple(links), runtime=())
 
     @cached_property
@@ -96,9 +98,8 @@ class Unknowns:
     @cached_property
     def given(self) -> Array:
         """The standard parameters of the links as the file has them, without bodies that are fixed to them, (s,)."""
-        return np.array(
-            standard_values(replace(self.robot, fixed=tree.massless(self.robot.fixed)), self.standard, self._floats)
-        )
+        bare = replace(self.robot, fixed=tree.massless(self.robot.fixed))
+        return np.array(standard_values(bare, self.standard, self._floats))
 
     @cached_property
     def _floats(self) -> FloatDomain:
@@ -111,20 +112,14 @@ class Unknowns:
     @cached_property
     def grouping(self) -> Array:
         """K, (p, s): the base parameters are what the standard parameters are times it."""
-        return np.array(_grouping(self.wide, self.base, self.standard, self._floats, self._number)).T
+        return np.array(self._grouping(self._floats, self._number)).T
 
     @cached_property
     def prior(self) -> Array:
         """The base parameters as the file has them, (p,)."""
-        fixed = base_values(replace(self._nothing, fixed=self.robot.fixed), self.base, self._floats, self._number)
-        bare = base_values(self._nothing, self.base, self._floats, self._number)
-        found = self.grouping @ self.given + np.array(fixed) - np.array(bare)
-        rounding = np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(self.given))
+        whole = np.array(standard_values(self.robot, self.standard, self._floats))
+        found, rounding = self.grouping @ whole, np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(whole))
         return np.where(np.abs(found) > 10 * rounding, found, 0.0)
-
-    @cached_property
-    def _nothing(self) -> Robot:
-        return replace(self.wide, links=_empty(self.wide), fixed=tree.massless(self.robot.fixed))
 
     @cached_property
     def formulas(self) -> tuple[Expression | None, ...]:
@@ -137,12 +132,41 @@ class Unknowns:
             return domain.constant(multiply(number(1 / bottom.value), top))
 
         with suppress(ExpressionError, ZeroDivisionError):
-            domain = PolynomialDomain(self._nothing, rates=False)
-            columns = _grouping(self.wide, self.base, self.standard, domain, _polynomial)
+            domain = PolynomialDomain(self._empty, rates=False)
+            columns = self._grouping(domain, _polynomial)
             cells = [[polynomial_expression(entry, domain) for entry in column] for column in columns]
             names = [Name(parameter.name) for parameter in self.standard]
             return tuple(add(*map(multiply, row, names)) for row in zip(*cells, strict=True))
         return (None,) * len(self.base.parameters)
+
+    @cached_property
+    def _empty(self) -> Robot:
+        """The robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
+        links = []
+        for link in self.wide.links:
+            motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
+            armature = ZERO if link.armature == ZERO else ONE
+            links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
+        return replace(self.wide, links=tuple(links), fixed=tree.massless(self.wide.fixed))
+
+    def _grouping(self, domain: Domain[S], coefficient: Callable[[Quotient], S]) -> list[list[S]]:
+        """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
+        empty = self._empty.links
+
+        def _values(i: int, link: Link) -> list[S]:
+            robot = replace(self._empty, links=(*empty[:i], link, *empty[i + 1 :]))
+            return base_values(robot, self.base, domain, coefficient)
+
+        nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
+        for parameter in self.standard:
+            i, part, is_moment = parameter.joint - 1, parameter.part, parameter.part in LINK_PARTS[1:4]
+            if parameter.of_link:  # a first moment comes with a mass, which is taken off again
+                one = _with_body(empty[i], [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
+            else:
+                one = _with_part(empty[i], part, number(2) if part == "Ia" else ONE)
+            less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
+            columns[parameter] = [reduce(sub, cells) for cells in zip(_values(i, one), *less, strict=True)]
+        return list(columns.values())
 
     # -- scales
 
@@ -168,7 +192,7 @@ class Unknowns:
         found = []
         for parameter, value in zip(self.standard, self.given, strict=True):
             mass, length = (sizes[parameter.joint - 1] for sizes in self._sizes)
-            usual = 1.0 if parameter.part in FRICTION_PARTS else mass * length ** _degree(parameter)
+            usual = 1.0 if parameter.part in FRICTION_PARTS else mass * length ** POWERS.get(parameter.part, 2)
             found.append(usual if parameter.of_link or not value else abs(value))
         return np.array(found)
 
@@ -248,71 +272,23 @@ class Unknowns:
         return without_lost_symbols(self.robot, replace(self.robot, links=tuple(links)))
 
 
-def _degree(parameter: Parameter) -> int:
-    """The power of a length in its unit, times a mass."""
-    return {"m": 0, "mm": 0}.get(parameter.part, 1 if parameter.part in LINK_PARTS[1:4] else 2)
-
-
-def _empty(wide: Robot) -> tuple[Link, ...]:
-    """Links without bodies, their joints with one of all that is not zero."""
-    links = []
-    for link in wide.links:
-        motor = link.motor and Motor(ratio=link.motor.ratio)
-        joint: dict[str, Any] = {name: ONE for name in ("viscous", "armature") if getattr(link, name) != ZERO}
-        dry = (ONE, ONE) if isinstance(link.coulomb, tuple) else ZERO if link.coulomb == ZERO else ONE
-        links.append(Link(motor=motor, coulomb=dry, **joint))
-    return tuple(links)
-
-
-def _grouping(
-    wide: Robot, base: BaseSet, standard: Sequence[Parameter], domain: Domain[S], coefficient: Callable[[Quotient], S]
-) -> list[list[S]]:
-    """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
-    empty = _empty(wide)
-
-    def _values(i: int, link: Link) -> list[S]:
-        links = (*empty[:i], link, *empty[i + 1 :])
-        return base_values(replace(wide, links=links, fixed=tree.massless(wide.fixed)), base, domain, coefficient)
-
-    nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
-    for parameter in standard:
-        i, one = parameter.joint - 1, _unit(empty[parameter.joint - 1], parameter.part)
-        columns[parameter] = [a - b for a, b in zip(_values(i, one), nothing, strict=True)]
-        if parameter.part in LINK_PARTS[1:4]:  # a first moment comes with a mass
-            mass = columns[Parameter(parameter.joint, "m")]
-            columns[parameter] = [a - b for a, b in zip(columns[parameter], mass, strict=True)]
-    return list(columns.values())
-
-
-def _unit(link: Link, part: str) -> Link:
-    """An empty link and one of a parameter; of a first moment, and of the mass that has it."""
-    if part in LINK_PARTS:
-        return _with_body(link, [float(p == part or (p == "m" and part in LINK_PARTS[1:4])) for p in LINK_PARTS])
-    return _with_part(link, part, ONE if part in ("mm", "Im") else number(2))
-
-
 def _with_part(link: Link, part: str, cell: Expression) -> Link:
     """A link with another cell of its joint."""
-    ahead, back = link.dry
-    motor = link.motor or Motor()
-    return {
-        "mm": lambda: replace(link, motor=replace(motor, mass=cell)),
-        "Im": lambda: replace(link, motor=replace(motor, inertia=cell)),
-        "Ia": lambda: replace(link, armature=cell),
-        "b": lambda: replace(link, viscous=cell),
-        "f": lambda: replace(link, coulomb=cell),
-        "fp": lambda: replace(link, coulomb=(cell, back)),
-        "fm": lambda: replace(link, coulomb=(ahead, cell)),
-    }[part]()
+    motor, (ahead, back) = link.motor or Motor(), link.dry
+    cells: dict[str, Any] = {"Ia": {"armature": cell}, "b": {"viscous": cell}, "f": {"coulomb": cell}}
+    cells |= {"fp": {"coulomb": (cell, back)}, "fm": {"coulomb": (ahead, cell)}}
+    cells |= {"mm": {"motor": replace(motor, mass=cell)}, "Im": {"motor": replace(motor, inertia=cell)}}
+    return replace(link, **cells[part])
 
 
 def _with_body(link: Link, parameters: Sequence[float] | Array) -> Link:
     """A link with other ten parameters about the origin of its frame."""
-    mass, *moment, xx, yy, zz, xy, xz, yz = parameters
-    x, y, z = (h / mass if mass else 0.0 for h in moment)
-    about = (xx - mass * (y * y + z * z), yy - mass * (x * x + z * z), zz - mass * (x * x + y * y))
-    tensor = Inertia(*map(_cell, (*about, xy + mass * x * y, xz + mass * x * z, yz + mass * y * z)))
-    return replace(link, mass=_cell(mass), com=(_cell(x), _cell(y), _cell(z)), inertia=tensor)
+    mass, mx, my, mz, *tensor = parameters
+    com = (mx / mass, my / mass, mz / mass) if mass else (0.0, 0.0, 0.0)
+    about = Symmetric(*tensor) + steiner(-mass, com)
+    x, y, z = map(_cell, com)
+    inertia = Inertia(*(_cell(getattr(about, name)) for name in INERTIA))
+    return replace(link, mass=_cell(mass), com=(x, y, z), inertia=inertia)
 
 
 def _cell(value: float) -> Number:

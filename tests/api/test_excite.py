@@ -6,7 +6,7 @@ import pytest
 
 from derive.api.excite import excite
 from derive.errors import DeriveError
-from tests.cli import command
+from tests.cli.command import refused
 from tests.identification.test_excitation import arm
 
 
@@ -32,16 +32,13 @@ def test_wrong_options(options: dict[str, object], message: str) -> None:
     assert message in str(error.value)
 
 
-def test_robots_without_limits_and_of_other_kinds(tmp_path: Path) -> None:
-    for robot, message in [
-        (
-            "puma560-corke",
-            "q1, q2, q3, q4, q5, q6 of puma560-corke without limits of speed; write speed: into the robot",
-        ),
-        ("kuka-kr5", "kuka-kr5 has no links"),
-        ("four-bar", "closed loops"),
-        ("scara-perugia", "has no number"),
-    ]:
-        outcome = command.derive("excite", robot, "-o", "out.yaml", folder=tmp_path)
-        assert (outcome.status, message in outcome.stderr, outcome.stderr.count("\n")) == (2, True, 1), outcome.stderr
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ((), "q1, q2, q3, q4, q5, q6 of puma560-corke without limits of speed; write speed: into the robot file"),
+        (("--floor", "x"), "--floor: invalid height value: 'x'"),
+    ],
+)
+def test_refusals_of_the_command(more: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    assert message in refused("excite", "puma560-corke", "-o", "out.yaml", *more, folder=tmp_path).stderr
     assert not [*tmp_path.iterdir()]

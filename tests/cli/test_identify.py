@@ -40,10 +40,8 @@ def test_what_was_found_is_printed_and_written(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("identify", "puma560-corke", "log.csv"), "log.csv:1:1: no column tau1, tau2, tau3, tau4, tau5, tau6; its"),
-        (("identify", "thumb", "log.csv"), "thumb has no links to identify"),
+        (COMMAND[:3], "log.csv:1:1: no column tau1, tau2, tau3, tau4, tau5, tau6; its"),
         ((*COMMAND[:4], "effort"), "'effort' in --columns; allowed: q=...*,"),
-        ((*COMMAND, "--cutoff", "no"), "--cutoff"),
         ((*COMMAND, "--held-out", "other.csv"), "no file 'other.csv'"),
     ],
 )

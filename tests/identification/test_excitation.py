@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from derive.api.excite import _noise, _room, excite
-from derive.identification.excitation import Criterion, Design, condition, information
-from derive.identification.excited import Excitation, written
+from derive.identification.excitation import Criterion, Design, Excitation, condition, information, written
 from derive.identification.fourier import FourierSeries
 from derive.identification.standard import Unknowns
 from derive.motion.motion import Motion
@@ -31,7 +30,7 @@ links:
   - {mass: 2, com: [0, 0, -60], inertia: {xx: 0.01, yy: 0.01, zz: 0.002}}
 """
 """Angles in degrees, lengths in millimetres, a slide, friction by direction, and torques that limit."""
-LIMITS = {"position": None, "speed": None, "acceleration": "200, 200, 1500", "torque": None}
+LIMITS = {"acceleration": ["200", "200", "1500"]}
 FLOOR = 0.25
 
 
@@ -44,8 +43,7 @@ def arm() -> Robot:
 @cache
 def found(criterion: str) -> Excitation:
     """Its motion."""
-    accelerations = LIMITS["acceleration"]
-    return excite(arm(), criterion=criterion, acceleration=accelerations, floor=FLOOR, noise=[0.1, 0.2, 0.5], starts=1)
+    return excite(arm(), criterion=criterion, **LIMITS, floor=FLOOR, noise=[0.1, 0.2, 0.5], starts=1)
 
 
 def design(criterion: str, robot: Robot | None = None) -> Design:

@@ -24,12 +24,9 @@ def rows(log: Log) -> np.ndarray:
 def test_a_table_a_csv_and_a_parquet_are_one_log(tmp_path: Path) -> None:
     pa.csv.write_csv(pa.table(COLUMNS), tmp_path / "log.csv")
     pa.parquet.write_table(pa.table(COLUMNS), tmp_path / "log.parquet", row_group_size=150)
-    logs = [
-        Log(source, PUMA)
-        for source in (COLUMNS, pa.table(COLUMNS), str(tmp_path / "log.csv"), tmp_path / "log.parquet")
-    ]
-    assert [log.rows for log in logs] == [400] * 4
-    for log in logs:
+    for source in (COLUMNS, pa.table(COLUMNS), str(tmp_path / "log.csv"), tmp_path / "log.parquet"):
+        log = Log(source, PUMA)
+        assert log.rows == 400
         assert list(log.columns) == ["time", "q", "qd", "qdd", "tau"]
         assert rows(log) == pytest.approx(np.array(list(COLUMNS.values())).T, rel=1e-12)
         assert log.step == pytest.approx(0.01)

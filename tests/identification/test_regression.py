@@ -7,17 +7,17 @@ from derive.errors import DeriveError
 from derive.identification.regression import Factors, Method, estimate, refuse_strange_torques
 from derive.identification.standard import Unknowns
 from derive.verification.oracle.functions import Oracle
-from tests.identification.logs import REAL, simulated, states
+from tests.identification.logs import REAL, simulated
 
 UNKNOWNS = Unknowns(REAL)
 
 
-def rows_of(count: int, noise: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rows_of(count: int, noise: float, still: tuple[int, ...] = ()) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The oracle's regressor, torques and their noise."""
-    columns, sizes = simulated(REAL, count, noise=noise, seed=seed)
-    oracle = Oracle.of(REAL, base=UNKNOWNS.base.parameters)
-    regressor = oracle.evaluate("base_regressor", *states(REAL.n, count, 100.0, seed)[1:])
-    return regressor, np.stack([columns[f"tau{j}"] for j in range(1, 7)], axis=1), sizes
+    columns, sizes = simulated(REAL, count, noise=noise, still=still)
+    names = [[f"{name}{j}" for j in range(1, 7)] for name in ("q", "qd", "qdd", "tau")]
+    *state, torques = [np.stack([columns[each] for each in row], axis=1) for row in names]
+    return Oracle.of(REAL, base=UNKNOWNS.base.parameters).evaluate("base_regressor", *state), torques, sizes
 
 
 def factors_of(regressor: np.ndarray, torques: np.ndarray, block: int = 500) -> Factors:
@@ -72,34 +72,31 @@ def test_a_log_without_noise_is_exact() -> None:
 
 
 def test_what_does_not_move_is_kept_and_the_rest_is_found() -> None:
-    columns, sizes = simulated(REAL, 2000, still=(0, 3))
-    names = [[f"{name}{j}" for j in range(1, 7)] for name in ("q", "qd", "qdd", "tau")]
-    *state, torques = [np.stack([columns[each] for each in row], axis=1) for row in names]
-    regressor = Oracle.of(REAL, base=UNKNOWNS.base.parameters).evaluate("base_regressor", *state)
-    prior = UNKNOWNS.prior * 1.1
-    found = estimate(factors_of(regressor, torques), Method.WLS, prior, UNKNOWNS.largest)
+    regressor, torques, sizes = rows_of(2000, 0.01, still=(0, 3))
+    factors, prior = factors_of(regressor, torques), UNKNOWNS.prior * 1.1
+    found = estimate(factors, Method.WLS, prior, UNKNOWNS.largest)
     kept = {p.name for p, own in zip(UNKNOWNS.base.parameters, found.kept, strict=True) if own}
     assert kept >= {"Izz1", "b1", "f1", "Ia4", "b4", "f4"}
     assert (found.beta[found.kept] == prior[found.kept]).all()
     residual = torques - regressor @ found.beta
     assert residual.std(axis=0) == pytest.approx(sizes, rel=0.05)
     # What the log tells with a deviation above anything that a robot has is kept, too.
-    tight = estimate(factors_of(regressor, torques), Method.WLS, prior, np.where(found.kept, np.inf, 1e-9))
+    tight = estimate(factors, Method.WLS, prior, np.where(found.kept, np.inf, 1e-9))
     assert tight.kept.all()
 
 
 @pytest.mark.parametrize(
-    ("factors", "message"),
+    ("factor", "message"),
     [
-        ({1: -1.0}, r"torques opposite to those .*: q2 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"),
-        ({1: 1000.0}, r"torques in another unit .*: q2 \(1e\+03 times\); name the unit in the header, 'tau1 \[mNm\]'"),
-        ({1: 0.001}, r"another unit .*: q2 \(0.001 times\)"),
+        (-1.0, r"torques opposite to those .*: q2 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"),
+        (1000.0, r"torques in another unit .*: q2 \(1e\+03 times\); name the unit in the header, 'tau1 \[mNm\]'"),
+        (0.001, r"another unit .*: q2 \(0.001 times\)"),
     ],
 )
-def test_torques_of_another_sign_or_unit_are_refused(factors: dict[int, float], message: str) -> None:
+def test_torques_of_another_sign_or_unit_are_refused(factor: float, message: str) -> None:
     regressor, torques, _ = rows_of(300, 0.01)
     labels = [f"q{j}" for j in range(1, 7)]
     refuse_strange_torques(factors_of(regressor, torques), UNKNOWNS.prior, labels)
-    torques = torques * [factors.get(j, 1.0) for j in range(6)]
+    torques[:, 1] *= factor
     with pytest.raises(DeriveError, match=message):
         refuse_strange_torques(factors_of(regressor, torques), UNKNOWNS.prior, labels)

@@ -28,7 +28,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     for name in LIMITS:
         usual = "none" if name == "acceleration" else "the robot file's"
         add(f"--{name}", metavar="V1,V2,...", help=f"largest {name} either way (default: {usual})")
-    add("--floor", metavar="Z", default="0", help="height above which frames stay, in metres, or none (default: 0)")
+    usual = "height above which frames stay, in metres, or none (default: 0)"
+    add("--floor", metavar="Z", type=height, default=0.0, help=usual)
     usual = "of the torques: N m or N, or %% of the largest (default: 1%%)"
     add("--noise", metavar="V1,V2,...", default="1%", help=usual)
     add("--sample", metavar="S", type=float, default=0.01, help="time between two samples (default: 0.01)")
@@ -42,14 +43,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Find the motion, write its plan, and print how well it tells each parameter."""
     from derive.api.excite import excite
-    from derive.identification.excited import HEAD
+    from derive.identification.excitation import HEAD
 
-    options = keywords(arguments, "period", "harmonics", "criterion", "noise", "sample", "starts", "seed", "force")
+    names = ("period", "harmonics", "criterion", *LIMITS, "floor", "noise", "sample", "starts", "seed", "force")
     added = [] if arguments.add == "none" else [name.strip() for name in arguments.add.split(",")]
-    floor = None if arguments.floor == "none" else float(arguments.floor)
-    found = excite(arguments.robot, arguments.out, floor=floor, add=added, **options, **keywords(arguments, *LIMITS))
+    found = excite(arguments.robot, arguments.out, add=added, **keywords(arguments, *names))
     lines = [f"{arguments.out}: condition number {found.condition:.4g}", *(f"  {note}" for note in found.notes)]
     print_written(arguments, found.text, found.as_dict(), lines)
     if arguments.out is not None and not (arguments.quiet or arguments.json):
         rows = [(name, f"{value:.4g}", f"{sigma:.2g}", text or "") for name, value, sigma, text in found.rows()]
         print_columns(rows, HEAD)
+
+
+def height(text: str) -> float | None:
+    """Of a floor [m]; None for ``none``."""
+    return None if text == "none" else float(text)

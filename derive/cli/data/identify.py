@@ -29,15 +29,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--method", choices=("ols", "wls", "possible"), default="wls", help=methods)
     patterns = "names of columns: q, qd, qdd, tau, time; * is a joint's number or name, a minus turns the sign"
     add("--columns", metavar="NAME=COLUMN*,...", action="append", default=[], help=patterns)
-    parts = (
-        "what to identify though the file does not give it: viscous, coulomb, armature, none (default: the first two)"
-    )
-    add("--add", metavar="PART,...", default="viscous,coulomb", help=parts)
-    add(
-        "--held-out",
-        metavar="LOG|PART",
-        help="log for validation, or the part of LOG's end that is kept for it, such as 0.2",
-    )
+    parts = "what to identify though the file does not give it: viscous, coulomb, armature, none"
+    add("--add", metavar="PART,...", default="viscous,coulomb", help=f"{parts} (default: the first two)")
+    validation = "log for validation, or the part of LOG's end that is kept for it, such as 0.2"
+    add("--held-out", metavar="LOG|PART", help=validation)
     cutoff = "frequency of the filter (default: 10 where speeds or accelerations are missing)"
     add("--cutoff", metavar="HZ", type=float, help=cutoff)
     add("--decimate", metavar="N", type=positive, default=1, help="keep one of N rows, filtered")
@@ -57,9 +52,8 @@ def run(arguments: argparse.Namespace) -> None:
     for text in ",".join(arguments.columns).split(",") if arguments.columns else ():
         quantity, equals, pattern = (part.strip() for part in text.partition("="))
         if not (quantity and equals and pattern):
-            raise DeriveError(
-                f"{quoted(text)} in --columns", allowed="allowed: q=...*,qd=...*,qdd=...*,tau=...*,time=..."
-            )
+            allowed = "allowed: q=...*,qd=...*,qdd=...*,tau=...*,time=..."
+            raise DeriveError(f"{quoted(text)} in --columns", allowed=allowed)
         columns[quantity] = pattern
     names = ("report", "method", "held_out", "cutoff", "decimate", "drop", "trust_torques", "force")
     options = keywords(arguments, *names)
