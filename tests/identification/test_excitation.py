@@ -32,6 +32,7 @@ links:
 """Angles in degrees, lengths in millimetres, a slide, friction by direction, and torques that limit."""
 LIMITS = {"acceleration": ["200", "200", "1500"]}
 FLOOR = 0.25
+CRITERIA = pytest.mark.parametrize("criterion", ["determinant", pytest.param("condition", marks=pytest.mark.sweep)])
 
 
 @cache
@@ -61,7 +62,7 @@ def stacked(motion: Motion) -> np.ndarray:
     return Functions(wide, frozenset({"base_regressor"}), {})("base_regressor", q, qd, qdd)
 
 
-@pytest.mark.parametrize("criterion", [*Criterion])
+@CRITERIA
 def test_the_plan_keeps_to_all_limits_and_begins_and_ends_at_rest(criterion: str) -> None:
     motion = Motion.from_text(found(criterion).text)
     assert motion.violations == ()
@@ -87,7 +88,7 @@ def test_condition_and_deviations_are_those_of_least_squares(criterion: str) -> 
                                 "fm2", "m3", "mx3", "my3", "mz3", "b3", "f3")  # fmt: skip
 
 
-@pytest.mark.parametrize("criterion", [*Criterion])
+@CRITERIA
 def test_it_is_better_than_the_best_of_many_random_motions(criterion: str) -> None:
     search = design(criterion)
     rng = np.random.default_rng(7)

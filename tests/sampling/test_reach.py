@@ -60,6 +60,7 @@ def test_postures_and_their_worth_are_those_of_numbers(
     assert min(compare(arm, step, turns, pairs)) > 5
 
 
+@pytest.mark.sweep
 def test_without_a_compiler_it_is_the_same_map(monkeypatch: pytest.MonkeyPatch) -> None:
     grid = MapGrid.of(PUMA.robot, 0.3, 4, 2, conditioning=True)
     compiled = computed(grid.blocks[0], grid)

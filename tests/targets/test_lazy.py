@@ -106,6 +106,7 @@ def test_lazy_results_of_built_in_robots(robot: str, tmp_path: Path, monkeypatch
     check(modules(Robot.load(robot), tmp_path, monkeypatch, "numpy", "native"))
 
 
+@pytest.mark.sweep
 def test_other_processes_give_the_same_bytes(planar_modules: list[ModuleType]) -> None:
     numpy, native = planar_modules
     compared(numpy, "inverse_kinematics", (1, 11, -1), 1e-13, scheduler="processes", num_workers=2)

@@ -41,7 +41,7 @@ def test_functions_take_the_name_of_an_end() -> None:
 
 
 @needs_compiler
-@pytest.mark.parametrize("text", [TORSO, *swept(BODY)], ids=["torso", "body"])
+@pytest.mark.parametrize("text", swept(TORSO, BODY), ids=["torso", "body"])
 def test_trees_are_built_verified_and_fresh(text: str, tmp_path: Path) -> None:
     robot = Robot.from_text(text)
     assert {"model_numpy.py", "model_casadi.py", "model.c"} <= {*build(robot, tmp_path).files}
