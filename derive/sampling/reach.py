@@ -29,8 +29,6 @@ _MARGIN = (
     "chosen best (0 at a limit, 1 in the middle of all ranges and where no joint has limits)"
 )
 _CONDITION = "the smallest by the largest singular value of J of the task, lengths in parts of the reach"
-
-
 VALUES = {
     "postures": ("1", "postures within the joint limits, counted modulo full turns"),
     "manipulability": ("", "largest sqrt(det(J J^T)) of the postures, J of the task"),
@@ -125,10 +123,10 @@ def _solver(robot: Robot, program: Program) -> Inverse | InverseSearch:
     return solver
 
 
-def computed(block: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
-    """The values of a block, (cells..., orientations...) records."""
+def computed(block_id: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
+    """The values of a block, (cells..., orientations...) records; ``block_id`` may go on as that of a Dask array."""
     functions, turns, kinds = functions_of(grid), grid.orientations.rotations, value_type(grid)
-    middles, is_near = grid.cells(block)
+    middles, is_near = grid.cells(block_id[: len(grid.axes)])
     found = np.zeros((*is_near.shape, len(turns)), dtype=[*kinds.items()])
     for name in [*kinds][1:]:
         found[name] = np.nan

@@ -32,7 +32,7 @@ def map_dataset(grid: MapGrid) -> Any:
     chunks = [(side,) * (count // side) + (count % side,) * (count % side > 0) for side, count in sides]
     chunks += [(size,) for size in sizes.values()]
     empty = np.empty((0,) * len(chunks), [*kinds.items()])
-    records = arrays.map_blocks(_block, grid=grid, chunks=tuple(chunks), dtype=empty.dtype, meta=empty)
+    records = arrays.map_blocks(computed, grid=grid, chunks=tuple(chunks), dtype=empty.dtype, meta=empty)
     lengths = len(grid.axes) - sum(not way.revolute for way in grid.ranges)  # rows of J in metres, columns by metres
     volume = f"m^{lengths}" if lengths else "1"
     told = {name: {"units": VALUES[name][0] or volume, "long_name": VALUES[name][1]} for name in kinds}
@@ -44,10 +44,6 @@ def map_dataset(grid: MapGrid) -> Any:
         for name, (dimension, values) in grid.orientations.coordinates.items()
     }
     return xarray.Dataset(variables, along | turned, attributes(grid))
-
-
-def _block(grid: MapGrid, block_id: tuple[int, ...] = ()) -> npt.NDArray[Any]:
-    return computed(tuple(block_id[: len(grid.axes)]), grid)
 
 
 def attributes(grid: MapGrid) -> dict[str, Any]:
