@@ -6,7 +6,7 @@ from unittest import mock
 
 import pytest
 
-from derive.sampling import store
+from derive.sampling import maps
 from tests.cli.command import derive
 
 pytest.importorskip("xarray")
@@ -41,7 +41,7 @@ def test_a_map_is_reported_and_resumed(folder: Path) -> None:
 
 
 def test_an_interrupt_says_how_to_go_on(folder: Path) -> None:
-    with mock.patch.object(store, "computed", side_effect=KeyboardInterrupt):
+    with mock.patch.object(maps, "computed", side_effect=KeyboardInterrupt):
         done = derive(*COMMAND, "--grid", "0.1", folder=folder)
     assert done.status == 130
     assert "finished blocks are kept; go on with: --resume -o reach.zarr" in done.stderr

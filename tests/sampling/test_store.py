@@ -16,7 +16,7 @@ from derive.api.map import write_map
 from derive.errors import DeriveError
 from derive.robot.robot import Robot
 from derive.sampling import grid
-from derive.sampling.store import map_dataset
+from derive.sampling.maps import map_dataset
 from tests.places import ROOT
 from tests.sampling.numeric_arms import ELBOW, SCARA
 
