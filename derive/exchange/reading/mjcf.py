@@ -10,7 +10,7 @@ from typing import Any
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.arm import frame_at
 from derive.exchange.reading.elements import ZEROS, Held, Origin, Triple, Urdf, UrdfBody, UrdfJoint
-from derive.exchange.reading.urdf import angles_of
+from derive.exchange.reading.urdf import DIGITS, angles_of
 from derive.mechanics.space import decimal, exactly, vector
 from derive.mechanics.vectors import subtract
 
@@ -18,7 +18,6 @@ from derive.mechanics.vectors import subtract
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
 EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # the quaternion of no rotation
-DIGITS = 70  # of places that are computed
 LOOPS = "give a tree of hinges and slides, which follow each other by equality joint alone"
 
 

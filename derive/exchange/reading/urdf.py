@@ -30,7 +30,7 @@ GREATEST = 60  # power of ten beyond which a number is no length and no mass; wh
 VERSIONS = ("1.0", "1.1", "1.2")  # of URDF; a file that says none is of the first
 ONE = Fraction(1, 10**6)  # how far the squared length of a quaternion may be from 1 without a word
 MOST_ROOTS = 8  # of those that are named
-ANGLE_DIGITS = 70  # of the roll, pitch and yaw of a quaternion
+DIGITS = 70  # of what is computed: the roll, pitch and yaw of a quaternion
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
 
@@ -164,7 +164,7 @@ def angles_of(x: Fraction, y: Fraction, z: Fraction, w: Fraction) -> Triple:
     )
     with exactly():
         axes = (vector([entry / square for entry in column]) for column in columns)
-        roll, pitch, yaw = (decimal(angle, ANGLE_DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
+        roll, pitch, yaw = (decimal(angle, DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
     return roll, pitch, yaw
 
 
