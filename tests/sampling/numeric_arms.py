@@ -1,4 +1,4 @@
-"""Arms as plain rows of numbers, and their solutions by damped Newton from random starts, by the oracle's poses."""
+"""Arms as plain rows of numbers, and their solutions by damped Newton from random starts, without derive."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,6 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.robot.robot import Robot
-from derive.verification.oracle import frames
 
 TURN = 2.0 * np.pi
 PI = np.pi
@@ -37,9 +36,22 @@ class NumericArm:
         return Robot.from_text(self.text)
 
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """T (..., 4, 4) and J (..., 6, n)."""
-        arm = frames.numeric_arm(self.robot)
-        return frames.forward_kinematics(arm, q), frames.jacobian(arm, q)
+        """T (..., 4, 4) and J (..., 6, n), by the product of the matrices of the rows."""
+        pose = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
+        axes, places = [], []
+        for (a, d, alpha, slides, _), value in zip(self.rows, np.moveaxis(q, -1, 0), strict=True):
+            axes.append(pose[..., :3, 2])
+            places.append(pose[..., :3, 3])
+            theta, height = (0.0 * value, value) if slides else (value, d + 0.0 * value)
+            c, s, ca, sa, no = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha), 0.0 * theta
+            rows = [c, -s * ca, s * sa, a * c, s, c * ca, -c * sa, a * s]
+            rows += [no, no + sa, no + ca, height, no, no, no, no + 1.0]
+            pose = pose @ np.stack(rows, axis=-1).reshape(*no.shape, 4, 4)
+        columns = []
+        for (*_, slides, _), axis, place in zip(self.rows, axes, places, strict=True):
+            arm = pose[..., :3, 3] - place
+            columns.append(np.concatenate([axis, 0 * axis] if slides else [np.cross(axis, arm), axis], axis=-1))
+        return pose, np.stack(columns, axis=-1)
 
     def errors(self, q: Array, goal: Array) -> tuple[Array, Array]:
         """How far the entries of the task are from the goal (..., m), and the derivatives (..., m, n)."""
