@@ -19,8 +19,7 @@ from bench.terminal import say
 from derive.api.robots import load
 from derive.sampling.clusters import cluster
 from derive.sampling.grid import MapGrid
-from derive.sampling.reach import functions_of
-from derive.sampling.store import MapStore
+from derive.sampling.maps import MapStore, functions_of
 
 ROBOT = FOLDER / "ur5e-numeric.yaml"
 CELL, TURNS, BAR = 0.025, (64, 12), 120.0

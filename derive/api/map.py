@@ -16,8 +16,7 @@ from derive.handouts.figure.writers import figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.sampling.clusters import cluster
 from derive.sampling.grid import MapGrid
-from derive.sampling.reach import value_type
-from derive.sampling.store import MapStore, map_dataset
+from derive.sampling.maps import MapStore, map_dataset, value_type
 
 if TYPE_CHECKING:
     import xarray

@@ -176,6 +176,14 @@ def _whole(text: str, least: int, most: int) -> int:
     return int(text)
 
 
+def numbers(text: str, wanted: str) -> list[float]:
+    """Numbers with commas between; ``wanted`` is what a refusal says that it is not."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not {wanted}") from None
+
+
 positive = partial(_whole, least=1, most=99999999)  # a whole number from 1 on
 digit_count = partial(_whole, least=1, most=30)  # a number of significant digits
 

@@ -4,11 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby, product
+from math import inf, remainder, tau
 
 import numpy as np
 
 from derive.errors import QuantityError, RobotFileError, listed
-from derive.exchange.arm import carrying_joints, direction_of, frame_at
+from derive.exchange.arm import direction_of, frame_at, joints_between
 from derive.exchange.reading.elements import MOVING, Urdf, UrdfJoint
 from derive.inverse.loops.linkage import linkage, positions
 from derive.mechanics.space import WORLD, Frame, Point, length, plus, unit
@@ -41,36 +42,26 @@ def turn_to(axis: Point) -> Frame:
 
 def joins(urdf: Urdf, joints: Sequence[UrdfJoint], snap: Fraction) -> Iterator[Join]:
     """The loops of a file; points that connect the same links are one pin, and so is one of a plane linkage."""
-    carrying, at_zero = carrying_joints(urdf), {joint.parent: WORLD for joint in joints[:1]}
+    at_zero = {joint.parent: WORLD for joint in joints[:1]}
     for joint in joints:
         at_zero[joint.child] = at_zero[joint.parent].then(frame_at(joint.origin, snap))
-
-    def _above(link: str) -> list[UrdfJoint]:
-        joint = carrying.get(link)
-        return [] if joint is None else [*_above(joint.parent), joint]
-
     for (links, is_weld), group in groupby(urdf.closures, key=lambda each: (each.links, each.is_weld)):
-        ways = [_above(link) for link in links]
-        around = tuple(j for j in (*ways[0], *ways[1]) if j.type in MOVING and (j in ways[0]) != (j in ways[1]))
-        first, *others = [[frame_at(origin, snap) for origin in each.origins] for each in group]
-        by, frames = (Joining.FIXED if is_weld else Joining.SPHERICAL), first
-        others = [
-            pair for pair in others if length(plus(pair[0].origin, first[0].origin, -1)) > _APART
-        ]  # no point twice
+        around = tuple(joint for joint in joints_between(urdf, *links[::-1])[::-1] if joint.type in MOVING)
+        frames, *others = [[frame_at(origin, snap) for origin in each.origins] for each in group]
+        by, axes = Joining.FIXED if is_weld else Joining.SPHERICAL, list[Point]()
+        ways = [[plus(end.origin, own.origin, -1) for end, own in zip(pair, frames, strict=True)] for pair in others]
+        ways = [pair for pair in ways if length(pair[0]) > _APART]  # no point twice
         turns = [(joint, at_zero[joint.child].direction(direction_of(joint, snap))) for joint in around]
-        if not is_weld and others:
-            spots = [[plus(pair[side].origin, first[side].origin, -1) for pair in others] for side in (0, 1)]
-            axes = [unit(spot[0]) for spot in spots]
-            if any(length(cross(axis, end)) > _APART for axis, spot in zip(axes, spots, strict=True) for end in spot):
-                found = f"{len(others) + 1} points connect {listed(links)}, which are not on one line"
+        if not is_weld and ways:
+            axes = [unit(way) for way in ways[0]]
+            if any(length(cross(axis, way)) > _APART for pair in ways for axis, way in zip(axes, pair, strict=True)):
+                found = f"{len(ways) + 1} points connect {listed(links)}, which are not on one line"
                 raise RobotFileError(f"{urdf.source}: {found}", remedy="write equality weld")
         elif not is_weld and (normal := _normal(turns)):
             axes = [WORLD.seen_from(at_zero[link]).direction(normal) for link in links]
-        else:
-            axes = []
         if axes:
-            turned = (turn_to(axis) for axis in axes)
-            by, frames = Joining.REVOLUTE, [Frame(f.origin, t.x, t.y, t.z) for f, t in zip(first, turned, strict=True)]
+            turned = zip(frames, map(turn_to, axes), strict=True)
+            by, frames = Joining.REVOLUTE, [Frame(f.origin, t.x, t.y, t.z) for f, t in turned]
         yield Join(links, (frames[0], frames[1]), by, around)
 
 
@@ -131,14 +122,9 @@ def _on_branch(robot: Robot, at: Sequence[np.ndarray]) -> Robot | None:
                 full, exists = positions(part, linkage(part), q)
             except QuantityError:  # a branch in which it cannot be assembled
                 continue
-            apart = [_apart(full[p] - at[p], part.joints[p].is_revolute) for p in solved.passive]
-            if exists.all() and max(apart) < _SEEN:
+            gaps = ((float(full[p][0] - at[p][0]), part.joints[p].is_revolute) for p in solved.passive)
+            if exists.all() and all(abs(remainder(gap, tau if turns else inf)) < _SEEN for gap, turns in gaps):
                 break
         else:
             return None
     return replace(robot, loops=tuple(loops))
-
-
-def _apart(difference: np.ndarray, is_angle: bool) -> float:
-    whole = round(float(difference[0]) / (2 * np.pi)) * 2 * np.pi if is_angle else 0.0
-    return abs(float(difference[0]) - whole)

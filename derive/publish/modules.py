@@ -48,12 +48,18 @@ def imported(sources: ModuleSources) -> tuple[ModuleType, TemporaryFolder]:
     return module_of(temporary.path / sources.files[-1][0], f"derive_module_{temporary.path.name}"), temporary
 
 
-def loaded(source: Source, *, compiled: bool) -> tuple[ModuleType, TemporaryFolder]:
-    """``model_numpy.py``, or ``model_native.py`` where a compiler serves, and the folder that holds it."""
+def serving_sources(source: Source, *, compiled: bool = True) -> ModuleSources:
+    """Those of ``model_numpy.py``, or of ``model_native.py`` where a compiler serves."""
     if compiled and find_compiler():
         with suppress(TargetError):  # a compiler that does not serve is none
-            return imported(ModuleSources.of(source, compiled=True))
-    return imported(ModuleSources.of(source, compiled=False))
+            imported(found := ModuleSources.of(source, compiled=True))
+            return found
+    return ModuleSources.of(source, compiled=False)
+
+
+def loaded(source: Source, *, compiled: bool) -> tuple[ModuleType, TemporaryFolder]:
+    """The module of `serving_sources`, and the folder that holds it."""
+    return imported(serving_sources(source, compiled=compiled))
 
 
 def module_of(file: Path, name: str) -> ModuleType:

@@ -1,4 +1,4 @@
-"""Where blocks of work are computed: threads of this process, processes of this machine, or a Dask cluster."""
+"""Where blocks of work are computed: threads of this process, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -67,39 +67,28 @@ class Cluster:
 
 
 @contextmanager
-def cluster(workers: int | None = None, scheduler: str | None = None, *, processes: bool = False) -> Iterator[Cluster]:
-    """Threads of this process, ``processes`` of this machine, or the workers of a scheduler.
+def cluster(workers: int | None = None, scheduler: str | None = None) -> Iterator[Cluster]:
+    """Threads of this process, or the workers of a scheduler.
 
     Threads suffice for compiled functions. Dask's collections that are computed in the context use these workers.
     """
-    count = workers or os.cpu_count() or 1
-    if scheduler is not None and workers is not None:
-        raise DeriveError("--workers with --scheduler", remedy="leave one out: the cluster has its own workers")
-    if scheduler is None and not processes:
-        dask = data_module("dask") if find_spec("dask") else None
+    if scheduler is None:
+        count, dask = workers or os.cpu_count() or 1, data_module("dask") if find_spec("dask") else None
         with ThreadPoolExecutor(count) as pool, dask.config.set(pool=pool) if dask else nullcontext():
             yield Cluster(pool, count)
         return
-    distributed = data_module("distributed")
-    if scheduler is None:
-        own = distributed.Client(n_workers=count, threads_per_worker=1, dashboard_address=None, set_as_default=False)
-        with own as client, client.as_current():
-            yield Cluster(client.get_executor(), count, client)
-        return
-    with _client(distributed, scheduler) as client, client.as_current():
+    if workers is not None:
+        raise DeriveError("--workers with --scheduler", remedy="leave one out: the cluster has its own workers")
+    try:  # as the default, a client that finds no scheduler would take all that is computed afterwards, and wait
+        found = data_module("distributed").Client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise DeriveError(
+            f"no Dask scheduler answers at {scheduler!r} within {PATIENCE} s",
+            allowed="allowed: an address such as tcp://127.0.0.1:8786",
+            remedy="start one with 'dask scheduler', or leave out --scheduler",
+        ) from error
+    with found as client, client.as_current():
         threads = sum(client.nthreads().values())
         if not threads:
             raise DeriveError(f"the scheduler at {scheduler!r} has no workers", remedy="start one: dask worker ADDRESS")
         yield Cluster(client.get_executor(), threads, client)
-
-
-def _client(distributed: Any, address: str) -> Any:
-    """A client of a scheduler that runs, or a refusal."""
-    try:  # as the default, a client that finds no scheduler would take all that is computed afterwards, and wait
-        return distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise DeriveError(
-            f"no Dask scheduler answers at {address!r} within {PATIENCE} s",
-            allowed="allowed: an address such as tcp://127.0.0.1:8786",
-            remedy="start one with 'dask scheduler', or leave out --scheduler",
-        ) from error

@@ -190,14 +190,11 @@ def _most(chain: NumericChain, ranges: Sequence[Range], value: Callable[[Array],
     a joint that turns, and largest at an end of one that slides.
     """
 
-    def _values(q: Array) -> Array:
-        return value(chain.pose_and_jacobian(q)[0][..., :3, 3])
-
-    def _tried(q: Array, joint: int, places: Sequence[Any]) -> Array:  # (places, ..., n)
+    def _tried(q: Array, joint: int, places: Sequence[Any]) -> tuple[Array, Array]:  # (places, ..., n), (places, ...)
         tried = np.stack([q] * len(places))
         for one, place in zip(tried, places, strict=True):
             one[..., joint] = place
-        return tried
+        return tried, value(chain.pose_and_jacobian(tried)[0][..., :3, 3])
 
     lower, upper = np.array([[way.lower, way.upper] for way in ranges]).T
     q = np.random.default_rng(0).uniform(lower, upper, (_STARTS, groups, len(ranges)))
@@ -207,13 +204,13 @@ def _most(chain: NumericChain, ranges: Sequence[Range], value: Callable[[Array],
         for joint, way in enumerate(ranges):
             places: list[Any] = [way.lower, way.upper]
             if way.revolute:
-                samples = np.moveaxis(_values(_tried(q, joint, _THIRDS.tolist())), 0, -1)
+                samples = np.moveaxis(_tried(q, joint, _THIRDS.tolist())[1], 0, -1)
                 top = np.arctan2(samples @ np.sin(_THIRDS), samples @ np.cos(_THIRDS))
                 top = way.lower + (top - way.lower) % TURN
                 places.append(np.where(top > way.upper, way.lower, top))
-            tried = _tried(q, joint, places)
-            q = np.take_along_axis(tried, _values(tried).argmax(axis=0)[None, ..., None], axis=0)[0]
-        best = _values(q).max(axis=0)
+            tried, found = _tried(q, joint, places)
+            q = np.take_along_axis(tried, found.argmax(axis=0)[None, ..., None], axis=0)[0]
+        best = found.max(axis=(0, 1))
         if np.all(best - before <= _SETTLED * max(chain.reach, 1.0) ** 2):
             break
     return best

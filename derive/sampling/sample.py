@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from math import gcd, isfinite, pi
 from typing import Any, NamedTuple
@@ -16,15 +15,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from derive.arrays import Array
-from derive.errors import DeriveError, QuantityError, RobotFileError, RobotFileWarning, TargetError, listed, near_miss
+from derive.errors import DeriveError, QuantityError, RobotFileError, RobotFileWarning, listed, near_miss
 from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import WIDTHS, Program
-from derive.publish.modules import ModuleSources, imported
+from derive.publish.modules import ModuleSources, imported, serving_sources
 from derive.robot.robot import Robot
 from derive.sampling.clusters import Cluster, Tell
-from derive.targets.compiler import find_compiler
 from derive.targets.target import Source, joint_bounds, joint_limits
 from derive.version import __version__
 
@@ -214,12 +212,7 @@ def sources_of(robot: Robot, program: Program, parameters: Mapping[str, float]) 
     if missing := [name for name in needed if name not in parameters]:
         remedy = f"write parameters: {{{missing[0]}: ...}} in the robot file"
         raise QuantityError(f"no number for {listed(missing)} of {robot.name}", remedy=remedy)
-    for compiled in (find_compiler() is not None, False):
-        sources = ModuleSources.of(Source(robot, program, __version__), compiled=compiled)
-        with suppress(TargetError):  # a compiler that does not serve is none
-            imported(sources)
-            break
-    return sources
+    return serving_sources(Source(robot, program, __version__))
 
 
 def sampled(work: Sampling, cluster: Cluster, chunk: int, what: str, tell: Tell | None) -> dict[str, Sampled]:

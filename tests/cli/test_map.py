@@ -6,7 +6,7 @@ from unittest import mock
 
 import pytest
 
-from derive.sampling import store
+from derive.sampling import maps
 from tests.cli.command import derive
 
 pytest.importorskip("xarray")
@@ -41,7 +41,7 @@ def test_a_map_is_reported_and_resumed(folder: Path) -> None:
 
 
 def test_an_interrupt_says_how_to_go_on(folder: Path) -> None:
-    with mock.patch.object(store, "computed", side_effect=KeyboardInterrupt):
+    with mock.patch.object(maps, "computed", side_effect=KeyboardInterrupt):
         done = derive(*COMMAND, "--grid", "0.1", folder=folder)
     assert done.status == 130
     assert "finished blocks are kept; go on with: --resume -o reach.zarr" in done.stderr
@@ -54,7 +54,8 @@ def test_an_interrupt_says_how_to_go_on(folder: Path) -> None:
         (["--orientations", "0"], "'0' is not a whole number from 1"),
         (["--box", "0,x"], "'0,x' is not a list of numbers such as 0.2,0.6"),
         (["--box", "0,1"], "the box 0, 1 is not one that the arm reaches; allowed: x0,x1,y0,y1 within x from"),
-        (["--grid", "1e-6"], "or say --yes"),
+        (["--grid", "1e-5"], "a map of 3.24e+10 poses: up to 292 GB and about 9 h of one core; allowed: 1e+10 unasked"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:9"], "--workers with --scheduler"),
         (["--plot", "a.txt"], "has the ending of another kind of file"),
     ],
 )

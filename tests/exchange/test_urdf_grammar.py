@@ -120,6 +120,7 @@ def silent_difference(text: str, usual: Imported) -> str:
     return "another arm" if not is_told and differs(text, found) else ""
 
 
+UNITS = 'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
 CHAIN = [*LINKS[:1], J("0.1 0 0", "0 0 0.1", "0 1 0", inertial=body("1"))]
 
 
@@ -149,6 +150,7 @@ def test_what_could_change_the_arm_and_is_not_known_is_refused(old: str, new: st
     ("old", "new", "note"),
     [
         ('iyy="1" ', "", "inertia without iyy, taken as 0 (line 10)"),
+        (f"<inertia {UNITS}/>", "", "inertial without inertia, a mass at a point: link 'l2' (line 10)"),
         ('"0 1 0"/>', '"0 1 0"/><axis xyz="1 0 0"/>', "2 elements axis in one joint: the first is taken (line 11)"),
         ('"l2"><inertial>', '"l2"><inertial>@</inertial><inertial>', "2 elements inertial in one"),
         ("<limit lower", "<gap lower", "joint 'j1' is revolute and has no limits, without which other programs refuse"),

@@ -13,7 +13,6 @@ from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_set
 from derive.robot.inertial_parameters import standard_parameters
-from derive.robot.tree import path
 from derive.verification.oracle.functions import Oracle
 from tests.mechanics.arms import assert_close, moving
 from tests.random_robots import configurations, seeds
@@ -37,15 +36,6 @@ def test_dynamics_of_trees_are_those_of_pinocchio(seed: int) -> None:
     assert_close(articulated_accelerations(chain, qd, torques), tree.qdd, 1e-13 * np.linalg.cond(inertia))
     assert_close(torque_position_derivative(chain, qd, qdd, 0.5), other.inverse_dynamics_dq(*state), 1e-10)
     assert_close(torque_velocity_derivative(chain, qd, 0.5), other.inverse_dynamics_dqd(tree.q, tree.qd), 1e-10)
-
-
-@pytest.mark.parametrize("seed", seeds(200, 10, 30))
-def test_joints_of_different_branches_do_not_feel_each_other(seed: int) -> None:
-    tree = moving(random_tree(random.Random(seed)).robot, seed)
-    ways = [{*path(tree.robot, i)} for i in range(tree.robot.n)]
-    apart = [[i not in ways[j] and j not in ways[i] for j in range(tree.robot.n)] for i in range(tree.robot.n)]
-    assert not np.array(inertia_matrix(tree.chain))[apart].any()
-    assert not np.array(coriolis_matrix(tree.chain, tree.qd.tolist(), 0.5))[apart].any()
 
 
 @pytest.mark.parametrize("seed", seeds(60, 8, 30))

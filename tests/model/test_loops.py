@@ -63,7 +63,8 @@ def slopes_of(name: str, quantity: str) -> list[Any]:
 
 @every
 def test_derivatives_are_those_of_positions_along_the_loop(name: str) -> None:
-    robot, q = model_of(name).robot, ROBOTS[name][1]
+    robot, q, (one,) = model_of(name).robot, ROBOTS[name][1], find_closure(model_of(name)).loops
+    assert (one.inverse.complete, len(one.solution.signs)) == (True, 1)
     full, exists = positions(robot, linkage(robot), [np.array([x]) for x in q])
     here = [full[robot.joints.index(joint)] for joint in robot.passive]
     assert exists.all()
@@ -127,13 +128,6 @@ def test_what_only_some_robots_have_is_refused_or_means_what_books_say() -> None
             model.quantity(name)
     with pytest.raises(QuantityError, match=r"coupler, rocker, at this point: it is open, or singular"):
         model.at("B", [0.7], values={"l1": 9})
-
-
-@every
-def test_the_number_of_assemblies_is_proven_and_the_branch_is_one_of_them(name: str) -> None:
-    (one,) = find_closure(model_of(name)).loops
-    assert one.inverse.complete
-    assert len(one.solution.signs) == 1
 
 
 def test_lengths_without_numbers_and_rates_without_poles_are_built_and_told(tmp_path: Path) -> None:

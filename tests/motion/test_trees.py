@@ -1,6 +1,5 @@
 """Motions of trees: ends that follow poses and ways, payloads at any of them, and free trees."""
 
-import random
 from functools import cache
 
 import numpy as np
@@ -11,14 +10,10 @@ from derive.motion.incremental import increments_of
 from derive.motion.motion import Motion
 from derive.motion.output.printed import printed_hand, printed_weights
 from derive.motion.output.table import samples
-from derive.motion.torques.functions import Functions
 from derive.plans.catalogue import new_plan_text
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.places import ROOT
-from tests.random_robots import configurations, seeds
-from tests.random_trees import random_tree
-from tests.verification.oracle.pinocchio_reference import TreeBuilder
 
 TORSO = (ROOT / "derive/robot/catalogue/two-armed-torso.yaml").read_text(encoding="utf-8")
 TORSO = TORSO.replace("runtime: [m2]", "inverse: {task: [x, y, z], given: [q1]}\nruntime: [m2]").split("runtime")[0]
@@ -129,17 +124,6 @@ def test_a_free_tree_keeps_its_energy_and_gravity_alone_changes_its_momentum(tex
     momentum = np.einsum("tij,tj->ti", inertia, run.qd)[:, slides]
     lost = np.outer(run.t, inertia[0, 0, 0] * 9.81 * np.eye(len(slides))[-1])
     assert momentum == pytest.approx(momentum[0] - lost, abs=1e-6)
-
-
-@pytest.mark.parametrize("seed", seeds(40, 2, 40))
-def test_accelerations_of_a_simulation_are_those_of_pinocchio(seed: int) -> None:
-    drawn = random_tree(random.Random(seed), joints=2 + seed % 8)
-    functions = Functions(drawn.robot, frozenset({"forward_dynamics"}), {})
-    q, qd, _, tau = configurations(random.Random(seed), drawn.robot.n, 4)
-    outside = TreeBuilder(drawn).build()
-    if outside.determines("forward_dynamics", q):
-        wanted = outside.forward_dynamics(q, qd, 20 * tau)
-        assert functions("forward_dynamics", q, qd, 20 * tau) == pytest.approx(wanted, rel=1e-7, abs=1e-7)
 
 
 WRONG = {

@@ -7,7 +7,7 @@ import pytest
 
 from derive.publish import modules
 from derive.sampling.grid import MapGrid
-from derive.sampling.reach import computed, functions_of, value_type
+from derive.sampling.maps import computed, functions_of, value_type
 from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, NumericArm
 
 SLOW = [pytest.param(arm, marks=pytest.mark.sweep) for arm in (UR5E, PUMA)]

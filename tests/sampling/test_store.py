@@ -16,7 +16,7 @@ from derive.api.map import write_map
 from derive.errors import DeriveError
 from derive.robot.robot import Robot
 from derive.sampling import grid
-from derive.sampling.store import map_dataset
+from derive.sampling.maps import map_dataset
 from tests.places import ROOT
 from tests.sampling.numeric_arms import ELBOW, SCARA
 
@@ -127,16 +127,3 @@ def test_a_store_of_another_map_is_refused_and_stays(tmp_path: Path, whole: dict
     with pytest.raises(DeriveError, match="is not the store of a map"):
         write_map(ROBOT, tmp_path / "folder", **HOW, resume=True)
     assert contents(path) == whole
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"grid": 1e-4}, r"a map of 4.*e\+.* poses: up to .* GB and about .* h of one core; .*--yes"),
-        ({"workers": 2, "scheduler": "tcp://127.0.0.1:9"}, "--workers with --scheduler"),
-    ],
-)
-def test_what_is_refused_before_anything_is_written(options: dict[str, object], said: str, tmp_path: Path) -> None:
-    with pytest.raises(DeriveError, match=said):
-        write_map(ROBOT, tmp_path / "s.zarr", **options)  # type: ignore[arg-type]
-    assert list(tmp_path.iterdir()) == []

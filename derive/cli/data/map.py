@@ -3,9 +3,10 @@
 import argparse
 import sys
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
-from derive.cli.terminal import add_shared, keywords, positive, print_json, progress
+from derive.cli.terminal import add_shared, keywords, numbers, positive, print_json, progress
 
 DESCRIPTION = """\
 Map the workspace to a Zarr store: for each cell of a grid and each orientation the number of postures within the joint
@@ -17,6 +18,7 @@ SCARAs angles about z; of an arm without orientation in its task none. An interr
   derive map ur5e.yaml --grid 0.025 -o reach.zarr
   derive map ur5e.yaml --box 0.2,0.6,-0.2,0.2,0,0.4 --plot slice.png -o reach.zarr
 """
+_box = partial(numbers, wanted="a list of numbers such as 0.2,0.6")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--grid", metavar="METRES", type=float, default=0.05, help="side of a cell (default 0.05)")
     add("--orientations", metavar="N", type=positive, default=64, help="directions, or angles (default 64)")
     add("--rolls", metavar="N", type=positive, default=12, help="turns about each direction (default 12)")
-    add("--box", metavar="X0,X1,...", type=_numbers, help="lower and upper ends of what is mapped, in metres")
+    add("--box", metavar="X0,X1,...", type=_box, help="lower and upper ends of what is mapped, in metres")
     add("--conditioning", action="store_true", help="add the condition of the Jacobian")
     add("--workers", metavar="N", type=positive, help="threads (default: one for each core)")
     add("--scheduler", metavar="ADDRESS", help="compute on a Dask cluster, such as tcp://127.0.0.1:8786")
@@ -35,13 +37,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--plot", metavar="FILE", type=Path, help="draw a slice: .pdf, .svg or .png")
     add("--yes", action="store_true", help="compute more than 10^10 poses")
     add_shared(parser, "force", "quiet", "json")
-
-
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a list of numbers such as 0.2,0.6") from None
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -1,11 +1,11 @@
 """``derive sample``: functions of a robot over many configurations."""
 
 import argparse
+from functools import partial
 from itertools import product
 from typing import Any
 
-from derive.cli.terminal import add_shared, keywords, positive, print_columns, print_json, progress
-from derive.errors import quoted
+from derive.cli.terminal import add_shared, keywords, numbers, positive, print_columns, print_json, progress
 
 DESCRIPTION = """\
 Print the smallest, mean and largest value of every entry of generated functions over many configurations.
@@ -19,6 +19,7 @@ number for all entries or one for each.
   derive sample puma560-corke T J --over grid --number 1e7 --json
   derive sample puma560-corke T J --number 1e9 --scheduler tcp://10.0.0.1:8786
 """
+_bounds = partial(numbers, wanted="a number, nor numbers with commas between")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -65,11 +66,3 @@ def run(arguments: argparse.Namespace) -> None:
         for name, one in found.items():
             if one.lacking:
                 print(f"{name} has no finite value in {one.lacking} of them, which are left out")
-
-
-def _bounds(text: str) -> list[float]:
-    """One number, or several with commas between."""
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a number, nor numbers with commas between") from None

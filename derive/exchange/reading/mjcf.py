@@ -1,7 +1,7 @@
 """MJCF files, as MuJoCo compiles them: defaults, included files, and the masses of what has only a shape."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,14 +10,14 @@ from typing import Any
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.arm import frame_at
 from derive.exchange.reading.elements import ZEROS, Held, Origin, Triple, Urdf, UrdfBody, UrdfJoint
-from derive.exchange.reading.urdf import angles_of
+from derive.exchange.reading.urdf import DIGITS, angles_of
 from derive.mechanics.space import decimal, exactly, vector
+from derive.mechanics.vectors import subtract
 
 # What may stand before the outermost element is passed once, without a second try: files have many comments.
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
 EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # the quaternion of no rotation
-DIGITS = 70  # of places that are computed
 LOOPS = "give a tree of hinges and slides, which follow each other by equality joint alone"
 
 
@@ -60,9 +60,10 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
     loose = [reader.name("equality", k) for k in range(model.neq) if k not in reader.active]
     passed = {"springs are not read: joint": springs, "equalities that are not active are not read:": loose}
     notes = tuple(f"{words} {', '.join(names)}" for words, names in passed.items() if names)
-    read = Urdf(name, bodies, tuple(joints), notes, (), source, gravity=gravity, root=moves)
-    postures = tuple(reader.postures())
-    return replace(read, closures=tuple(reader.closures(offsets)), driven=reader.driven(), postures=postures)
+    held, postures = tuple(reader.closures(offsets)), tuple(reader.postures())
+    return Urdf(
+        name, bodies, tuple(joints), notes, (), source, "", gravity, held, reader.driven(), postures, root=moves
+    )
 
 
 class _Reader:
@@ -71,6 +72,8 @@ class _Reader:
         kinds = mujoco.mjtJoint
         self._closing = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
+        on_joint, places = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT), model.actuator_trnid
+        self._motors = [(k, int(places[k][0])) for k in range(model.nu) if on_joint[k]]  # with their joints
 
     @property
     def active(self) -> list[int]:
@@ -121,10 +124,9 @@ class _Reader:
                 spots = (data[3:6], data[:3]) if is_weld else (data[:3], data[3:6])
                 turns = (data[6:10] if is_weld else UPRIGHT, UPRIGHT)
                 places = [(int(body), *place) for body, *place in zip(ids, spots, turns, strict=True)]
-            one, other = (
-                (self.name("body", b), Origin(_less(_exact(at), offsets[b]), _angles(turn))) for b, at, turn in places
-            )
-            yield Held((one[0], other[0]), (one[1], other[1]), is_weld)
+            one, other = (self.name("body", b) for b, _, _ in places)
+            frames = (Origin(subtract(_triple(at), offsets[b]), _angles(turn)) for b, at, turn in places)
+            yield Held((one, other), (next(frames), next(frames)), is_weld)
 
     def postures(self) -> Iterator[Mapping[str, float]]:
         """Positions of joints where the file begins, and in its keyframes."""
@@ -135,9 +137,7 @@ class _Reader:
 
     def driven(self) -> frozenset[str]:
         """Names of the joints on which something acts."""
-        model, on_joint = self._model, int(self._mujoco.mjtTrn.mjTRN_JOINT)
-        places = (model.actuator_trnid[k][0] for k in range(model.nu) if model.actuator_trntype[k] == on_joint)
-        return frozenset(self.name("joint", int(j)) for j in places)
+        return frozenset(self.name("joint", j) for _, j in self._motors)
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:
         """What a body weighs, in the frame of its link."""
@@ -145,13 +145,13 @@ class _Reader:
         mass, moments = _number(model.body_mass[k]), _exact(model.body_inertia[k])
         if not (mass or any(moments)):
             return None
-        origin = Origin(_less(_exact(model.body_ipos[k]), offset), _angles(model.body_iquat[k]))
+        origin = Origin(subtract(_triple(model.body_ipos[k]), offset), _angles(model.body_iquat[k]))
         return UrdfBody(mass, origin, (*moments, *ZEROS), self._place)
 
     def joints(self, k: int, before: Triple) -> Iterator[tuple[UrdfJoint, Triple]]:
         """The joints of a body, or one that is fixed, each with the place of its link in the frame of the body."""
         model, parent, own = self._model, self.name("body", int(self._model.body_parentid[k])), self.name("body", k)
-        turn = Origin(_less(_exact(model.body_pos[k]), before), _angles(model.body_quat[k]))
+        turn = Origin(subtract(_triple(model.body_pos[k]), before), _angles(model.body_quat[k]))
         first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
         if not count:
             yield UrdfJoint(own, "fixed", parent, own, turn, ZEROS, self._place), ZEROS
@@ -160,7 +160,7 @@ class _Reader:
             last = j == first + count - 1
             child = own if last else f"{self.name('joint', j)}_link"
             there = _triple(model.jnt_pos[j])
-            x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(_less(there, here))))
+            x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(subtract(there, here))))
             yield self._moving(j, parent, child, Origin((x, y, z), frame.rpy)), there
             parent, here, frame = child, there, Origin()
 
@@ -190,8 +190,7 @@ class _Reader:
         model = self._model
         if model.jnt_actfrclimited[j]:
             return max(map(abs, _exact(model.jnt_actfrcrange[j])))
-        on_joint = model.actuator_trntype == int(self._mujoco.mjtTrn.mjTRN_JOINT)
-        motors = [k for k in range(model.nu) if on_joint[k] and model.actuator_trnid[k][0] == j]
+        motors = [k for k, joint in self._motors if joint == j]
         if len(motors) != 1:
             return None
         (k,) = motors
@@ -215,11 +214,6 @@ def _triple(values: Any) -> Triple:
 
 def _exact(values: Any) -> tuple[Fraction, ...]:
     return tuple(map(_number, values))
-
-
-def _less(point: Sequence[Fraction], other: Sequence[Fraction]) -> Triple:
-    x, y, z = (own - taken for own, taken in zip(point, other, strict=True))
-    return x, y, z
 
 
 def _angles(quaternion: Any) -> Triple:

@@ -30,7 +30,7 @@ GREATEST = 60  # power of ten beyond which a number is no length and no mass; wh
 VERSIONS = ("1.0", "1.1", "1.2")  # of URDF; a file that says none is of the first
 ONE = Fraction(1, 10**6)  # how far the squared length of a quaternion may be from 1 without a word
 MOST_ROOTS = 8  # of those that are named
-ANGLE_DIGITS = 70  # of the roll, pitch and yaw of a quaternion
+DIGITS = 70  # of what is computed: the roll, pitch and yaw of a quaternion
 _ENCODING = re.compile(rb"\s*<\?xml\s[^>]*encoding=[\"'](?!utf-8[\"'])", re.IGNORECASE)
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?", re.ASCII)
 
@@ -164,7 +164,7 @@ def angles_of(x: Fraction, y: Fraction, z: Fraction, w: Fraction) -> Triple:
     )
     with exactly():
         axes = (vector([entry / square for entry in column]) for column in columns)
-        roll, pitch, yaw = (decimal(angle, ANGLE_DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
+        roll, pitch, yaw = (decimal(angle, DIGITS) for angle in roll_pitch_yaw(Frame(WORLD.origin, *axes)))
     return roll, pitch, yaw
 
 
@@ -212,11 +212,10 @@ class _UrdfReader:
         return str(name)
 
     def numbers(
-        self, element: etree._Element, attribute: str, count: int, *, infinite: bool = False
+        self, element: etree._Element | None, attribute: str, count: int, *, infinite: bool = False
     ) -> tuple[Fraction, ...] | None:
-        """The decimals of an attribute; None where it is not there."""
-        text = element.get(attribute)
-        if text is None:
+        """The decimals of an attribute; None where it or the element is not there."""
+        if element is None or (text := element.get(attribute)) is None:
             return None
         words = text.split()
         if len(words) != count:
@@ -224,8 +223,8 @@ class _UrdfReader:
             raise self.refused(element, found, f"write {count}, apart by spaces", f"allowed: exactly {count}")
         return tuple(self._number(element, attribute, word, infinite) for word in words)
 
-    def number(self, element: etree._Element, attribute: str, *, infinite: bool = False) -> Fraction | None:
-        """The decimal of an attribute; None where it is not there."""
+    def number(self, element: etree._Element | None, attribute: str, *, infinite: bool = False) -> Fraction | None:
+        """The decimal of an attribute; None where it or the element is not there."""
         found = self.numbers(element, attribute, 1, infinite=infinite)
         return found[0] if found else None
 
@@ -276,11 +275,11 @@ class _UrdfReader:
         if inertial is None:
             return None
         mass, tensor = inertial.find("mass"), inertial.find("inertia")
-        value = self.number(mass, "value") if mass is not None else None
+        value = self.number(mass, "value")
         if value is None:
             raise self.refused(inertial, "inertial without a mass", 'write <mass value="..."/>')
         keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-        moments = [self.number(tensor, key) if tensor is not None else None for key in keys]
+        moments = [self.number(tensor, key) for key in keys]
         entries = tuple(moment or Fraction(0) for moment in moments)
         missing = [key for key, moment in zip(keys, moments, strict=True) if moment is None]
         if tensor is not None and missing:
@@ -300,14 +299,13 @@ class _UrdfReader:
         x, y, z = (Fraction(1), *ZEROS[:2]) if axis is None else self.numbers(axis, "xyz", 3) or ZEROS
         limit, dynamics, mimic = (element.find(tag) for tag in ("limit", "dynamics", "mimic"))
         keys = ("lower", "upper", "effort", "velocity")
-        bounds = (None if limit is None else self.number(limit, key, infinite=True) for key in keys)
-        lower, upper, effort, velocity = bounds
+        lower, upper, effort, velocity = (self.number(limit, key, infinite=True) for key in keys)
         bounded = kind in ("revolute", "prismatic") and (lower is not None or upper is not None)
         if kind in ("revolute", "prismatic") and not bounded:
             said = f"joint {quoted(name)} is {kind} and has no limits, without which other programs refuse it"
             self.note(element, said)
-        times, plus = (None if mimic is None else self.number(mimic, key) for key in ("multiplier", "offset"))
-        dry, viscous = (None if dynamics is None else self.number(dynamics, key) for key in ("friction", "damping"))
+        times, plus = (self.number(mimic, key) for key in ("multiplier", "offset"))
+        dry, viscous = (self.number(dynamics, key) for key in ("friction", "damping"))
         return UrdfJoint(
             name=name,
             type=kind,

@@ -215,15 +215,12 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
     if locked := _rank([*closing, *columns.values()]) - rank:
         active = [robot.joints[k].variable for k, column in columns.items() if _rank([*passive, column]) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
-        remedy = (
-            f"write passive: true on {locked} more joint{'s' * (locked > 1)}, correct frames, or leave the loop out"
-        )
-        raise _refused(robot, one.loop, found, remedy=remedy)
+        remedy = f"write passive: true on {locked} more joint{'s' * (locked > 1)}"
+        raise _refused(robot, one.loop, found, remedy=f"{remedy}, correct frames, or leave the loop out")
     if missing > 0.0:
-        found = f"it cannot be assembled: at best {missing:.3g} m are missing"
-        found = (
-            found if missing > _OPEN else "no closed form: it closes where its elementary equations have no solution"
-        )
+        found = "no closed form: it closes where its elementary equations have no solution"
+        if missing > _OPEN:
+            found = f"it cannot be assembled: at best {missing:.3g} m are missing"
         raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
     choices: list[tuple[float, SolvedLoop]] = []
     for in_frame in (False, True):
@@ -263,12 +260,8 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
     arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
     arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
     closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
-    return (
-        numbers,
-        q,
-        list(source.uniform(-2, 2, (robot.n, _SAMPLES))),
-        float((arm.residual(closest) * arm.unit).min()) + _TINY,
-    )
+    missing = float((arm.residual(closest) * arm.unit).min()) + _TINY
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), missing
 
 
 def reach(robot: Robot, values: Mapping[str, Any]) -> float:

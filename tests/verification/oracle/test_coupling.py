@@ -8,16 +8,13 @@ import numpy as np
 import pytest
 
 from derive.exchange.formats import exported
-from derive.verification.oracle import functions
-from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle, stem
-from derive.verification.oracle.rates import distance_from_singularity
-from derive.verification.samples import SampleSet
-from derive.verification.tolerance import expectation
+from derive.verification.oracle.functions import FUNCTIONS, Oracle
 from tests.exchange.arms import dressed
 from tests.random_robots import seeds
 from tests.random_trees import coupled, random_tree
-from tests.verification.oracle.pinocchio_reference import Array, Reference, TreeBuilder
+from tests.verification.oracle.pinocchio_reference import Array, Reference
 from tests.verification.oracle.test_physics import TOLERANCE, motion, relative_error
+from tests.verification.oracle.test_trees import check_functions
 
 # By the axes of a function's value, from the last, along which there is an entry for each joint.
 AXES: dict[Sequence[int], tuple[str, ...]] = {
@@ -47,23 +44,8 @@ def test_every_function_is_that_of_the_joints_projected(seed: int) -> None:
     drawn = random_tree(random.Random(seed), 1 + seed % 9)
     drawn = replace(drawn, table=replace(drawn.table, joints=tuple(replace(j, sign=1) for j in drawn.table.joints)))
     robot, s = coupled(random.Random(seed), drawn.robot)
-    oracle, builder = Oracle.of(robot), TreeBuilder(drawn)
-    whole, arguments = builder.build(), motion(robot.dof, seed)
-    assert {"forward_dynamics", "inverse_dynamics_dq"} <= {*oracle.functions}
-    for name in oracle.functions:
-        function, outside = stem(name), whole
-        given = [arguments[argument] for argument in FUNCTIONS[function].arguments]
-        if function.startswith(functions.OF_AN_END):
-            outside = builder.at(whole, name.removeprefix(function)[1:], {})
-        got, wanted = oracle.evaluate(name, *given), projected(outside, function, s, given)
-        got = got[builder.before :] if function == "link_transforms" else got
-        near = 1.0
-        if function in ANGLES:
-            near = distance_from_singularity(oracle.seen(name), ANGLES[function], s @ given[0])
-        assert relative_error(got, wanted) * near < TOLERANCE, name
-        batch = tuple(argument[None] for argument in given)
-        if function != "link_transforms":  # entry by entry, as generated code is compared
-            assert expectation(name, SampleSet({}, oracle, {}), batch).errors(wanted[None]).max() < 1e-9, name
+    assert {"forward_dynamics", "inverse_dynamics_dq"} <= {*Oracle.of(robot).functions}
+    check_functions(drawn, robot, s, projected, seed)
 
 
 @pytest.mark.parametrize("name", ["planar-3r", "kuka-kr5", "scara-perugia"])

@@ -1,11 +1,13 @@
 """The oracle of trees against Pinocchio, and against the serial arms to their ends."""
 
 import random
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters
+from derive.robot.robot import Robot
 from derive.robot.task_rows import PARTS
 from derive.robot.tree import arm
 from derive.verification.oracle import functions
@@ -15,31 +17,40 @@ from derive.verification.oracle.rates import distance_from_singularity
 from derive.verification.samples import SampleSet
 from derive.verification.tolerance import Bounds, expectation
 from tests.random_robots import configurations, seeds
-from tests.random_trees import random_tree
-from tests.verification.oracle.pinocchio_reference import TreeBuilder
+from tests.random_trees import RandomTree, random_tree
+from tests.verification.oracle.pinocchio_reference import Array, Reference, TreeBuilder
 from tests.verification.oracle.test_physics import TOLERANCE, motion, relative_error
 from tests.verification.test_trials import NOT_BOUNDED
 
 
-@pytest.mark.parametrize("seed", seeds(200, 8, 200))
-def test_every_function_agrees_with_pinocchio(seed: int) -> None:
-    drawn = random_tree(random.Random(seed))
-    oracle, builder = Oracle.of(drawn.robot), TreeBuilder(drawn)
-    whole, arguments = builder.build(), motion(drawn.robot.n, seed)
+def check_functions(drawn: RandomTree, robot: Robot, s: Array, wanted_of: Callable[..., Array], seed: int) -> None:
+    """Every function of a robot whose joints, those of a tree in Pinocchio, are s times its variables."""
+    oracle, builder = Oracle.of(robot), TreeBuilder(drawn)
+    whole, arguments = builder.build(), motion(robot.dof, seed)
     for name in oracle.functions:
         function, numbers, outside = stem(name), oracle.seen(name), whole
         given = [arguments[argument] for argument in FUNCTIONS[function].arguments]
         if function.startswith((*functions.OF_AN_END, "task")):
             rows = {part: tuple(task_rows(numbers, part)) for part in ("all", *PARTS)}
             outside = builder.at(whole, name.removeprefix(function)[1:], rows)
-        got, wanted = oracle.evaluate(name, *given), getattr(outside, function)(*given)
+        got, wanted, joints = oracle.evaluate(name, *given), wanted_of(outside, function, s, given), s @ given[0]
         got = got[builder.before :] if function == "link_transforms" else got
-        near = distance_from_singularity(numbers, ANGLES[function], given[0]) if function in ANGLES else 1.0
-        if outside.determines(function, given[0]):
+        near = distance_from_singularity(numbers, ANGLES[function], joints) if function in ANGLES else 1.0
+        if outside.determines(function, joints):
             assert relative_error(got, wanted) * near < TOLERANCE, name
             batch = tuple(argument[None] for argument in given)
             if function != "link_transforms":  # entry by entry, as generated code is compared
                 assert expectation(name, SampleSet({}, oracle, {}), batch).errors(wanted[None]).max() < 1e-9, name
+
+
+@pytest.mark.parametrize("seed", seeds(200, 8, 200))
+def test_every_function_agrees_with_pinocchio(seed: int) -> None:
+    drawn = random_tree(random.Random(seed))
+
+    def _wanted(outside: Reference, name: str, _: Array, given: Sequence[Array]) -> Array:
+        return np.asarray(getattr(outside, name)(*given))
+
+    check_functions(drawn, drawn.robot, np.eye(drawn.robot.n), _wanted, seed)
 
 
 @pytest.mark.parametrize("seed", seeds(40, 3, 20))
