@@ -16,7 +16,7 @@ from derive.checking.latex.left import AXES, FONT, Left, Reading, Turned, taken_
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
-from derive.checking.latex.quantities import OWN, force_named, own_quantity, slope, written
+from derive.checking.latex.quantities import OF_VELOCITIES, OWN, force_named, own_quantity, slope, written
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
@@ -28,7 +28,8 @@ from derive.robot.expression import Expression, Name, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
-_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|H|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
+_TURN = re.compile(r"omega([1-9])|(?:theta|phi)[cCG]([1-9])'")  # of a link, about one direction
 _OF_ROTATION = re.compile(r"R([0-9]{2}),?([1-3])([1-3])")  # R_{36,23}
 _SEEN_FROM = re.compile(r"([pPnsoaFfN])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
@@ -145,7 +146,8 @@ class Meanings:
             name, _, place = target.quantity.partition("[")
             for kind in ("statics", "statics_end") if self.forces and name == "tau" and left.head in _TORQUES else ():
                 found[replace(target, quantity=f"{kind}[{','.join(sorted(self.forces))}]")] = None
-            if name in OWN or REGISTRY[name].is_of(self.robot):
+            known_by = "Cqd" if name in OF_VELOCITIES else name
+            if known_by in OWN or REGISTRY[known_by].is_of(self.robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
@@ -314,7 +316,10 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
         return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
-    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
+    if (turn := _TURN.fullmatch(name)) and (right := meanings.right(Target(f"omega[{turn[1] or turn[2]},0]"))):
+        return None if any(right.value[:2, 0]) else expression_from_sympy(right.value[2, 0])
+    match = _ENTRY.fullmatch(name) or (re.fullmatch("(.)([1-3]{2})", name) if name[0] in meanings.entries else None)
+    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if match else None
     return meanings.formula(own) if own is not None else None
 
 

@@ -1,6 +1,7 @@
 """Quantities that pages print and the registry does not have: motion, forces and energies of single links, rates."""
 
 import re
+from itertools import combinations
 from typing import Any
 
 import sympy
@@ -20,11 +21,13 @@ OF_LINK = (
     "omega", "alpha", "velocity", "acceleration", "acceleration_com", "still_acceleration", "still_acceleration_com",
     "inertial_force", "inertial_moment", "joint_force", "joint_moment",
 )  # fmt: skip
+OF_VELOCITIES = ("bias", "centrifugal", "coriolis")
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
 OWN = (
     *OF_LINK,
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
     *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
+    *OF_VELOCITIES,
 )
 _OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
@@ -84,6 +87,12 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return _coordinates(model, places)
         case "in_plane", _:  # homogeneous, (x, y, 1)
             return sympy.Matrix([*model.quantity("T")[:2, 3], 1])
+        case "bias", _:  # all of the torques but those of accelerations
+            return model.quantity("Cqd") + (model.quantity("g") if robot.gravity else sympy.zeros(model.n, 1))
+        case (("centrifugal" | "coriolis"), _):  # what stands before qd_j^2 and qd_j qd_k (Craig, section 6.9)
+            pairs = combinations(rates, 2) if kind == "coriolis" else ((rate, rate) for rate in rates)
+            columns = [model.quantity("Cqd").diff(a, b) / (1 + (a == b)) for a, b in pairs]
+            return sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
         case "gravity", _:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:

@@ -23,11 +23,12 @@ from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, is_constant, multiply, names, negate, number
-from derive.robot.names import own_names, robot_symbols
+from derive.robot.names import own_names, robot_symbols, velocity_name
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
@@ -82,6 +83,7 @@ class Scope:
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
+        self.torques: dict[str, Expression] = {}
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
         self._define()
         if document and (lent := self._lent_letters()):
@@ -96,7 +98,8 @@ class Scope:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
         self._settle_jacobian()
-        self.namings = list(whole.named_entries(self.equations)) if document else []
+        self.torques = self._torques()
+        self.namings = list(whole.named_entries(self.meanings, self.equations)) if document else []
 
     @cached_property
     def shifts(self) -> dict[str, Expression]:
@@ -112,6 +115,24 @@ class Scope:
                         is_shift = sum(map(is_constant, terms)) == len(terms) - 1
                         if isinstance(joint, Name) and joint in terms and is_shift:
                             found[joint.name] = value
+        return found
+
+    def _torques(self) -> dict[str, Expression]:
+        r"""What c_1 and h_2 are in equations of motion, by what the text says of them: with gravity, or without it."""
+        found: dict[str, Expression] = {}
+        rates = {velocity_name(joint.variable) for joint in self.robot.movers}
+        for first, *others in self.equations if self.document and self.robot.has_dynamics else ():
+            left = None if first.matrices or not others else taken_apart(first.text)
+            targets = self.meanings.targets(left) if left is not None and left.head in "cChHnNV" else ()
+            kinds = (target for target in targets if target.quantity in ("Cqd", "bias"))
+            rights = [right for target in kinds if (right := self.meanings.right(target)) is not None]
+            with suppress(CheckError):
+                for value in map(self._reads.value, others[-1:] if rights else ()):
+                    table = value if isinstance(value, Table) else Table(((Entry(value),),))
+                    if not rates.isdisjoint(n for e in table.entries for n in names(e.formula)):
+                        right = max(rights, key=lambda right: right.fits(table))
+                        entries = map(expression_from_sympy, right.value)
+                        found |= zip((f"{left.head}{row}" for row in right.rows), entries, strict=True) if left else {}
         return found
 
     def defined(self) -> Iterator[whole.Defined]:
@@ -330,6 +351,8 @@ class Scope:
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
+        if any("\\ddot" in side.text for side in self.equations[index]):
+            meanings |= self.torques
         meanings |= more or {}
         entry = partial(entry_named, self.meanings, self.poses)
         order, foreign = self._cosine_first, self._foreign

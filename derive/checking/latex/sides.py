@@ -36,6 +36,7 @@ _LAGRANGE = re.compile(
 )  # of all joints
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
+_Open = tuple[Expression, list[str]]  # a formula, and the names in it that nothing explains
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 
 
@@ -164,12 +165,12 @@ class SideReading(Comparing):
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
 
-    def _with_letters(self, index: int, equation: Sides, letters: set[str]) -> tuple[Expression, list[str]]:
-        """The difference of the first and the last side, and the names in it that stand for themselves."""
+    def _with_letters(self, index: int, first: LatexPiece, last: LatexPiece | None, letters: set[str]) -> _Open:
+        """The difference of two sides, and the names in it that stand for themselves."""
         while True:
             reader = self.scope.reader(index, {name: Name(f"?{name}") for name in letters})
             try:
-                zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
+                zero = add(reader.formula(first), *([negate(reader.formula(last))] if last else []))
             except UnknownNameError as error:
                 name = re.search("'(.+)'", error.found)
                 if name is None or name[1] in letters:
@@ -180,10 +181,23 @@ class SideReading(Comparing):
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """That a formula is right if what no formula explains are torques, or a length or an angle of the robot."""
+        left = taken_apart(equation[0].text)
+        targets = [t for t in self.meanings.targets(left) if t.quantity.startswith("potential")] if left else []
+        with suppress(CheckError):
+            for right in filter(None, map(self.meanings.right, targets)):
+                value, letters = self._with_letters(index, equation[-1], None, {*()})
+                gap = add(value, negate(expression_from_sympy(right.value[0, 0])))
+                still = add(gap, negate(substitute(gap, dict.fromkeys(self.joints, ZERO))))
+                ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
+                moves = not self.joints.keys().isdisjoint(names(value))
+                if letters and moves and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
+                    text, where = self._typed(equation[-1]), self.plain.location(equation[0].start)
+                    note = ", up to a constant"
+                    return (Finding(right.shown, 0, 0, Role.PRINTED, text, Verdict(True, True), "", where, note=note),)
         several = {name for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
         for given in ({*()}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
-                zero, letters = self._with_letters(index, equation, given)
+                zero, letters = self._with_letters(index, equation[0], equation[-1], given)
                 note = self._values.motions.driven(zero, letters)
                 if not note and len(letters) == 1 and len(equation) == 2:
                     meant = self._values.solved(f"?{letters[0]}", zero)
