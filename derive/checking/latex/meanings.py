@@ -108,6 +108,7 @@ class Meanings:
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
+        self.has_turns = False  # whether omega_2 is the angular velocity of link 2, not the rate of joint 2
         self.lent = frozenset[str]()  # letters with two indices that are names of the author's own
         self.forces = frozenset[str]()  # coordinates of a force or a moment on the end effector that the text names
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
@@ -288,7 +289,7 @@ class Meanings:
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
-_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])")  # the velocity of a coordinate of the end effector
+_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])|omega([xyz])")  # of the end effector
 
 
 def is_rate(name: str) -> bool:
@@ -299,7 +300,7 @@ def is_rate(name: str) -> bool:
 def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expression | None:
     """The entry of a quantity with the name that it has in print, such as b12 and c1,22; None where there is none."""
     if rate := _RATE.fullmatch(name):
-        axis = "xyz".index((rate[1] or rate[2]).lower()) + 1
+        axis = "xyz".index((rate[1] or rate[2] or rate[3]).lower()) + (4 if rate[3] else 1)
         right = meanings.right(Target("twist", (axis,)))
         return expression_from_sympy(right.value[0, 0]) if right else None
     if (force := force_named(name)) in meanings.forces:
@@ -316,10 +317,10 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
         return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
-    if (turn := _TURN.fullmatch(name)) and (right := meanings.right(Target(f"omega[{turn[1] or turn[2]},0]"))):
-        return None if any(right.value[:2, 0]) else expression_from_sympy(right.value[2, 0])
-    match = _ENTRY.fullmatch(name) or (re.fullmatch("(.)([1-3]{2})", name) if name[0] in meanings.entries else None)
-    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if match else None
+    turn = _TURN.fullmatch(name) if meanings.has_turns else None
+    if turn and (right := meanings.right(Target(f"omega[{turn[1] or turn[2]},0]"))) and not any(right.value[:2, 0]):
+        return expression_from_sympy(right.value[2, 0])
+    own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     return meanings.formula(own) if own is not None else None
 
 

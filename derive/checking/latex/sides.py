@@ -14,7 +14,7 @@ from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, comp
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides
-from derive.checking.latex.left import AXES, Left, taken_apart
+from derive.checking.latex.left import AXES, FONT, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
@@ -36,7 +36,7 @@ _LAGRANGE = re.compile(
 )  # of all joints
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
-_Open = tuple[Expression, list[str]]  # a formula, and the names in it that nothing explains
+_EXPONENTIAL = r"e\^\{\[?\{?(?:S|\\xi)\}?_\{?K\}?\]?\\theta_\{?K\}?\}"  # e^{[S_K] theta_K}, of a screw axis
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 
 
@@ -165,40 +165,36 @@ class SideReading(Comparing):
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
 
-    def _with_letters(self, index: int, first: LatexPiece, last: LatexPiece | None, letters: set[str]) -> _Open:
-        """The difference of two sides, and the names in it that stand for themselves."""
+    def _with_letters(self, index: int, equation: Sides, own: dict[str, Expression]) -> tuple[Expression, list[str]]:
+        """The difference of the first and the last side, and the names in it that stand for themselves."""
         while True:
-            reader = self.scope.reader(index, {name: Name(f"?{name}") for name in letters})
+            reader = self.scope.reader(index, own)
             try:
-                zero = add(reader.formula(first), *([negate(reader.formula(last))] if last else []))
+                zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
             except UnknownNameError as error:
                 name = re.search("'(.+)'", error.found)
-                if name is None or name[1] in letters:
+                if name is None or name[1] in own:
                     raise
-                letters = {*letters, name[1]}
+                own = own | {name[1]: Name(f"?{name[1]}")}
             else:
-                return zero, sorted(letters.intersection(name.removeprefix("?") for name in names(zero)))
+                return zero, sorted(name[1:] for name in {*names(zero)} if name[0] == "?")
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
-        """That a formula is right if what no formula explains are torques, or a length or an angle of the robot."""
+        """That a formula is right if what no formula explains are torques, a length, an angle, or a constant energy."""
+        definitions = self.scope.definitions.items()
+        several = {name: Name(f"?{name}") for name, formulas in definitions if len(formulas) > 1}
         left = taken_apart(equation[0].text)
-        targets = [t for t in self.meanings.targets(left) if t.quantity.startswith("potential")] if left else []
-        with suppress(CheckError):
-            for right in filter(None, map(self.meanings.right, targets)):
-                value, letters = self._with_letters(index, equation[-1], None, {*()})
-                gap = add(value, negate(expression_from_sympy(right.value[0, 0])))
-                still = add(gap, negate(substitute(gap, dict.fromkeys(self.joints, ZERO))))
-                ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
-                moves = not self.joints.keys().isdisjoint(names(value))
-                if letters and moves and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
-                    text, where = self._typed(equation[-1]), self.plain.location(equation[0].start)
-                    note = ", up to a constant"
-                    return (Finding(right.shown, 0, 0, Role.PRINTED, text, Verdict(True, True), "", where, note=note),)
-        several = {name for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
-        for given in ({*()}, several) if len(equation) > 1 else ():
+        energy = self.meanings.formula(left, ("potential",)) if left else None
+        moves = energy and not self.joints.keys().isdisjoint(names(energy))
+        known = {left.flat: energy} if left and energy and moves else {}
+        for given in ({}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
-                zero, letters = self._with_letters(index, equation[0], equation[-1], given)
+                zero, letters = self._with_letters(index, equation, given | known)
                 note = self._values.motions.driven(zero, letters)
+                still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))
+                ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
+                if known and letters and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
+                    note = "up to a constant"
                 if not note and len(letters) == 1 and len(equation) == 2:
                     meant = self._values.solved(f"?{letters[0]}", zero)
                     if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
@@ -254,6 +250,11 @@ class SideReading(Comparing):
         if may_name and joint is not None:
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
+        exponentials = "".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, self.robot.n + 1))
+        tight = "".join(FONT.sub("", piece.text).split()).replace("\\hat", "")
+        if left is None and re.fullmatch(exponentials + r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))", tight):
+            error = self._refused(piece, "a product of exponentials")
+            return Side(piece, error=error, factors=(Left("T"),), frames=frames_of(Target("T"), self.robot))
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):
                 return Side(piece, value=self.reader.value(piece))

@@ -332,7 +332,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
-    elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t"):
+    elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t") or (head in "fF" and plain and left.arguments):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)), Target("in_plane"))
         for name in _frames(left, n, first):
@@ -374,6 +374,7 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
         yield f"end[{int(upper)}]"
     if lower in ("w", "W", "wrist", "wc") and upper in ("", *_BASE) and n > 3:
         yield from (f"T[{k}]" for k in (n - 2, n - 1))
+        yield from (f"T[{n - 3},{n}]",) if left.head == "R" else ()  # what the last three joints turn
     if lower == "0" and upper in _BASE and upper != "0":
         yield "base"
     frame, reference = _frame(lower, n, first), _frame(upper, n, first)

@@ -97,18 +97,10 @@ def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
     return {}
 
 
-def named_entries(meanings: Meanings, equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]:
-    r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``.
-
-    Of u_{33} behind ``U = (R^0_3)^T R^0_6`` too.
-    """
+def named_entries(equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]:
+    r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
     for index, equation in enumerate(equations):
         lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
-        own = lefts[0].head if lefts and lefts[0].is_plain and not lefts[0].sub else "T"
-        products = filter(None, (factors(side.text) for side in equation if len(own) == 1 and own not in "TAHR"))
-        pairs = filter(None, (chained(meanings, product) for product in products))
-        for start, stop in (pair for pair in pairs if min(pair) >= 0 and max(pair) <= meanings.robot.n):
-            yield from ((index, head, Left("R", str(stop), before=str(start))) for head in (own, own.lower()))
         rows = next((s.matrices[0].rows for s in equation if s.text.strip(AROUND) == MATRIX_MARK), ())
         cells = [(f"{i}{j}", taken_apart(cell.text)) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1)]
         heads = Counter(left.head for place, left in cells if left and left.is_plain and left.sub == place)
