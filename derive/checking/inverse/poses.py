@@ -120,10 +120,7 @@ class _Arm:
 
     @property
     def wrist(self) -> npt.NDArray[np.float64] | None:
-        """The centre of the wrist at each configuration, (k, 3) [m]; None where there is none.
-
-        It is where the last three axes meet; of arms with three joints the last one if they are planar, else the end.
-        """
+        """Where the last three axes meet, (k, 3) [m]; of three joints the last one or the end; None of others."""
         centres = [self._centre(arm) for arm in self.arms]
         found = [centre for centre in centres if centre is not None]
         return np.array(found) if len(found) == len(centres) else None

@@ -88,7 +88,8 @@ class MatrixNames:
         rest = LatexPiece(text, piece.offset, piece.matrices)
         for size in (4, 3, 2):  # transforms, then rotations and vectors, then those of a plane
             fitting = [[t for t in tables if t.shape[0] == size] or tables for tables in found.values()]
-            alike = zip(*([*t, *t[-1:] * MAX_WAYS][: max(map(len, fitting))] for t in fitting), strict=True)
+            ways = range(min(max(map(len, fitting)), MAX_WAYS))  # all rows of one number, or as many as there are
+            alike = ([tables[min(k, len(tables) - 1)] for tables in fitting] for k in ways)
             for chosen in chain(alike, islice(product(*fitting), MAX_WAYS)):
                 with suppress(CheckError):
                     value = self._reader.value(rest, dict(zip(found, chosen, strict=True)))

@@ -165,11 +165,7 @@ class Poses:
         return {MARK + name: substitute(meaning, {"(phi)": angle}) for name, meaning in self._names.angles.items()}
 
     def judged(self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool) -> list[Finding | None]:
-        """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain.
-
-        Known is the position of the end effector where another formula prints it rightly, and all names of entries are
-        where the text says that they are those of the whole transform.
-        """
+        """The verdicts in the reading that most equations need, or as known or named; None where it is uncertain."""
         findings: dict[int, Finding | None] = {}
         chosen = self.readings[0]
         for group in Settled:

@@ -181,10 +181,7 @@ def _centre(robot: Robot, link: int) -> Matrix:
 
 
 def slope(robot: Robot, value: Expr | Matrix, by: str) -> Any:
-    """The derivative of a formula or a matrix by a joint variable, a velocity, or "t", which gives accelerations.
-
-    By "q" or "qd" it is the column of the derivatives of one formula by all variables or velocities.
-    """
+    """The derivative by a variable, a velocity, or "t" with accelerations; by "q" or "qd" a column of all."""
     joints = [joint.variable for joint in robot.movers]
     if robot.passive and (by != "t" or any(value.has(sympy.Symbol(n.name)) for n in derivatives(robot).values())):
         raise CheckError("derivative along a closed loop", allowed="allowed: G and H, and what they are part of")
