@@ -87,12 +87,6 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             return _coordinates(model, places)
         case "in_plane", _:  # homogeneous, (x, y, 1)
             return sympy.Matrix([*model.quantity("T")[:2, 3], 1])
-        case "bias", _:  # all of the torques but those of accelerations
-            return model.quantity("Cqd") + (model.quantity("g") if robot.gravity else sympy.zeros(model.n, 1))
-        case (("centrifugal" | "coriolis"), _):  # what stands before qd_j^2 and qd_j qd_k (Craig, section 6.9)
-            pairs = combinations(rates, 2) if kind == "coriolis" else ((rate, rate) for rate in rates)
-            columns = [model.quantity("Cqd").diff(a, b) / (1 + (a == b)) for a, b in pairs]
-            return sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
         case "gravity", _:
             return sympy.Matrix([expression_to_sympy(cell) for cell in robot.gravity or ()])
         case "centre", [link]:
@@ -118,10 +112,16 @@ def _coordinates(model: Model, places: list[int]) -> Matrix:
     return sympy.Matrix([*model.quantity("T")[:2, 3], expression_to_sympy(first.arguments[0])])
 
 
-def _energy(model: Model, kind: str, places: list[int]) -> Expr | None:
-    """The Lagrangian, and the energies of one link."""
+def _energy(model: Model, kind: str, places: list[int]) -> Expr | Matrix | None:
+    """The Lagrangian, the energies of one link, and torques of velocities."""
     robot, rates = model.robot, sympy.Matrix(model.qd)
     match kind, places:
+        case "bias", _:  # all of the torques but those of accelerations
+            return model.quantity("Cqd") + (model.quantity("g") if robot.gravity else sympy.zeros(model.n, 1))
+        case (("centrifugal" | "coriolis"), _):  # what stands before qd_j^2 and qd_j qd_k (Craig, section 6.9)
+            pairs = combinations(rates, 2) if kind == "coriolis" else ((rate, rate) for rate in rates)
+            columns = [model.quantity("Cqd").diff(a, b) / (1 + (a == b)) for a, b in pairs]
+            return sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
         case "lagrangian", _:
             return model.quantity("kinetic") - (model.quantity("potential") if robot.gravity else 0)
         case "kinetic", [link]:  # qd' B_i qd / 2

@@ -250,9 +250,7 @@ class SideReading(Comparing):
         if may_name and joint is not None:
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
-        exponentials = "".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, self.robot.n + 1))
-        tight = "".join(FONT.sub("", piece.text).split()).replace("\\hat", "")
-        if left is None and re.fullmatch(exponentials + r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))", tight):
+        if left is None and self._has_all_exponentials(piece.text):
             error = self._refused(piece, "a product of exponentials")
             return Side(piece, error=error, factors=(Left("T"),), frames=frames_of(Target("T"), self.robot))
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
@@ -274,6 +272,12 @@ class SideReading(Comparing):
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return Side(piece, left, targets, error=error)
+
+    def _has_all_exponentials(self, text: str) -> bool:
+        r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
+        factors = "".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, self.robot.n + 1))
+        tight = "".join(FONT.sub("", text).split()).replace("\\hat", "")
+        return re.fullmatch(factors + r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))", tight) is not None
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
