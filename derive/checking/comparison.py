@@ -188,11 +188,7 @@ def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expr
 
 
 def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:
-    """Of the reports on one document, one for each robot, the parts that are about that robot.
-
-    Sections has the number of the section in which each equation stands. What is right for one robot alone is about it.
-    Other equations are about the robot of the equations beside them; where these do not say which, nothing is said.
-    """
+    """Of the reports on one document, one for each robot, the parts about it; by the section of each equation."""
     rows = list(zip(*map(_by_equation, reports), strict=True))
     verdicts = [[[finding.verdict.equal for finding in part.findings] for part in row] for row in rows]
     right = [[robot for robot, equal in enumerate(row) if equal and all(equal)] for row in verdicts]

@@ -192,7 +192,7 @@ _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{to
 _PARTED = re.compile(r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*)\$(?=[^$\n]+\$(?!\$))")
 # A row of a table, | $x$ | $l_1 \cos\theta_1$ |.
 _IN_CELLS = re.compile(
-    r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*\\(?:sin|cos|frac|sqrt)[^$|=\n]*\$[ \t]*\|)", re.M
+    r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*(?:\\(?:sin|cos|frac|sqrt)|[csCS]_)[^$|=\n]*\$[ \t]*\|)", re.M
 )
 _DISPLAYED = re.compile(r"\$|\\\[|\\\(|\\begin\{(?:equation|align|gather|displaymath|eqnarray|document)")
 

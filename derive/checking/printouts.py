@@ -106,10 +106,7 @@ def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = 
 
 
 def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript | None:
-    """The document that is meant, or the part of it; None where a text is a formula itself.
-
-    A text is the path of a document, or what came from standard input; a section is named by words of its heading.
-    """
+    """The document, or part of it, by its path or its text; None where a text is a formula itself."""
     document = None
     if "\n" not in text.strip() and not re.search(r"[\\{}=$]", text):
         looks_like_path = re.fullmatch(r"[\w./ ~-]+\.[A-Za-z]{3,5}", text) is not None

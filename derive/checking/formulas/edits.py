@@ -93,10 +93,7 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
 
 
 def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterator[Spot]:
-    """Every place of a formula, from the root down; not the angles of plain cosines and sines, which are one token.
-
-    Without a point, `Spot.value` has no meaning.
-    """
+    """Every place of a formula from the root down, plain cosines and sines as tokens; values only at a point."""
     waiting = [Spot(root)]
     while waiting:
         spot = waiting.pop()
@@ -246,10 +243,7 @@ def ordinal(i: int) -> str:
 
 
 def changes_text(made: Sequence[Edit], robot: Robot) -> str:
-    """One change, or several and how many, with formulas in the notation of the robot.
-
-    Numbers have few digits, except where the change is in the digits behind them.
-    """
+    """One change, or several and how many, in the notation of the robot, with few digits but where these change."""
     rounded = partial(number_text, decimals=is_given_in_decimals(robot))
     texts = []
     for edit in made:

@@ -158,11 +158,7 @@ def in_degrees(formula: Expression) -> Expression:
 
 
 def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bool:
-    """Whether two formulas differ by no more than the rounding of the printed decimals explains, at many points.
-
-    Every decimal may be off by half a unit of the last of as many digits as the longest one has; how much that changes
-    the formula is added up.
-    """
+    """Whether rounding each printed decimal to as many digits as the longest one has explains a difference."""
     decimals: dict[str, Fraction] = {}
     marked = _with_marked_decimals(printed, decimals)
     digits = max((significant(value) for value in decimals.values()), default=0)
@@ -294,10 +290,7 @@ def judge(finding: Finding) -> Judgement:
 
 
 def _difference_terms(question: Question) -> tuple[Expr, ...]:
-    """SymPy terms of printed minus right, angle sums contracted and squares reduced; none of no polynomials.
-
-    sign(qd1), as in Coulomb friction, counts as a symbol.
-    """
+    """SymPy terms of printed minus right, angle sums contracted; none of no polynomials; sign(qd1) is a symbol."""
     meanings: dict[str, Expression] = {}
     whole = tree.substitute(question.printed, question.definitions)
     printed, right = opaque(whole, meanings), opaque(question.right, meanings)

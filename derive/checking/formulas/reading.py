@@ -151,10 +151,7 @@ NO_ABBREVIATIONS = Abbreviations()
 def read_printed(
     text: YamlScalar, robot: Robot, further: Abbreviations = NO_ABBREVIATIONS, place: tuple[int, int] = (1, 1)
 ) -> Printed:
-    """A printed formula; one with a name that the robot does not know says so and has the formula zero.
-
-    Columns inside a folded or escaped text are not those of the file; there an error is at the beginning of the text.
-    """
+    """A printed formula, zero with an unknown name; in a folded or escaped text errors stand at its beginning."""
     try:
         formula = read_formula(text.text, robot, text.inner, further.names)
     except CheckError as error:

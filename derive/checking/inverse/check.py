@@ -126,10 +126,7 @@ class _InverseCheck:
         return (turned, " (its arctangent takes the cosine first)") if right_turned > right else (plain, "")
 
     def _second_solution(self) -> Iterator[Finding]:
-        """The verdicts on primed lines, which must lead from every configuration to another one of the same pose.
-
-        If they do, each configuration has a twin, and a line may give either of the two.
-        """
+        """The verdicts on primed lines, which must lead from every configuration to another one of the same pose."""
         repaired = None
         if all(self._leads_back(self._printed, place) for place in self._places):
             self._places = tuple(replace(p, twin=self._printed.second(p)) for p in self._places)

@@ -36,6 +36,7 @@ CONFIGURATIONS = 12  # configurations of each
 # Angles of joints that are tried, none close to a right angle, where arms are singular.
 ANGLES = tuple(k / 100 for k in range(-310, 311) if abs(np.sin(k / 50)) > 0.2)
 _COLUMN = re.compile(r"([nsoapP])([xyz])")
+_END, _WRIST = "(?:e|ee|E|EE|eff|tip|d|des|desired|target|g|goal)", "(?:[wWcC]|[wW][cC]|[wW]rist)"
 _COLUMNS = {"n": 1, "s": 2, "o": 2, "a": 3, "p": 4}
 
 
@@ -67,9 +68,9 @@ class PoseNames:
             elif found := _COLUMN.fullmatch(short):
                 column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
                 entries[word] = "xyz".index(found[2]) + 1, column
-            elif found := re.fullmatch(r"(?:EE)?([xyzXYZ])(?:e|ee|E|EE|eff|tip|t|T|d|des|target|g|goal)?", short):
-                entries[word] = "xyz".index(found[1].lower()) + 1, 4
-            elif found := re.fullmatch(r"[pP]?(?:[wWcC]|[wW][cC])([xyzXYZ])|([xyzXYZ])(?:[wWcC]|[wW][cC])", short):
+            elif found := re.fullmatch(rf"(?:EE|[pP]{_END})?([xyzXYZ])|([xyzXYZ])(?:{_END}|t|T)", short):
+                entries[word] = "xyz".index((found[1] or found[2]).lower()) + 1, 4
+            elif found := re.fullmatch(rf"[pPoO]?{_WRIST}([xyzXYZ])|([xyzXYZ]){_WRIST}", short):
                 wrist[word] = "xyz".index((found[1] or found[2]).lower())
         # one configuration with stand-in numbers tells whether the arm is planar and has a wrist
         lengths = {s: 0.3 + 0.1 * k for k, s in enumerate(geometry_symbols(robot))}
@@ -119,10 +120,7 @@ class _Arm:
 
     @property
     def wrist(self) -> npt.NDArray[np.float64] | None:
-        """The centre of the wrist at each configuration, (k, 3) [m]; None where there is none.
-
-        It is where the last three axes meet; of arms with three joints the last one if they are planar, else the end.
-        """
+        """Where the last three axes meet, (k, 3) [m]; of three joints the last one or the end; None of others."""
         centres = [self._centre(arm) for arm in self.arms]
         found = [centre for centre in centres if centre is not None]
         return np.array(found) if len(found) == len(centres) else None

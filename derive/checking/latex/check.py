@@ -224,7 +224,7 @@ class _Check(SideReading):
         for index, equation in enumerate(self.scope.equations):
             if index in self.scope.defining:
                 continue
-            if any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
+            if self.scope.torques or any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
                 self.reader = self.scope.reader(index)
             named = {head: left for begin, head, left in self.scope.namings if begin <= index}
             self.meanings.entries = {h: left for h, left in named.items() if left != Left(h, arguments=left.arguments)}
@@ -249,7 +249,11 @@ class _Check(SideReading):
             self.around |= dict.fromkeys(entries, printed)
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
             right = [one for one in found if isinstance(one, Finding) and one.verdict.equal]
-            if unknown is not None and self.document:
+            otherwise = self.otherwise(index, equation) if unknown is not None and len(found) == 1 else ()
+            if otherwise and self.document:
+                compared.add(index)
+                yield from otherwise
+            elif unknown is not None and self.document:
                 self._skip(equation[0], unknown)
                 known = [one for one in found if isinstance(one, Claim) or not one.unknown]
                 # a side that is right as a whole stays so beside a matrix of which little can be read

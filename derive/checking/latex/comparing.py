@@ -279,6 +279,8 @@ class Comparing:
         if not self._accelerations.isdisjoint(used):  # K of an equation of motion is no energy
             energies = ("kinetic", "potential", "lagrangian")
             rights = tuple(right for right in rights if not right.quantity.startswith(energies))
+        if not self.rates.isdisjoint(used):  # which these stand before
+            rights = tuple(right for right in rights if right.quantity not in ("centrifugal", "coriolis"))
         fits = [(right, fitting) for right in rights if (fitting := right.fitting(table)) is not None]
         is_jacobian = name.left is not None and name.left.head == "J" and 1 not in table.shape
         is_jacobian = is_jacobian and all(right.likeness(fitting) < VAGUE for right, fitting in fits)

@@ -79,10 +79,7 @@ def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
 def explaining(
     conditions: Sequence[Condition], finding: Finding, begin: int, text: str, around: frozenset[str]
 ) -> tuple[str, bool] | None:
-    """The condition that makes a formula right that is wrong in general, and whether it is certain that it is meant.
-
-    The formula begins at an offset of the text; around are the names in the matrix that it belongs to.
-    """
+    """The condition that makes a formula right that begins at an offset, and whether it is certainly meant."""
     question, line = finding.question, finding.location.line or 0
     if finding.verdict.equal or question is None:
         return None
@@ -113,11 +110,7 @@ def _combined(holding: Sequence[tuple[Condition, bool]], known: set[str]) -> Ite
 
 
 def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
-    """The findings without those that are far from ours, which are told as not compared.
-
-    Of a matrix or of a kind most of which is right they are slips. `begins` are the places at which the equations of
-    the text begin. One identity alone is certain: both of its sides are those of the text.
-    """
+    """The findings without those far from ours, but in a matrix or of a kind that is mostly right; what is left out."""
     starts = [(at.line or 0, at.column or 0) for at in begins]
 
     def matrix(f: Finding) -> tuple[str, int]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
-from itertools import islice, product
+from itertools import chain, islice, product
 
 import numpy as np
 
@@ -75,6 +75,7 @@ class MatrixNames:
             return
         # {^2f_2} in braces of its own
         text, found = _BRACED.sub(lambda m: f" {m[1]} ", piece.text), dict[int, list[Table]]()
+        text = re.sub(r"\^\s*T(?=[A-Za-z])", "^T ", text)  # v^Tv
         kinds = [(_ELEMENTARY, self._elementary), (_NAME, self._by_text), (_UNIT, self._unit), (_NAME, self._named)]
         for pattern, meaning in kinds:
             for match in pattern.finditer(text):
@@ -86,8 +87,10 @@ class MatrixNames:
         text = re.sub(rf"\{{(\s*{MATRIX_MARK}\s*)\}}", r" \1 ", text)
         rest = LatexPiece(text, piece.offset, piece.matrices)
         for size in (4, 3, 2):  # transforms, then rotations and vectors, then those of a plane
-            fitting = ([t for t in tables if t.shape[0] == size] or tables for tables in found.values())
-            for chosen in islice(product(*fitting), MAX_WAYS):
+            fitting = [[t for t in tables if t.shape[0] == size] or tables for tables in found.values()]
+            ways = range(min(max(map(len, fitting)), MAX_WAYS))  # all rows of one number, or as many as there are
+            alike = ([tables[min(k, len(tables) - 1)] for tables in fitting] for k in ways)
+            for chosen in chain(alike, islice(product(*fitting), MAX_WAYS)):
                 with suppress(CheckError):
                     value = self._reader.value(rest, dict(zip(found, chosen, strict=True)))
                     yield value if isinstance(value, Table) else Table(((Entry(value),),))  # v^T v
@@ -158,7 +161,8 @@ class MatrixNames:
         known = self._reader.names
         meaning = known.meaning(Symbol(left.flat, 0)) if known.knows(left.flat) else None
         is_rate = left.dots and isinstance(meaning, Name) and replace(left, dots=0, sup="").is_plain
-        if is_rate or (left.is_plain and meaning is not None and not names_of_pose(meaning)):
+        is_vector = meaning is None or left.head == "omega" or names_of_pose(meaning)
+        if is_rate or (left.is_plain and not is_vector):
             return []
         return list(dict.fromkeys(table for target in self._meanings.targets(left) for table in self._of(target)))
 

@@ -16,7 +16,7 @@ from derive.checking.latex.left import AXES, FONT, Left, Reading, Turned, taken_
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
 from derive.checking.latex.poses import Poses
-from derive.checking.latex.quantities import OWN, force_named, own_quantity, slope, written
+from derive.checking.latex.quantities import OF_VELOCITIES, OWN, force_named, own_quantity, slope, written
 from derive.checking.latex.targets import Target, candidates, is_scalar
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
@@ -28,7 +28,8 @@ from derive.robot.expression import Expression, Name, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
-_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
+_ENTRY = re.compile(r"(b|B|t|r|R|J|p|c|C|g|G|m|M|d|D|h|H|Gamma|n|s|o|a)((?:(?<=J)[a-z]+)?(?:[0-9]+,?)+|[xyz])")
+_TURN = re.compile(r"omega([1-9])|(?:theta|phi)[cCG]([1-9])'")  # of a link, about one direction
 _OF_ROTATION = re.compile(r"R([0-9]{2}),?([1-3])([1-3])")  # R_{36,23}
 _SEEN_FROM = re.compile(r"([pPnsoaFfN])([1-9][xyz])\^([0-9])")  # P6x^0
 _OF_TIME = re.compile(
@@ -107,6 +108,7 @@ class Meanings:
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
+        self.has_turns = False  # whether omega_2 is the angular velocity of link 2, not the rate of joint 2
         self.lent = frozenset[str]()  # letters with two indices that are names of the author's own
         self.forces = frozenset[str]()  # coordinates of a force or a moment on the end effector that the text names
         self.has_gravity_opposed = False  # whether gravity stands on the side of the torques: tau + g
@@ -145,7 +147,8 @@ class Meanings:
             name, _, place = target.quantity.partition("[")
             for kind in ("statics", "statics_end") if self.forces and name == "tau" and left.head in _TORQUES else ():
                 found[replace(target, quantity=f"{kind}[{','.join(sorted(self.forces))}]")] = None
-            if name in OWN or REGISTRY[name].is_of(self.robot):
+            known_by = "Cqd" if name in OF_VELOCITIES else name
+            if known_by in OWN or REGISTRY[known_by].is_of(self.robot):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
@@ -286,7 +289,7 @@ class Meanings:
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
-_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])")  # the velocity of a coordinate of the end effector
+_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])|omega([xyz])")  # of the end effector
 
 
 def is_rate(name: str) -> bool:
@@ -297,7 +300,7 @@ def is_rate(name: str) -> bool:
 def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expression | None:
     """The entry of a quantity with the name that it has in print, such as b12 and c1,22; None where there is none."""
     if rate := _RATE.fullmatch(name):
-        axis = "xyz".index((rate[1] or rate[2]).lower()) + 1
+        axis = "xyz".index((rate[1] or rate[2] or rate[3]).lower()) + (4 if rate[3] else 1)
         right = meanings.right(Target("twist", (axis,)))
         return expression_from_sympy(right.value[0, 0]) if right else None
     if (force := force_named(name)) in meanings.forces:
@@ -314,6 +317,9 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
     if of_rotation := _OF_ROTATION.fullmatch(name):
         right = next(filter(None, map(meanings.right, meanings.targets(Left("R", of_rotation[1])))), None)
         return expression_from_sympy(right.value[int(of_rotation[2]) - 1, int(of_rotation[3]) - 1]) if right else None
+    turn = _TURN.fullmatch(name) if meanings.has_turns else None
+    if turn and (right := meanings.right(Target(f"omega[{turn[1] or turn[2]},0]"))) and not any(right.value[:2, 0]):
+        return expression_from_sympy(right.value[2, 0])
     own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     return meanings.formula(own) if own is not None else None
 

@@ -50,11 +50,7 @@ class Symbol:
 
 @dataclass(eq=False)
 class LatexNames:
-    """What printed names stand for.
-
-    An exact name of the robot comes first, then joint variables and tokens such as c_{12}; then names that differ only
-    in underscores, in the place of the digits, or in case, if there is exactly one.
-    """
+    """What printed names stand for: exact ones first, then joints and tokens such as c_{12}, then the one alike."""
 
     robot: Robot
     abbreviations: Mapping[str, Expression] = field(default_factory=dict)  # what names of the text itself stand for

@@ -5,7 +5,7 @@ effector's, or that of the wrist; rotations from the base, or from the third fra
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -21,9 +21,10 @@ from derive.checking.latex.left import AXES
 from derive.checking.latex.quantities import own_quantity, slope
 from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
+from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import Convention
-from derive.robot.expression import ZERO, Call, Expression, Name, names, substitute
+from derive.robot.expression import Call, Expression, Name, names, substitute
 from derive.robot.names import own_names
 from derive.robot.robot import Robot
 
@@ -146,21 +147,25 @@ class Poses:
         known = name in pose.entries or name in pose.wrist or self.is_point(name) or MARK + name in self._angles
         return Name(MARK + name) if known else None
 
+    def is_other(self, name: str, words: Iterable[str]) -> bool:
+        """Whether a name is given by another name of the same coordinate, and so is one of the author's own."""
+        places = {**self._names.entries, **self._names.wrist}
+        return any(word != name and places.get(word, name) == places.get(name) for word in words)
+
     @cached_property
     def _angles(self) -> dict[str, Expression]:
         """What names of the orientation of a planar arm stand for: the angle in the first entry of its rotation."""
-        first = expression_from_sympy(self._model.quantity("T")[0, 0]) if self._names.angles else ZERO
-        if not (isinstance(first, Call) and first.function == "cos"):
+        if not self._names.angles:
             return {}
-        angle = {"(phi)": first.arguments[0]}
-        return {MARK + name: substitute(meaning, angle) for name, meaning in self._names.angles.items()}
+        turns = zip(self._model.q, self._model.quantity("J")[5, :], strict=True)  # about one direction
+        angle = expression_from_sympy(sympy.Add(*(q * turn for q, turn in turns)))
+        first = expression_from_sympy(self._model.quantity("T")[0, 0])
+        if not compare(self._model.robot, first, Call("cos", (angle,))).equal:
+            return {}
+        return {MARK + name: substitute(meaning, {"(phi)": angle}) for name, meaning in self._names.angles.items()}
 
     def judged(self, claims: Sequence[Claim], told: list[str], known: bool, is_named: bool) -> list[Finding | None]:
-        """The verdicts on equations about a pose, in the reading that most of them need; None where it is uncertain.
-
-        Known is the position of the end effector where another formula prints it rightly, and all names of entries are
-        where the text says that they are those of the whole transform.
-        """
+        """The verdicts in the reading that most equations need, or as known or named; None where it is uncertain."""
         findings: dict[int, Finding | None] = {}
         chosen = self.readings[0]
         for group in Settled:

@@ -1,6 +1,7 @@
 """Quantities that pages print and the registry does not have: motion, forces and energies of single links, rates."""
 
 import re
+from itertools import combinations
 from typing import Any
 
 import sympy
@@ -20,11 +21,13 @@ OF_LINK = (
     "omega", "alpha", "velocity", "acceleration", "acceleration_com", "still_acceleration", "still_acceleration_com",
     "inertial_force", "inertial_moment", "joint_force", "joint_moment",
 )  # fmt: skip
+OF_VELOCITIES = ("bias", "centrifugal", "coriolis")
 # Besides ``p[i]-p[k]``, the way between the origins of two frames, and energies of one link.
 OWN = (
     *OF_LINK,
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
     *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
+    *OF_VELOCITIES,
 )
 _OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
 _WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
@@ -109,10 +112,16 @@ def _coordinates(model: Model, places: list[int]) -> Matrix:
     return sympy.Matrix([*model.quantity("T")[:2, 3], expression_to_sympy(first.arguments[0])])
 
 
-def _energy(model: Model, kind: str, places: list[int]) -> Expr | None:
-    """The Lagrangian, and the energies of one link."""
+def _energy(model: Model, kind: str, places: list[int]) -> Expr | Matrix | None:
+    """The Lagrangian, the energies of one link, and torques of velocities."""
     robot, rates = model.robot, sympy.Matrix(model.qd)
     match kind, places:
+        case "bias", _:  # all of the torques but those of accelerations
+            return model.quantity("Cqd") + (model.quantity("g") if robot.gravity else sympy.zeros(model.n, 1))
+        case (("centrifugal" | "coriolis"), _):  # what stands before qd_j^2 and qd_j qd_k (Craig, section 6.9)
+            pairs = combinations(rates, 2) if kind == "coriolis" else ((rate, rate) for rate in rates)
+            columns = [model.quantity("Cqd").diff(a, b) / (1 + (a == b)) for a, b in pairs]
+            return sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
         case "lagrangian", _:
             return model.quantity("kinetic") - (model.quantity("potential") if robot.gravity else 0)
         case "kinetic", [link]:  # qd' B_i qd / 2
@@ -172,10 +181,7 @@ def _centre(robot: Robot, link: int) -> Matrix:
 
 
 def slope(robot: Robot, value: Expr | Matrix, by: str) -> Any:
-    """The derivative of a formula or a matrix by a joint variable, a velocity, or "t", which gives accelerations.
-
-    By "q" or "qd" it is the column of the derivatives of one formula by all variables or velocities.
-    """
+    """The derivative by a variable, a velocity, or "t" with accelerations; by "q" or "qd" a column of all."""
     joints = [joint.variable for joint in robot.movers]
     if robot.passive and (by != "t" or any(value.has(sympy.Symbol(n.name)) for n in derivatives(robot).values())):
         raise CheckError("derivative along a closed loop", allowed="allowed: G and H, and what they are part of")

@@ -23,11 +23,12 @@ from derive.checking.latex.quantities import force_named
 from derive.checking.latex.targets import is_scalar
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, is_constant, multiply, names, negate, number
-from derive.robot.names import own_names, robot_symbols
+from derive.robot.names import own_names, robot_symbols, velocity_name
 
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
@@ -43,6 +44,8 @@ _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*
 _OF_PLACE = re.compile(r"(?<![A-Za-z])(?:p\s*_\s*\{?\s*)?[xy](?![A-Za-z])")
 # A function of an angle, on a left side.
 _SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
+# An angular velocity of a link, squared in an energy; \omega_1 + \omega_2 are rates of joints.
+_TURNS = re.compile(r"(?s)(?!.*omega_\{?\d\}? ?\+ ?\\omega).*(?:omega_\{?[2-9]|theta\}?_\{c\s*[1-9]\s*)\}?\s*\^\s*\{?2")
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -72,6 +75,7 @@ class Scope:
         words = set(printed_words(plain)) - own_names(self.robot) if document else set[str]()
         self._foreign = whole.other_capitals(self.robot, self.equations, words)
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
+        self.meanings.has_turns = _TURNS.match(plain) is not None
         columns = whole.named_columns(self.equations) if document else {}
         self.meanings.columns = columns
         has_one_end = len(self.robot.ends) < 2  # of several, a pose without a name is none's
@@ -82,6 +86,7 @@ class Scope:
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
+        self.torques: dict[str, Expression] = {}
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
         self._define()
         if document and (lent := self._lent_letters()):
@@ -96,6 +101,7 @@ class Scope:
             self.readings.append("gravity is read as the torque that it exerts, -dU/dq, as the equations of motion say")
         self.defining |= orders.keys()
         self._settle_jacobian()
+        self.torques = self._torques()
         self.namings = list(whole.named_entries(self.equations)) if document else []
 
     @cached_property
@@ -112,6 +118,24 @@ class Scope:
                         is_shift = sum(map(is_constant, terms)) == len(terms) - 1
                         if isinstance(joint, Name) and joint in terms and is_shift:
                             found[joint.name] = value
+        return found
+
+    def _torques(self) -> dict[str, Expression]:
+        r"""What c_1 and h_2 are in equations of motion, by what the text says of them: with gravity, or without it."""
+        found: dict[str, Expression] = {}
+        rates = {velocity_name(joint.variable) for joint in self.robot.movers}
+        sides = ((taken_apart(e[0].text), e[-1]) for e in self.equations if e[1:] and not e[0].matrices)
+        for left, side in sides if self.document else ():
+            targets = self.meanings.targets(left) if left and left.head in "cChHnNV" else ()
+            meant = (self.meanings.right(target) for target in targets if target.quantity in ("Cqd", "bias"))
+            if left and (rights := [*filter(None, meant)]):
+                with suppress(CheckError):
+                    value = self._reads.value(side)
+                    table = value if isinstance(value, Table) else Table(((Entry(value),),))
+                    right = max(rights, key=lambda right: right.fits(table))
+                    if not rates.isdisjoint(name for entry in table.entries for name in names(entry.formula)):
+                        entries = zip(right.rows, map(expression_from_sympy, right.value), strict=True)
+                        found |= {f"{left.head}{row}": entry for row, entry in entries}
         return found
 
     def defined(self) -> Iterator[whole.Defined]:
@@ -327,9 +351,13 @@ class Scope:
         for name, found in self.definitions.items():
             # numbers are those of an example, but where they alone say what a name is
             defined = [one for one in found if not is_constant(one[1])] or found
+            if force_named(name) in self.meanings.forces:
+                continue
             # the last definition before the equation, else the first one behind it
             ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
             meanings[name] = ordered[0][1]
+        if any("\\ddot" in side.text for side in self.equations[index]):
+            meanings |= self.torques
         meanings |= more or {}
         entry = partial(entry_named, self.meanings, self.poses)
         order, foreign = self._cosine_first, self._foreign
@@ -367,8 +395,8 @@ class Scope:
             is_product |= len(left.head) > 1 and bool(self.plain.formula(side))
         if self.document and (is_rate(left.flat) or is_product):
             return ""
-        if not left.is_point and self._is_pose(left):
-            return ""
+        if not left.is_point and self._is_pose(left):  # but z_w = p_{wz} - d_1
+            return left.flat if self.poses and self.poses.is_other(left.flat, printed_words(rest)) else ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
         is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian

@@ -14,7 +14,7 @@ from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, comp
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides
-from derive.checking.latex.left import AXES, Left, taken_apart
+from derive.checking.latex.left import AXES, FONT, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
@@ -36,6 +36,7 @@ _LAGRANGE = re.compile(
 )  # of all joints
 _SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
+_EXPONENTIAL = r"e\^\{\[?\{?(?:S|\\xi)\}?_\{?K\}?\]?\\theta_\{?K\}?\}"  # e^{[S_K] theta_K}, of a screw axis
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 
 
@@ -164,27 +165,36 @@ class SideReading(Comparing):
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
 
-    def _with_letters(self, index: int, equation: Sides, letters: set[str]) -> tuple[Expression, list[str]]:
+    def _with_letters(self, index: int, equation: Sides, own: dict[str, Expression]) -> tuple[Expression, list[str]]:
         """The difference of the first and the last side, and the names in it that stand for themselves."""
         while True:
-            reader = self.scope.reader(index, {name: Name(f"?{name}") for name in letters})
+            reader = self.scope.reader(index, own)
             try:
                 zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
             except UnknownNameError as error:
                 name = re.search("'(.+)'", error.found)
-                if name is None or name[1] in letters:
+                if name is None or name[1] in own:
                     raise
-                letters = {*letters, name[1]}
+                own = own | {name[1]: Name(f"?{name[1]}")}
             else:
-                return zero, sorted(letters.intersection(name.removeprefix("?") for name in names(zero)))
+                return zero, sorted(name[1:] for name in {*names(zero)} if name[0] == "?")
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
-        """That a formula is right if what no formula explains are torques, or a length or an angle of the robot."""
-        several = {name for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
-        for given in ({*()}, several) if len(equation) > 1 else ():
+        """That a formula is right if what no formula explains are torques, a length, an angle, or a constant energy."""
+        definitions = self.scope.definitions.items()
+        several = {name: Name(f"?{name}") for name, formulas in definitions if len(formulas) > 1}
+        left = taken_apart(equation[0].text)
+        energy = self.meanings.formula(left, ("potential",)) if left else None
+        moves = energy and not self.joints.keys().isdisjoint(names(energy))
+        known = {left.flat: energy} if left and energy and moves else {}
+        for given in ({}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
-                zero, letters = self._with_letters(index, equation, given)
+                zero, letters = self._with_letters(index, equation, given | known)
                 note = self._values.motions.driven(zero, letters)
+                still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))
+                ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
+                if known and letters and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
+                    note = "up to a constant"
                 if not note and len(letters) == 1 and len(equation) == 2:
                     meant = self._values.solved(f"?{letters[0]}", zero)
                     if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
@@ -240,6 +250,9 @@ class SideReading(Comparing):
         if may_name and joint is not None:
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
+        if left is None and self._has_all_exponentials(piece.text):
+            error = self._refused(piece, "a product of exponentials")
+            return Side(piece, error=error, factors=(Left("T"),), frames=frames_of(Target("T"), self.robot))
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):
                 return Side(piece, value=self.reader.value(piece))
@@ -259,6 +272,12 @@ class SideReading(Comparing):
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return Side(piece, left, targets, error=error)
+
+    def _has_all_exponentials(self, text: str) -> bool:
+        r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
+        factors = "".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, self.robot.n + 1))
+        tight = "".join(FONT.sub("", text).split()).replace("\\hat", "")
+        return re.fullmatch(factors + r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))", tight) is not None
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""

@@ -18,6 +18,7 @@ Indices = tuple[int, ...]
 _END = frozenset((
     "e", "ee", "eef", "eff", "E", "EE", "EEF", "n", "N", "t", "tool", "Tool", "TOOL", "tcp", "TCP", "H", "h", "end",
     "hand", "Hand", "e.e.", "e.e", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
+    "target", "goal", "desired", "des",
 ))  # fmt: skip
 _BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
@@ -68,7 +69,7 @@ def candidates(
 
 _VECTORS = frozenset(
     ("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", "statics", "statics_end", *OF_LINK)
-)
+) | {"bias"}
 _SCALARS = ("christoffel", "manipulability", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
@@ -100,10 +101,10 @@ def _named(left: Left) -> Iterator[Target]:
 
 # Letters that books use for dynamics.
 _DYNAMIC = {
-    "B": ("B",), "M": ("B",), "D": ("B",), "H": ("B",), "I": ("B",), "C": ("C", "Cqd"), "N": ("N",), "S": ("C",),
+    "B": ("B",), "M": ("B",), "D": ("B",), "I": ("B",), "C": ("C", "Cqd"), "S": ("C",),
     "g": ("g",), "G": ("g",), "tau": ("tau",), "Q": ("tau",), "u": ("tau",), "Gamma": ("tau",),
-    "F": ("tau",), "V": ("Cqd",), "c": ("C", "Cqd"), "h": ("B", "Cqd"),
-    "n": ("N",), "b": ("B",), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
+    "F": ("tau",), "V": ("Cqd",), "c": ("C", "Cqd"), **dict.fromkeys("hH", ("B", "Cqd", "bias")),
+    **dict.fromkeys("nN", ("N", "bias")), "b": ("B", "bias"), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 _ENERGIES = {
@@ -134,6 +135,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
             yield Target(quantity)
         elif len(indices) == (1 if is_vector else 2) and not quantity.startswith("regressor"):
             yield Target(quantity, indices[:1], indices[1:])
+    if left.head in "BC" and not (left.sub + left.factor or left.dots or "dot" in left.arguments):
+        yield Target("coriolis" if left.head == "B" else "centrifugal")
     if left.head == "tau" and left.sub in ("g", "G"):
         yield Target("g")
     if left.head in "gG" and left.sub in ("", "0") and not left.dots + len(left.factor + left.arguments):
@@ -329,7 +332,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
-    elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t"):
+    elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t") or (head in "fF" and plain and left.arguments):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)), Target("in_plane"))
         for name in _frames(left, n, first):
@@ -371,6 +374,7 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
         yield f"end[{int(upper)}]"
     if lower in ("w", "W", "wrist", "wc") and upper in ("", *_BASE) and n > 3:
         yield from (f"T[{k}]" for k in (n - 2, n - 1))
+        yield from (f"T[{n - 3},{n}]",) if left.head == "R" else ()  # what the last three joints turn
     if lower == "0" and upper in _BASE and upper != "0":
         yield "base"
     frame, reference = _frame(lower, n, first), _frame(upper, n, first)

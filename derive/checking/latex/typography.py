@@ -76,7 +76,7 @@ _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m
 _ENTRY = re.compile(
     r"(?:(?<![A-Za-z\\])R\s*_\s*(?:\{(?P<pair>[0-9]{2})\}|\{?(?P<frame>[0-9])\}?\s*\^\s*\{?(?P<seen>[0-9])\}?)"
     r"|(?:\{\s*\}\s*)?_\s*\{?(?P<to>[0-9])\}?\s*\^\s*\{?(?P<from>[0-9])\}?\s*R)"
-    r"\s*(?:\(|\[)\s*(?P<row>[0-3])\s*,\s*(?P<column>[0-3])\s*(?:\)|\])"
+    r"\s*(?:\(|\[)\s*(?P<row>[0-3])\s*(?:,|\]\s*\[)\s*(?P<column>[0-3])\s*(?:\)|\])"
 )
 _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
@@ -123,10 +123,11 @@ def cleaned(text: str, time: bool = True) -> str:
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
     text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ")
+    text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = _POINTED.sub(_times, text)
     text = re.sub(r"\^\s*\{\s*\(\s*\\pm\s*\)\s*\}", lambda m: blank(m[0]), text)  # of both branches
-    text = _BAR.sub(lambda m: f"{m['in'] or m['bare']}'".ljust(len(m[0])), text)
+    text = _BAR.sub(lambda m: f" {m['in'] or m['bare']}'".ljust(len(m[0])), text)
     text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)

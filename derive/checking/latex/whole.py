@@ -164,10 +164,7 @@ def other_capitals(robot: Robot, equations: Iterable[Sides], words: set[str]) ->
 
 
 def torque_index(texts: Iterable[str]) -> int | None:
-    """Which index of a Christoffel symbol is that of the torque, where the equation defines the symbol.
-
-    It is that of the variable in the derivative that is subtracted, as in -(partial d_ij)/(partial q_k).
-    """
+    """Which index of a Christoffel symbol is that of the torque: that of the variable of the subtracted derivative."""
     first, *others = texts
     symbol = _SYMBOL.fullmatch("".join(first.split()))
     minus = next(filter(None, map(_SUBTRACTED.search, others)), None)
