@@ -16,6 +16,7 @@ from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 from tests.checking.test_files import ARM
+from tests.refusals import one_message
 from tests.rows import robot_of_rows
 
 
@@ -68,9 +69,8 @@ def test_identities_and_products_are_compared() -> None:
     ],
 )
 def test_what_does_not_fit_the_robot_is_refused_at_its_line(item: str, error: type) -> None:
-    with pytest.raises(error) as caught:
+    with one_message(error, r".*:8:\d+", ""):
         check(f"expected:\n  - {item}\n")
-    assert caught.value.location.line == 8
 
 
 def test_the_sign_of_a_velocity_is_a_symbol_in_a_difference() -> None:

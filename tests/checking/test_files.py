@@ -17,6 +17,7 @@ from derive.checking.methods_file import ARMS, SETS, cases
 from derive.errors import CheckError, DeriveError, ExpressionError, Location
 from derive.model.model import Model
 from derive.robot.robot import Robot
+from tests.refusals import one_message
 
 ARM = """\
 robot:
@@ -73,15 +74,13 @@ def test_entries_matrices_and_corrections_are_read_with_their_places() -> None:
     ],
 )
 def test_what_cannot_be_read_is_refused_at_its_line(tail: str, line: int, message: str) -> None:
-    with pytest.raises(DeriveError, match=message) as caught:
+    with one_message(DeriveError, rf"notes.yaml:{line}:\d+", message):
         read(tail)
-    assert caught.value.location.line == line
 
 
 def test_a_formula_in_folded_text_is_placed_at_its_beginning_and_a_robot_file_alone_prints_nothing() -> None:
-    with pytest.raises(DeriveError, match="ends too early") as caught:
+    with one_message(DeriveError, "notes.yaml:10:12", "ends too early"):
         read('expected:\n  - quantity: p\n    entries:\n      "1": >-\n        a1*c1\n        +\n')
-    assert caught.value.location == Location("notes.yaml", 10, 12)
     with pytest.raises(DeriveError, match="no block 'robot:'"):
         corpus_from_bytes(b"name: arm\nconvention: standard\njoints: [{type: revolute}]\n", "arm.yaml")
     assert read("expected: []\nsingularities: [{of: J}]\n").unread == ("singularities",)
@@ -133,9 +132,8 @@ def test_products_of_frames_are_compared_entry_by_entry_and_a_slip_is_repaired(t
 )
 def test_frames_that_cannot_be_read_are_refused(tmp_path: Path, found: str, instead: str, message: str) -> None:
     assert found in FRAMES
-    with pytest.raises(DeriveError, match=r"file\.yaml") as caught:
+    with one_message(DeriveError, r".*file\.yaml:\d+:\d+", message):
         check(tmp_path, FRAMES.replace(found, instead))
-    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -185,10 +183,8 @@ def test_the_change_that_repairs_an_equation_is_named(tmp_path: Path, printed: s
     ],
 )
 def test_equations_that_cannot_be_read_are_refused(tmp_path: Path, printed: str, message: str) -> None:
-    with pytest.raises(CheckError) as caught:
+    with one_message(CheckError, r".*:2:\d+", message):
         check(tmp_path, EQUATION % ("any", "F", printed))
-    assert message in str(caught.value)
-    assert caught.value.location.line == 2
 
 
 def test_a_file_of_another_kind_is_refused_as_before(tmp_path: Path) -> None:

@@ -38,21 +38,19 @@ def refusal(body: str) -> str:
     return str(caught.value)
 
 
-def test_the_same_text_gives_the_same_bytes() -> None:
+def test_the_same_text_gives_the_same_bytes_and_nothing_is_left_behind(scratch: Path) -> None:
+    before = os.getcwd()
     first, second = (compile_latex(document("$x$"), "arm") for _ in range(2))
     assert first.pdf == second.pdf
     assert first.pdf.startswith(b"%PDF")
+    assert list(scratch.iterdir()) == []
+    assert os.getcwd() == before
 
 
 def test_references_are_resolved() -> None:
     compiled = compile_latex(document(r"\begin{equation}\label{e} x \end{equation} \ref{e} \pageref{e}"))
     assert "undefined references" not in compiled.text
     assert compiled.pages == 1
-
-
-def test_nothing_is_left_behind(scratch: Path) -> None:
-    compile_latex(document("x"))
-    assert list(scratch.iterdir()) == []
 
 
 def test_a_refusal_tells_message_line_source_heading_and_where_the_document_is_kept(scratch: Path) -> None:
@@ -116,9 +114,3 @@ def test_both_forms_of_an_error_are_read() -> None:
 def test_pages_are_counted_across_a_wrapped_line() -> None:
     assert LatexRun("Output written on a_very_long_name.pdf (1\n2 pages, 100 bytes).").pages == 12
     assert LatexRun("No pages of output.").pages == 0
-
-
-def test_the_caller_keeps_its_folder(tmp_path: Path) -> None:
-    before = os.getcwd()
-    compile_latex(document("x"))
-    assert os.getcwd() == before

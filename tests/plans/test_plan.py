@@ -86,10 +86,8 @@ def test_the_right_plan_is_right() -> None:
 def test_a_wrong_plan_is_one_message_when_it_is_loaded(old: str, new: str, message: str) -> None:
     assert old in RIGHT
     text = RIGHT.replace(old, new, 1) if old else RIGHT + new
-    with pytest.raises(DeriveError) as caught:
+    with pytest.raises(DeriveError, match=rf"\Aplan.yaml:{re.escape(message)}[^\n]*\Z"):
         Motion.from_text(text, "plan.yaml")
-    assert str(caught.value).startswith(f"plan.yaml:{message}")
-    assert "\n" not in str(caught.value)
 
 
 def test_joint_values_have_the_units_of_the_robot_and_numbers_and_formulas_the_time() -> None:

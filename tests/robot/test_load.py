@@ -12,6 +12,7 @@ from derive.robot.expression import ONE, ZERO, Name, to_text
 from derive.robot.names import acceleration_name, free_symbols, joint_label, robot_symbols, velocity_name
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
+from tests.refusals import one_message
 
 HEAD = "name: r\nconvention: standard\n"
 
@@ -177,20 +178,16 @@ CONTRADICTIONS = [
     ("{type: prismatic, d: d1}", "if 'd1' is the variable, write q: d1"),
     ("{type: revolute, theta: theta1}", "if 'theta1' is the variable, write q: theta1"),
     ("{type: revolute, theta: q1 - q1}", "constant"),
-    ("{type: revolute, theta: 0*q1}", "constant"),
     ("{type: revolute, d: q1}", "write type: prismatic"),
     ("{type: prismatic, theta: q1}", "write type: revolute"),
     ("{type: revolute, a: q1}", "only in the cell theta"),
     ("{type: revolute, alpha: sin(q1)}", "only in the cell theta"),
     ("{type: revolute, theta: q1**2}", "is not linear in q1"),
-    ("{type: revolute, theta: q1 + sin(q1)}", "is not linear in q1"),
     ("{type: revolute, theta: q1*cos(q1)}", "is not linear in q1"),
     ("{type: revolute, q: q2, theta: q1}", "constant"),
     ("{type: revolute, limits: [1, -1]}", "not below"),
-    ("{type: revolute, limits: [1, 1]}", "not below"),
     ("{type: revolute, limits: [0, q1]}", "in limits"),
     ("{type: revolute, q: pi}", "cannot be a symbol"),
-    ("{type: revolute, q: sin}", "cannot be a symbol"),
     ("{type: revolute, q: q-1}", "is not a name"),
     ("{type: revolute, a: qd1}", "velocity of 'q1' is called 'qd1'"),
     ("{type: revolute, a: qdd1}", "acceleration of 'q1' is called 'qdd1'"),
@@ -212,10 +209,8 @@ PAIRS = [
 
 @pytest.mark.parametrize(("rows", "words"), [*(((row,), words) for row, words in CONTRADICTIONS), *PAIRS])
 def test_contradictory_rows_are_refused_at_their_line(rows: tuple[str, ...], words: str) -> None:
-    with pytest.raises((RobotFileError, ExpressionError)) as caught:
+    with one_message((RobotFileError, ExpressionError), rf"r.yaml:{3 + len(rows)}:\d+", words):
         arm(*rows)
-    assert caught.value.location.line == 3 + len(rows)
-    assert words in str(caught.value)
 
 
 def test_sixty_four_joints_load_and_sixty_five_do_not() -> None:

@@ -117,9 +117,8 @@ def test_magnitudes_that_keep_their_sign_are_written_without(formula, duration, 
     ],
 )
 def test_others_are_refused_with_the_time(formula, message: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(DeriveError, match=message) as caught:
+    with pytest.raises(DeriveError, match=f"{message}.*allowed: formulas with a finite velocity"):
         followed(formula, 2)
-    assert "allowed: formulas with a finite velocity" in str(caught.value)
 
 
 def test_a_plan_names_the_formula_and_its_place() -> None:
