@@ -198,13 +198,10 @@ def test_labels_without_a_joint_and_names_under_functions_are_undecidable(formul
     assert outcomes(f'expected:\n  - {{quantity: p, entries: {{"1": "{formula}"}}}}\n') == [Outcome.UNDECIDABLE]
 
 
-def test_an_entry_printed_with_an_unknown_name_is_not_one_of_the_rest() -> None:
+def test_an_unknown_name_is_not_one_of_the_rest_and_an_erratum_with_one_is_still_marked() -> None:
     found = report('expected:\n  - {quantity: p, entries: {"1": "foo", "2": "a1*s1 + a2*s12"}, rest: zero}\n')
     assert [f.entry for f in found.findings] == ["p[1]", "p[2]", "p[3]"]
     assert not found.wrong
-
-
-def test_an_erratum_with_an_unknown_name_is_still_marked_as_one_and_a_correction_leaves_it_wrong() -> None:
     tail = 'expected:\n  - {quantity: p, entries: {"1": "a1*c1"}, status: erratum, correct: {"1": "a1*c1 + foo"}}\n'
     assert outcomes(tail) == [Outcome.WRONG, Outcome.UNDECIDABLE]
     assert only('expected:\n  - {quantity: p, entries: {"1": "foo"}, status: erratum}\n').erratum

@@ -60,9 +60,14 @@ def test_names_of_books_are_understood_as_by_show(bar: Robot, book: str, ours: s
     )
 
 
-def test_a_word_with_several_meanings_is_refused_with_them(bar: Robot) -> None:
+def test_what_has_several_meanings_or_none_is_refused_with_what_may_be_meant(bar: Robot) -> None:
     with pytest.raises(QuantityError, match="several meanings"):
         fragment_text(bar, bar.handout, "euler angles")
+    with pytest.raises(TargetError, match="did you mean 'inertia'"):
+        fragment_text(bar, bar.handout, "inerta")
+    plain = robot_of_rows("R a: a1")
+    with pytest.raises(QuantityError, match="no links"):
+        fragment_text(plain, plain.handout, "B")
 
 
 def test_a_name_with_line_breaks_stays_in_its_comment(bar: Robot) -> None:
@@ -93,14 +98,6 @@ def test_symbols_are_those_of_the_registry_with_the_index_and_the_letter_asked_f
 def test_a_width_that_is_none_is_refused(bar: Robot, width: str) -> None:
     with pytest.raises(QuantityError, match="such as 84mm"):
         fragment_text(bar, bar.handout, "B", width)
-
-
-def test_what_there_is_not_is_refused_with_what_may_be_meant(bar: Robot) -> None:
-    with pytest.raises(TargetError, match="did you mean 'inertia'"):
-        fragment_text(bar, bar.handout, "inerta")
-    plain = robot_of_rows("R a: a1")
-    with pytest.raises(QuantityError, match="no links"):
-        fragment_text(plain, plain.handout, "B")
 
 
 PLANE = "planar-2r-perugia"

@@ -64,12 +64,9 @@ def test_a_refusal_tells_message_line_source_heading_and_where_the_document_is_k
     assert (folder / "arm.tex").read_text() == document("fine\n\\unknowncommand{2}")
 
 
-def test_a_missing_package_of_latex_names_the_system_package() -> None:
+def test_missing_packages_and_programs_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with pytest.raises(LatexError, match="apt install texlive-latex-recommended"):
         compile_latex(document("x").replace("amsmath", "nosuchpackage"))
-
-
-def test_missing_programs_name_the_system_packages(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(LatexError, match=r"latexmk and pdflatex not found.*texlive-latex-recommended latexmk"):
         compile_latex(document("x"))
@@ -103,14 +100,11 @@ def test_overfull_boxes_are_measured() -> None:
     assert 10 < overfull(log) < 40
 
 
-def test_both_forms_of_an_error_are_read() -> None:
+def test_errors_of_both_forms_and_pages_are_read_from_the_log() -> None:
     plain = LatexRun("! Undefined control sequence.\n<recently read> \\x\nl.12 \\x\n")
     placed = LatexRun("./arm.tex:12: Undefined control sequence.\nl.12 \\x\n")
     assert plain.faults == [("Undefined control sequence.", 12)]
     assert plain.faults == placed.faults
     assert LatexRun("!  ==> Fatal error occurred, no output PDF file produced!\n").faults == []
-
-
-def test_pages_are_counted_across_a_wrapped_line() -> None:
     assert LatexRun("Output written on a_very_long_name.pdf (1\n2 pages, 100 bytes).").pages == 12
     assert LatexRun("No pages of output.").pages == 0

@@ -36,14 +36,11 @@ def test_everything_optional_has_its_documented_default() -> None:
     assert (robot.gravity, robot.links, robot.parameters, robot.runtime) == (None, (), (), ())
 
 
-def test_a_full_row_is_read_cell_by_cell() -> None:
+def test_a_full_row_is_read_cell_by_cell_quoted_or_bare() -> None:
     [joint] = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints
     assert (joint.variable, joint.sign) == ("th", -1)
     cells = (joint.theta, joint.d, joint.a, joint.alpha, *(joint.limits or ()))
     assert [to_text(cell) for cell in cells] == ["pi/2", "d1 + 1", "2159/5000", "al", "-pi", "x"]
-
-
-def test_quoted_and_bare_cells_mean_the_same() -> None:
     bare = arm("{type: revolute, a: 0.10, d: 1e3, theta: q1 + 1}")
     quoted = arm("{type: 'revolute', a: '0.10', d: \"1e3\", theta: \"q1 + 1\"}")
     assert bare.joints == quoted.joints
@@ -64,14 +61,11 @@ def test_links_have_zeros_where_the_file_is_silent() -> None:
     assert (second.mass, second.motor.mass, second.motor.inertia) == (ZERO, ZERO, ZERO)
 
 
-def test_links_without_gravity_hang_in_a_field_g_along_minus_z() -> None:
+def test_links_without_gravity_hang_in_a_field_g_along_minus_z_unless_g_means_something_else() -> None:
     robot = arm("{type: revolute}", tail="links: [{mass: m}]\nparameters: {g: 9.81}\n")
     assert [to_text(entry) for entry in robot.gravity] == ["0", "0", "-g"]
     assert robot_symbols(robot) == ("g", "m")
     assert free_symbols(robot) == ("m",)
-
-
-def test_the_default_gravity_is_refused_where_g_means_something_else() -> None:
     with pytest.raises(RobotFileError, match=r"r.yaml:5:\d+: links: .*'g' is used for something else"):
         arm("{type: revolute, a: g}", tail="links: [{mass: m}]\n")
 

@@ -94,16 +94,13 @@ def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_
     assert [to_text(cell) for cell in (link.armature, link.viscous)] == ["2", "7"]
     assert to_text(loaded.gravity[2]) == "-981/100"
     assert to_text(dict(loaded.parameters)["L"]) == "2"
+    loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
+    assert value(loaded.gravity[0]) == pytest.approx(4.905)
 
 
 def test_in_radians_and_metres_nothing_changes() -> None:
     joint = robot("{type: revolute, theta: q1 + 2, a: 3*(x + 1), alpha: pi/3}", "rad", "m").joints[0]
     assert [to_text(cell) for cell in (joint.theta, joint.a, joint.alpha)] == ["2", "3*(x + 1)", "pi/3"]
-
-
-def test_gravity_cells_may_use_degrees_in_functions() -> None:
-    loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
-    assert value(loaded.gravity[0]) == pytest.approx(4.905)
 
 
 def cell(text: str) -> Expression:

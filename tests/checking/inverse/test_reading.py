@@ -124,9 +124,11 @@ def formula(text: str) -> Expression:
     return side.parts[0].read({})
 
 
-def test_lines_end_at_line_breaks_semicolons_and_commas_before_the_next_name() -> None:
+def test_lines_end_at_line_breaks_semicolons_and_commas_before_the_next_name_and_have_an_equals_sign() -> None:
     text = "where D = a1, q2 = atan2(D, a1) or -q2\nq1 = 1; c2 = 0\n\n"
     assert sides(text) == [["D"], ["a1"], ["q2"], ["atan2(D, a1)", "-q2"], ["q1"], ["1"], ["c2"], ["0"]]
+    with pytest.raises(CheckError, match="notes:2:3: a line is not an equation"):
+        sides("q1 = 1\n  atan2(a1, a2)")
 
 
 @pytest.mark.parametrize(
@@ -157,11 +159,6 @@ def test_what_the_grammar_does_not_have_is_rewritten(text: str, read: str) -> No
 def test_places_are_those_of_the_text_as_it_was_typed(text: str, place: str) -> None:
     with one_message(CheckError, place, ""):
         formula(text)
-
-
-def test_a_line_without_an_equals_sign_is_refused_at_its_place() -> None:
-    with pytest.raises(CheckError, match="notes:2:3: a line is not an equation"):
-        sides("q1 = 1\n  atan2(a1, a2)")
 
 
 ROBOT = load("planar-2r-perugia")

@@ -248,8 +248,8 @@ def test_what_is_asked_about_agrees_with_its_entries_only_and_a_vector_fits_as_a
 START = Location("notes.tex")
 
 
-def sides(text: str, document: bool = False) -> list[list[str]]:
-    return [[" ".join(side.text.split()) for side in e] for e in equations(text, START, document=document)]
+def sides(text: str) -> list[list[str]]:
+    return [[" ".join(side.text.split()) for side in e] for e in equations(text, START)]
 
 
 @pytest.mark.parametrize(
@@ -272,11 +272,6 @@ def sides(text: str, document: bool = False) -> list[list[str]]:
 )
 def test_equations_and_their_sides(text: str, expected: list[list[str]]) -> None:
     assert sides(text) == expected
-
-
-def test_of_a_document_displays_and_mathematics_in_lines_are_read() -> None:
-    text = "\\begin{document} Let \\[ x = a \\] \\begin{itemize} \\item $n = 2$ \\end{itemize} \\end{document}"
-    assert sides(text, document=True) == [["x", "a"], ["n", "2"]]
 
 
 @pytest.mark.parametrize(

@@ -76,23 +76,17 @@ def test_lines_break_outside_of_brackets_if_they_can() -> None:
     assert "(" in lines[1]
 
 
-def test_short_equations_share_a_line() -> None:
+def test_short_equations_share_a_line_and_boxes_are_packed_within_the_width() -> None:
     equations = [Equation(italic(letter), (TexPiece(italic("x")),)) for letter in "abcdefgh"]
     (line,) = equation_lines(equations)
     assert re.findall(r"(\w) =", line) == list("abcdefgh")
-
-
-def test_boxes_are_packed_within_the_width() -> None:
     assert pack([Box("a", 200.0), Box("b", 200.0), Box("c", 200.0)], 455.0) == ["a \\qquad b", "c"]
     assert pack([], 455.0) == []
 
 
-def test_the_width_of_a_matrix_is_that_of_its_columns() -> None:
+def test_columns_make_the_width_of_a_matrix_and_rows_of_fractions_keep_off_each_other() -> None:
     cell = Box("x", 20.0)
     assert matrix([[cell, cell], [cell, Box("y", 50.0)]]).width >= 20.0 + 50.0 + 10.0
-
-
-def test_rows_of_fractions_in_a_matrix_keep_off_each_other() -> None:
     rows = matrix_rows([["\\tfrac{1}{2}", "0"], ["x", "\\tfrac{1}{3}"], ["0", "1"]])
     assert rows == ["\\tfrac{1}{2} & 0 \\\\[0.6ex]", "x & \\tfrac{1}{3} \\\\", "0 & 1"]
     assert matrix_rows([["x"]]) == ["x"]
@@ -114,13 +108,10 @@ def place_name(row: int, column: int) -> Box:
     return script(italic("t"), italic(f"{row}{column}"))
 
 
-def test_a_small_matrix_is_printed_whole_with_its_zeros() -> None:
+def test_a_small_matrix_is_printed_whole_and_a_symmetric_one_asks_for_its_upper_half() -> None:
     found = layouter().lay_out(italic("T"), place_name, entries_of([[cos(A), 0], [0, 1]]))
     assert found.lines == (r"T = \begin{bmatrix} \cos a_{1} & 0 \\ 0 & 1 \end{bmatrix}",)
     assert [box.tex for box, _ in found.values] == ["t_{11}", "t_{22}"]
-
-
-def test_a_symmetric_matrix_asks_for_its_upper_half_and_prints_all() -> None:
     found = layouter().lay_out(italic("B"), place_name, entries_of([[A, B], [X, D]]), symmetric=True)
     assert "x_{9}" not in found.lines[0]
     assert found.lines[0].count("b_{1}") == 2
@@ -204,7 +195,7 @@ def context() -> Context:
     return context_of(Robot.load("planar-3r"))
 
 
-def test_small_matrices_share_a_line(context: Context) -> None:
+def test_small_matrices_share_a_line_and_a_wide_one_is_not_small(context: Context) -> None:
     matrix = of_matrix(sympy.Matrix([[sympy.cos(q1), 0], [0, 1]]))
     found = [small(context, symbol, matrix, entry_namer(symbol)) for symbol in (P, R)]
     together = side_by_side([one for one in found if one is not None])
@@ -212,9 +203,6 @@ def test_small_matrices_share_a_line(context: Context) -> None:
     assert together.lines == (f"P = {body} \\qquad R = {body}",)
     assert together.blanks == ("P", "R")
     assert [name.tex for name, _ in together.values] == ["(P)_{11}", "(P)_{22}", "(R)_{11}", "(R)_{22}"]
-
-
-def test_a_wide_matrix_is_not_small(context: Context) -> None:
     wide = sympy.Matrix([[sympy.Symbol("a1") ** k * sympy.Symbol("a2") ** k for k in range(2, 22)]])
     assert small(context, P, of_matrix(wide), entry_namer(P)) is None
 

@@ -50,9 +50,10 @@ def test_the_same_robot_gives_the_same_figure() -> None:
     assert figure(Robot.load("thumb")) == figure(Robot.load("thumb"))
 
 
-def test_the_bundle_is_small_and_ends_no_script() -> None:
+def test_the_bundle_is_small_and_no_script_ends_its_element() -> None:
     assert len(three()) <= BUNDLE_BUDGET
     assert not re.search(r"</script|<!--", three(), re.IGNORECASE)
+    assert "</script" not in safe_script('var a = "</script><!--";')
 
 
 def test_words_are_translated_and_inert() -> None:
@@ -66,15 +67,12 @@ def test_words_are_translated_and_inert() -> None:
     assert "Con <i>a</i><sub>1</sub> = " in html
 
 
-def test_a_prismatic_joint_without_limits_goes_as_far_as_the_longest_link() -> None:
+def test_a_joint_starts_as_the_figure_says_or_within_its_limits_or_as_far_as_the_longest_link() -> None:
     robot = robot_of_rows("R a: 0.3 | P d: q2 + 0.75 | R limits: [1, 2]")
     first, second, third = travels(robot, symbol_values(robot, (), {}))
     assert (first.lower, first.upper, first.start) == (-math.pi, math.pi, 0)
     assert (second.lower, second.upper, second.start) == (0, 0.75, 0.375)
     assert (third.lower, third.upper, third.start) == (1, 2, 1.5)
-
-
-def test_the_figure_configuration_is_where_it_starts() -> None:
     robot = robot_of_rows("R a: 0.3 | R a: a2", "figure: {q: [pi/2, -1]}")
     assert [travel.start for travel in travels(robot, symbol_values(robot, (), {"a2": 1.0}))] == [math.pi / 2, -1]
 
@@ -305,16 +303,9 @@ def test_entries_can_be_copied_as_they_are(reader: Reader) -> None:
         ast.parse(python or "", mode="eval")
 
 
-def test_the_page_is_the_same_each_time(html: str) -> None:
+def test_the_page_is_the_same_each_time_and_its_texts_are_translated(html: str) -> None:
     assert page(document(), Text()) == html
-
-
-def test_texts_of_the_page_are_translated() -> None:
     assert "Copia LaTeX" in page(document(), Text("it", {"Copy LaTeX": "Copia LaTeX"}))
-
-
-def test_a_script_cannot_end_its_element() -> None:
-    assert "</script" not in safe_script('var a = "</script><!--";')
 
 
 def test_the_figure_stands_in_the_page() -> None:

@@ -220,12 +220,9 @@ def test_the_inertia_matrix_has_the_chosen_letter_everywhere(letter: InertiaLett
         assert f"{other.value.lower()}_{{12}}" not in text
 
 
-def test_robots_without_links_have_no_dynamics() -> None:
+def test_robots_without_links_have_no_dynamics_and_those_with_many_joints_a_sentence() -> None:
     arm = Robot.from_text("name: arm\ntitle: Arm\nconvention: standard\njoints: [{type: revolute}]\n")
     assert document_of(bare_context(arm), DYNAMICS).sections == ()
-
-
-def test_many_joints_keep_the_sentence_that_nothing_is_derived() -> None:
     robot = Robot.from_text(robot_text(random.Random(3), 4))
     (section,) = document_of(bare_context(robot, policy=SheetPolicy(closed_form_joints=3)), DYNAMICS).sections
     assert section.part == "inertia"

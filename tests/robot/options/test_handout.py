@@ -98,9 +98,11 @@ def robot(tail: str = "") -> Robot:
     return Robot.from_text(GOOD + tail)
 
 
-def test_without_the_blocks_everything_has_its_default() -> None:
+def test_what_is_left_out_has_its_default() -> None:
     assert robot().handout == HandoutOptions() == HandoutOptions(parts=USUAL_PARTS, language="en")
     assert robot().figure == FigureOptions(q=None, values=())
+    handout = robot("handout: {notation: {angle: q}}\n").handout
+    assert handout == HandoutOptions(notation=NotationOptions(angle=AngleLetter.Q))
 
 
 def test_every_option_arrives() -> None:
@@ -114,26 +116,15 @@ def test_every_option_arrives() -> None:
     )
 
 
-def test_a_key_that_is_left_out_has_its_default() -> None:
-    handout = robot("handout: {notation: {angle: q}}\n").handout
-    assert handout == HandoutOptions(notation=NotationOptions(angle=AngleLetter.Q))
-
-
-def test_figure_values_are_exact() -> None:
+def test_the_figure_is_exact_in_the_units_of_the_file_and_values_have_none() -> None:
     figure = robot(EVERYTHING).figure
     assert [evaluate(value, {}) for value in figure.q] == pytest.approx([0.5235987755982988, 0.25])
     assert getattr(figure.q[1], "value", None) == Fraction(1, 4)
     assert [name for name, _ in figure.values] == ["m1", "g"]
     assert getattr(figure.values[1][1], "value", None) == Fraction(981, 100)
-
-
-def test_the_figure_has_the_units_of_the_file_and_values_have_not() -> None:
     figure = robot("units: {angle: deg, length: mm}\nfigure: {q: [90, 250], values: {m1: 3}}\n").figure
     assert [evaluate(value, {}) for value in figure.q] == pytest.approx([1.5707963267948966, 0.25])
     assert getattr(figure.values[0][1], "value", None) == 3
-
-
-def test_pi_in_degrees_is_refused_as_in_limits() -> None:
     with pytest.raises(DeriveError, match="angles are in degrees"):
         robot("units: {angle: deg}\nfigure: {q: [pi, 0]}\n")
 
@@ -169,16 +160,13 @@ def test_the_column_is_exact(tail: str, column: int) -> None:
         robot(tail + "\n")
 
 
-def test_the_schema_accepts_what_the_loader_accepts() -> None:
+def test_the_schema_accepts_what_the_loader_accepts_and_names_every_part_and_letter() -> None:
     jsonschema.validate(yaml.safe_load(GOOD + EVERYTHING), json_schema())
+    text = json.dumps(json_schema())
+    words = [*PARTS, *AngleLetter, *SliderLetter, *Functions, *FrameIndices, *InertiaLetter, *PoseEntries, *Derivation]
+    assert not [word for word in words if f'"{word}"' not in text]
 
 
 @pytest.mark.parametrize("tail", OF_THE_SCHEMA)
 def test_the_schema_refuses_wrong_structure_too(tail: str) -> None:
     assert not jsonschema.Draft202012Validator(json_schema()).is_valid(yaml.safe_load(GOOD + tail))
-
-
-def test_the_schema_names_every_part_and_every_letter() -> None:
-    text = json.dumps(json_schema())
-    words = [*PARTS, *AngleLetter, *SliderLetter, *Functions, *FrameIndices, *InertiaLetter, *PoseEntries, *Derivation]
-    assert not [word for word in words if f'"{word}"' not in text]

@@ -18,13 +18,10 @@ def options(block: str) -> InverseOptions:
     return Robot.from_text(ARM + block).inverse
 
 
-def test_without_a_block_the_whole_pose_is_wanted_and_nothing_is_given() -> None:
-    assert options("") == InverseOptions(POSE, None)
-
-
 @pytest.mark.parametrize(
     ("block", "task", "given"),
     [
+        ("", POSE, None),
         ("inverse: {task: position}", TASKS["position"], None),
         ("inverse: {task: [phi, y, x]}", ("x", "y", "phi"), None),
         ("inverse: {task: [x, y], given: [q3]}", ("x", "y"), ("q3",)),

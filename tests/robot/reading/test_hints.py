@@ -120,10 +120,7 @@ def test_files_of_other_programs_are_named(text: str, what: str) -> None:
     assert ("derive import FILE" if what == "a URDF" else "derive new NAME") in str(refused.value)
 
 
-def test_robot_files_are_none_of_these() -> None:
+def test_right_files_and_cells_without_a_habit_have_no_hint() -> None:
     for text in (f"{HEAD}joints: [{{type: revolute}}]\n", '{"name": "arm", "joints": []}', "# from a, b, c\nname: x\n"):
         assert file_hint(text) == ("", "")
-
-
-def test_a_cell_without_a_habit_has_no_hint() -> None:
     assert cell_hint("a1 +* b") == ""
