@@ -52,13 +52,10 @@ def test_pages_name_what_is_missing_and_what_failed() -> None:
     assert "X, B: ValueError: no" in text
 
 
-def test_ratios_are_of_medians_of_one_run() -> None:
+def test_ratios_are_of_medians_of_one_run_and_the_floor_adds_arithmetic_and_sines() -> None:
     rows = timings()["robots"]["puma560-numeric"]["batch"]
     assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "tau") == pytest.approx(30)
     assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "B") is None
-
-
-def test_floor_adds_arithmetic_and_sines() -> None:
     text = timings_markdown(timings(), OPERATIONS)
     assert "| PUMA, tau, 4 lanes | 0.20 | 2.50 | 12.0 | 2.70 | 12.0 | 30.0 |" in text
 

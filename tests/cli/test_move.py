@@ -55,12 +55,9 @@ def test_a_wrong_plan_is_one_message_at_its_place_and_nothing_is_written(
     assert not (tmp_path / "run.csv").exists()
 
 
-def test_no_such_plan(tmp_path: Path) -> None:
+def test_no_such_plan_and_options_that_do_not_belong_together(tmp_path: Path) -> None:
     message = "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
     assert message in refused("move", "scara-pick", folder=tmp_path).stderr
-
-
-def test_options_that_do_not_belong_together(tmp_path: Path) -> None:
     plan = written(PENDULUM, tmp_path)
     for options in ("--format latex", "--show --json", "--csv - --json"):
         refused("move", plan, *options.split(), folder=tmp_path)

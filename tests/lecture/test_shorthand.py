@@ -69,14 +69,11 @@ def test_two_ways_to_read_a_token_are_both_named() -> None:
         read_formula("qd1", arm)
 
 
-def test_a_name_of_the_robot_wins_over_a_token() -> None:
+def test_names_of_the_robot_win_over_tokens_which_slides_and_repeated_labels_have_not() -> None:
     arm = robot_of_rows("R a: c1 | R a: s12")
     assert read_formula("c1", arm) == Name("c1")
     assert read_formula("s12", arm) == Name("s12")
     assert to_text(read_formula("c12", arm)) == "cos(q1 + q2)"
-
-
-def test_prismatic_joints_have_no_cosine_and_repeated_labels_are_no_angle_sum() -> None:
     with pytest.raises(CheckError, match="c3: joint 3 is prismatic; its variable is q3"):
         read_formula("c3", SCARA)
     with pytest.raises(CheckError):

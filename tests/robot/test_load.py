@@ -141,7 +141,7 @@ def test_a_path_and_a_text_give_the_same_robot(tmp_path: Path) -> None:
     assert dataclasses.replace(robot, source="", digest="") == dataclasses.replace(load(text), source="", digest="")
 
 
-def test_unknown_names_suggest_the_nearest_robot() -> None:
+def test_what_is_no_robot_or_no_file_gives_one_message(tmp_path: Path) -> None:
     with pytest.raises(UnknownRobotError, match="did you mean 'scara-perugia'"):
         Robot.load("scara-perugai")
     with pytest.raises(UnknownRobotError, match="did you mean 'thumb'"):
@@ -150,9 +150,6 @@ def test_unknown_names_suggest_the_nearest_robot() -> None:
         Robot.load("no\0such")
     with pytest.raises(UnknownRobotError):
         Robot.load("x" * 10_000)
-
-
-def test_what_is_not_a_readable_file_gives_one_message(tmp_path: Path) -> None:
     with pytest.raises(RobotFileError, match="not a file"):
         Robot.load(tmp_path)
     with pytest.raises(RobotFileError, match=r"/dev/null:1:1: not a file"):

@@ -261,15 +261,12 @@ def reader(html: str) -> Reader:
     return Reader(html)
 
 
-def test_no_address_of_another_file_is_in_the_page(html: str, reader: Reader) -> None:
+def test_the_page_states_its_language_names_no_other_file_and_refuses_every_request(html: str, reader: Reader) -> None:
     assert not re.findall(r"https?://|//[a-z]+\.", re.sub(r"<script>.*?</script>", "", html, flags=re.DOTALL))
     for _, attributes in reader.found:
         for name in ("src", "href", "srcset", "action"):
             assert (attributes.get(name) or "#").startswith(("#", "data:"))
     assert all(address.startswith("data:") for address in re.findall(r"url\(([^)]*)\)", html))
-
-
-def test_the_page_states_its_language_and_refuses_every_request(html: str, reader: Reader) -> None:
     assert reader.all("html") == [{"lang": "it"}]
     policies = [meta["content"] for meta in reader.all("meta") if "http-equiv" in meta]
     assert [policy for policy in policies if (policy or "").startswith("default-src 'none'")]
@@ -289,14 +286,11 @@ def test_every_section_can_be_reached_and_tables_have_heads(reader: Reader) -> N
     assert {f"#{attributes['id']}" for attributes in reader.all("section")} <= anchors
 
 
-def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
+def test_every_formula_stands_in_the_page_as_its_latex_and_entries_can_be_copied(html: str, reader: Reader) -> None:
     sheet = document()
     found = [block for section in sheet.sections for block in blocks_of(section)]
     parts = ((*b.named, *lines([b]), *b.omitted) if isinstance(b, SheetFormula) else lines([b]) for b in found)
     assert [unescape(latex) for latex in re.findall(r"<div class=math>([^<]*)</div>", html)] == [*chain(*parts)]
-
-
-def test_entries_can_be_copied_as_they_are(reader: Reader) -> None:
     options = [(option["data-latex"], option["data-python"]) for option in reader.all("option")]
     assert options == [(entry.latex, entry.python) for entry in ENTRIES]
     for _, python in options:

@@ -245,14 +245,11 @@ def test_other_profiles_have_their_formulas(plan_context: Context, profile: str,
     assert any(letters in line for block in steps[0].blocks if isinstance(block, Rows) for line in block.lines)
 
 
-def test_what_is_too_long_is_counted(plan_context: Context) -> None:
+def test_the_sheet_can_be_printed_and_what_is_too_long_is_counted(plan_context: Context) -> None:
     last = plan_part(plan_context).blocks[-1]
     assert isinstance(last, Steps)
     said = [block.text for block in last.blocks if isinstance(block, Paragraph)]
     assert "The other joints: 128 polynomials each, between places on the way." in said
-
-
-def test_the_sheet_can_be_printed(plan_context: Context) -> None:
     sheet = plan_sheet(plan_context, "A plan", "ab" * 32, (plan_part(plan_context, "quintic", "spline"),))
     tex = latex(sheet, plan_context.text)
     assert "10 u^{3} - 15 u^{4}" in tex

@@ -236,14 +236,11 @@ def test_steps_go_before_results_and_rules_before_what_they_follow_from() -> Non
     assert pages(least) == 1
 
 
-def test_at_last_whole_parts_are_left_out() -> None:
+def test_at_last_whole_parts_are_left_out_and_what_computes_their_formulas_is_named() -> None:
     rows = (Rows(("a = b",) * 40),)
     shorter = within(made_of(table=(DISPLAY,), jacobian=rows, skew=rows), 1, Text())
     assert "skew" not in {section.part for section in shorter.sections}
     assert "Skew" in said(shorter)
-
-
-def test_what_computes_a_formula_that_is_left_out_is_named() -> None:
     whole = made_of(table=(DISPLAY,), jacobian=(LONG, LONG, LONG))
     assert said(within(whole, 1, Text())).count("`jacobian` in `model_numpy.py`") == 1
 

@@ -145,12 +145,9 @@ def test_too_many_pieces_are_refused_with_their_number(tmp_path: Path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
-def test_the_same_plan_gives_the_same_bytes() -> None:
+def test_the_same_plan_gives_the_same_bytes_and_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
     one, other = (MotionCode(Motion.from_text(PLANS["every profile"]), "arm_").texts for _ in range(2))
     assert one == other
-
-
-def test_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
     title = 'title: "*/ \\"\\"\\" \\\\ ??/"\n'
     assert write_code(Motion.from_text(title + PLANS["standing"]), tmp_path).worst == 0
 

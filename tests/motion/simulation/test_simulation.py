@@ -190,13 +190,10 @@ def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
         assert [run.work[-1], run.base[-1]] == pytest.approx(planned, abs=1e-6)
 
 
-def test_without_scipy_one_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_needs_scipy_or_looks_too_often_is_refused_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
     with pytest.raises(TargetError, match=r"simulations need scipy, .*-m pip install .*'scipy>="):
         pendulum("0").simulate()
-
-
-def test_a_controller_that_looks_a_thousand_million_times_is_refused() -> None:
     with pytest.raises(RobotFileError, match=r"control, period: 1e\+09 samples of the controller in 2 s; allowed"):
         pendulum("0", extra="control: {law: pd, kp: 1, kd: 1, period: 2e-9}\n")
 
