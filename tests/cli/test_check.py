@@ -160,7 +160,7 @@ def test_a_terminal_shows_a_table_with_changes_and_unknown_names(
 MATRIX = r"J = \begin{bmatrix} -a_1 s_1 - a_2 s_{12} & a_2 s_{12} \\ a_1 c_1 + a_2 c_{12} & a_2 c_{12} \end{bmatrix}"
 
 
-def test_a_matrix_in_latex_has_a_verdict_for_each_entry(folder: Path) -> None:
+def test_a_matrix_in_latex_has_a_verdict_for_each_entry_and_is_no_other_quantity(folder: Path) -> None:
     done = derive("check", "planar-2r-perugia", "--latex", MATRIX, folder=folder)
     lines = done.stdout.splitlines()
     assert (done.status, done.stderr) == (1, "")
@@ -168,9 +168,6 @@ def test_a_matrix_in_latex_has_a_verdict_for_each_entry(folder: Path) -> None:
     assert lines[1] == "--latex:1:45: J[1,2] is wrong: a_2 s_{12}"
     assert lines[3] == "  change: sign: -a2*s12 instead of a2*s12"
     assert lines[-1] == "--latex: 3 equal (3 in the same form), 1 wrong"
-
-
-def test_a_left_side_that_contradicts_the_quantity_is_refused(folder: Path) -> None:
     done = refused("check", "planar-2r-perugia", "--quantity", "B", "--latex", MATRIX, folder=folder)
     assert "left side 'J' means J, but the quantity asked about is B" in done.stderr
 

@@ -26,6 +26,7 @@ from derive.robot.options.handout import (
 )
 from derive.robot.robot import Robot
 from tests.handouts.latex_runner import run_clean, run_latex
+from tests.handouts.parts.test_kinematics import numbered
 from tests.random_robots import chains, robot_text, sampled, seeds, swept_catalogue
 
 pytestmark = [pytest.mark.slow, pytest.mark.first(1)]
@@ -57,8 +58,9 @@ def assert_is_clean(robot: Robot, options: HandoutOptions, folder: Path, most: i
 
 @pytest.mark.parametrize(("number", "name"), list(enumerate(chains())))
 def test_the_catalogue_in_one_language_after_another(number: int, name: str, tmp_path: Path) -> None:
-    robot = Robot.load(name)
-    assert_is_clean(robot, replace(robot.handout, language=LANGUAGES[number % len(LANGUAGES)]), tmp_path)
+    robot, language = numbered(Robot.load(name)), LANGUAGES[number % len(LANGUAGES)]
+    options = replace(robot.handout, language=language, derivation=Derivation.STEPS)
+    assert_is_clean(robot, options, tmp_path, MOST_PAGES_WITH_STEPS)
 
 
 @pytest.mark.parametrize("name", sampled(chains(), USUAL))
@@ -74,9 +76,11 @@ def test_nothing_is_abbreviated_where_functions_are_in_full() -> None:
     assert r"\cos (\vartheta_{1} + \vartheta_{2})" in text
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=8))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))
+    robot = numbered(robot) if seed % 2 else robot
     options = options_of(seed, LANGUAGES[seed % len(LANGUAGES)])
     assert_is_clean(robot, options, tmp_path, MOST_PAGES_WITH_STEPS)
 

@@ -41,7 +41,7 @@ def test_a_formula_of_the_scara_means(text: str, meaning: str) -> None:
     assert to_text(read_formula(text, SCARA)) == meaning
 
 
-def test_labels_are_the_digits_of_the_variables_as_a_whole_or_side_by_side() -> None:
+def test_labels_are_the_digits_of_the_variables_or_count_them_from_the_first() -> None:
     assert read_formula("c4", WRIST) == Call("cos", (Name("q4"),))
     with pytest.raises(CheckError, match="c1: its digits are no labels"):
         read_formula("c1", WRIST)
@@ -49,9 +49,6 @@ def test_labels_are_the_digits_of_the_variables_as_a_whole_or_side_by_side() -> 
     assert to_text(read_formula("c12", arm)) == "cos(q12)"
     thumb = Robot.load("thumb")
     assert to_text(read_formula("c5051", thumb)) == "cos(q50 + q51)"
-
-
-def test_joints_without_digits_are_counted_from_the_first() -> None:
     leg = revolute("q_hip", "q_knee", "q_foot")
     assert to_text(read_formula("c1 + s23", leg)) == "cos(q_hip) + sin(q_knee + q_foot)"
     with pytest.raises(CheckError, match="c1: its digits are no labels"):

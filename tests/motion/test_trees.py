@@ -91,14 +91,11 @@ def test_each_payload_loads_its_own_arm() -> None:
         assert not added[[4, 5, 6] if end == "left" else [1, 2, 3]].any()
 
 
-def test_a_law_that_knows_all_payloads_follows() -> None:
+def test_a_law_that_knows_all_payloads_follows_and_each_end_is_printed() -> None:
     run = reach().simulate()
     assert np.abs(run.q - reach()(run.t)[0]).max() < 1e-6
     assert run.energy_error < 1e-6
     assert samples(reach(), run)[1].shape == (401, 1 + 3 * 7 + 4)
-
-
-def test_what_is_printed_of_the_hand_is_of_each_end() -> None:
     lines = list(printed_hand(reach()))
     assert [line for line in lines if line.startswith("hand")] == ["hand, end left", "hand, end right"]
     assert [line[:13] for line in printed_weights(reach())][::4] == ["q1 moves left", "q1 moves righ"]

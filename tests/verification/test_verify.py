@@ -136,14 +136,14 @@ def test_right_functions_pass_and_every_one_is_reported(tmp_path: Path) -> None:
     assert json.loads(json.dumps(report.as_dict()))["rows"][0]["function"] == "forward_kinematics"
 
 
-@pytest.mark.parametrize("seed", seeds(12, usual=3))
+@pytest.mark.parametrize("seed", seeds(12, usual=2))
 def test_right_functions_of_random_robots_pass(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     robot = write_stand_in(tmp_path, random_robot(rng, rng.randint(1, 5), dynamics=seed % 3 > 0).text)
     assert verify(robot, tmp_path, samples=4, seed=seed).worst < 1e-11
 
 
-@pytest.mark.first(8)
+@pytest.mark.first(4)
 @pytest.mark.parametrize("function", NAMES)
 def test_a_relative_error_of_1e_8_in_one_entry_is_found(tmp_path: Path, function: str) -> None:
     message = failure(tmp_path, altered(function, "value[(..., -1) if value.ndim else ()] *= 1 + 1e-8"))
@@ -163,8 +163,8 @@ FAULTS = {
     "PARAMETERS": "\nPARAMETERS = ('m1', 'm2')\n",
     r"model_numpy.py cannot be imported: \w+": "\nimport nowhere_at_all\n",
     "SyntaxError": "\n1 +\n",
-    **{f"{name} of .* is nan instead of": altered(name, "value.flat[0] = np.nan") for name in NAMES[::6]},
-    **{f"{name} of model_numpy.py returns shape": altered(name, "value = value[..., None]") for name in NAMES[1::6]},
+    **{f"{name} of .* is nan instead of": altered(name, "value.flat[0] = np.nan") for name in NAMES[::14]},
+    **{f"{name} of model_numpy.py returns shape": altered(name, "value = value[..., None]") for name in NAMES[1::14]},
 }
 
 
@@ -193,19 +193,15 @@ def test_an_unverified_function_and_an_empty_folder_are_found(tmp_path: Path) ->
     assert "not verified: collision_matrix" in failure(tmp_path, "")
 
 
-def test_nothing_is_left_in_the_process_or_the_folder(tmp_path: Path) -> None:
-    modules, path = set(sys.modules), list(sys.path)
-    verify(write_stand_in(tmp_path, ARM), tmp_path, samples=4)
-    assert not [name for name in set(sys.modules) - modules if "model" in name]
-    assert sys.path == path
-    assert [file.name for file in tmp_path.iterdir()] == ["model_numpy.py"]
-
-
-def test_the_same_seed_gives_the_same_report(tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_report_and_nothing_is_left_behind(tmp_path: Path) -> None:
     robot = write_stand_in(tmp_path, ARM, altered("jacobian", "value *= 1 + 1e-12"))
+    modules, path = set(sys.modules), list(sys.path)
     first, second = (verify(robot, tmp_path, samples=4, seed=7) for _ in range(2))
     assert first == second
     assert first.worst > 1e-13
+    assert not [name for name in set(sys.modules) - modules if "model" in name]
+    assert sys.path == path
+    assert [file.name for file in tmp_path.iterdir()] == ["model_numpy.py"]
 
 
 def test_a_robot_whose_inertia_matrix_is_singular_is_verified_but_for_its_accelerations(tmp_path: Path) -> None:

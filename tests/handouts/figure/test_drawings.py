@@ -165,14 +165,11 @@ def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_c
     assert drawing_bytes(drawing, ".svg").startswith(b"<?xml")
 
 
-def test_svg_is_well_formed_and_titled_whatever_the_title_holds() -> None:
+def test_svg_is_well_formed_titled_whatever_the_title_holds_and_holds_every_item() -> None:
     root = ElementTree.fromstring(svg_drawing(drawn("scara-perugia", title="a < b & \"c\" \x00 'd'")))
     title = root.find("{http://www.w3.org/2000/svg}title")
     assert title.text == "a < b & \"c\"   'd'"
     assert root.get("role") == "img"
-
-
-def test_svg_holds_every_item_and_black_follows_the_text_of_the_page() -> None:
     drawing = drawn("puma560-corke")
     root = ElementTree.fromstring(svg_drawing(drawing))
     kinds = [child.tag.rpartition("}")[2] for child in root]

@@ -212,16 +212,13 @@ def test_components_of_a_vector_have_one_index() -> None:
     assert entry_namer(P, ",")(2, 10).tex == "(P)_{2,10}"
 
 
-def test_what_is_left_out_is_said(context: Context) -> None:
+def test_what_is_left_out_is_said_and_entries_are_copied_as_latex_and_python(context: Context) -> None:
     plain = LaidOut(("P = 0",), by_entry=True)
     assert formula(context, plain).note == ""
     sparse = LaidOut(("P = 0",), by_entry=True, has_zeros=True)
     assert formula(context, sparse).note == "Entries that are not listed are zero."
     symmetric = LaidOut(("P = 0",), by_entry=True, has_zeros=True, symmetric=True)
     assert formula(context, symmetric).note.startswith("The matrix is symmetric; ")
-
-
-def test_entries_are_copied_as_latex_and_python(context: Context) -> None:
     laid_out = LaidOut(("P = c_{1}",), values=((P, sympy.cos(q1)),))
     (entry,) = formula(context, laid_out).entries()
     assert (entry.name, entry.latex, entry.python) == ("P", "c_{1}", "cos(q1)")
@@ -258,13 +255,10 @@ ROWS = Rows(("a = b",))
 SECTION = Section("table", "Table", (Paragraph("one"), Steps("two", (ROWS, Paragraph("three"))), Paragraph("four")))
 
 
-def test_a_text_has_words_mathematics_and_code() -> None:
+def test_a_text_has_words_mathematics_and_code_and_blocks_of_steps_are_of_the_section() -> None:
     found = list(spans("The matrix $\\mathbf{R}$ of `inertia_matrix`."))
     assert [mark for mark, _ in found] == ["", "$", "", "`", ""]
     assert [text for _, text in found] == ["The matrix ", "\\mathbf{R}", " of ", "inertia_matrix", "."]
     assert list(spans("")) == []
-
-
-def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
     texts = [block.text for block in blocks_of(SECTION) if isinstance(block, Paragraph)]
     assert texts == ["one", "three", "four"]

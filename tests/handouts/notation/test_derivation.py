@@ -103,14 +103,11 @@ def test_python_can_run_a_workspace() -> None:
         assert values["reached"] is wanted
 
 
-def test_json_has_every_bound() -> None:
+def test_json_has_every_bound_and_an_arm_without_any_says_what_to_do() -> None:
     found: Reach = Model(Robot.load("puma560-corke")).workspace
     parts = workspace_parts(found)
     assert [bound["shape"] for bound in parts["bounds"]] == ["outside of a cylinder", "between two spheres"]
     assert (parts["whole"], parts["count"]) == (True, 8)
-
-
-def test_an_arm_without_bounds_says_what_to_do() -> None:
     assert lines("thumb", "text")[-1] == "the boundary: derive plot --workspace"
     assert lines("spherical-wrist", "text")[0].startswith("no bound")
 

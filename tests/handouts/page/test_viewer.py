@@ -77,12 +77,9 @@ def test_a_joint_starts_as_the_figure_says_or_within_its_limits_or_as_far_as_the
     assert [travel.start for travel in travels(robot, symbol_values(robot, (), {"a2": 1.0}))] == [math.pi / 2, -1]
 
 
-def test_up_is_against_gravity() -> None:
+def test_up_is_against_gravity_and_symbols_are_letters_with_indices() -> None:
     assert upwards(robot_of_rows("R a: 1", "gravity: [0, -9.81, 0]\nlinks: [{mass: 1}]"), {}) == (0, 1, 0)
     assert upwards(robot_of_rows("R a: 1"), {}) == (0, 0, 1)
-
-
-def test_symbols_are_letters_with_indices() -> None:
     assert html_symbol(r"\theta_{1}") == "<i>\N{GREEK SMALL LETTER THETA}</i><sub>1</sub>"
     assert "<script" not in html_symbol("<script>")
 
@@ -164,7 +161,7 @@ def test_polynomials_that_meet_are_told_by_their_values_at_the_times_of_a_grid()
     assert plain["grids"][1][1] == [b - a + 0.01 for a, b in pairwise(times)]
 
 
-def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None:
+def test_joints_that_turn_and_slide_have_plots_that_say_which_is_beyond_its_limit() -> None:
     made = player_texts(MOTION, ARM, ROWS, Text())
     assert [(plot["order"], plot["revolute"]) for plot in made["plots"]] == [
         (k, b) for k in range(3) for b in (True, False)
@@ -172,9 +169,6 @@ def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None
     with_torques = player_texts(replace(MOTION, functions=("inverse_dynamics",)), ARM, ROWS, Text())
     assert [plot["title"] for plot in with_torques["plots"][6:]] == ["Torque [N m]", "Force [N]"]
     assert with_torques["joints"][1]["units"] == ["m", "m/s", "m/s²", "N"]
-
-
-def test_a_plot_says_which_joint_is_beyond_its_limit_and_when() -> None:
     exceeded = (("speed", 1, 0.25, -3.0),)
     made = player_texts(replace(MOTION, exceeded=exceeded), ARM, ROWS, Text())
     assert [plot["exceeded"] for plot in made["plots"]] == [[], [], [], ["q2 beyond its limit at 0.25 s"], [], []]
@@ -205,14 +199,11 @@ def test_words_of_the_player_are_translated_and_inert() -> None:
     assert (0.25, "0,25", False) in made["speeds"]
 
 
-def test_the_script_calls_functions_by_their_names_there() -> None:
+def test_the_script_calls_functions_by_name_and_sliders_hold_all_of_the_motion() -> None:
     motion = replace(MOTION, functions=("inverse_dynamics",))
     robot = Robot.load("planar-2r-perugia")
     script = viewer(robot, build_program(robot, Effort.QUICK), {}, Text(), playback=motion).script
     assert "return { forwardKinematics, linkTransforms, inverseDynamics };" in script
-
-
-def test_sliders_hold_all_of_the_motion() -> None:
     program = build_program(ARM, Effort.QUICK)
     plain, played = (viewer(ARM, program, {}, Text(), playback=motion) for motion in (None, MOTION))
     assert 'max="1"' in plain.html
@@ -297,12 +288,9 @@ def test_every_formula_stands_in_the_page_as_its_latex_and_entries_can_be_copied
         ast.parse(python or "", mode="eval")
 
 
-def test_the_page_is_the_same_each_time_and_its_texts_are_translated(html: str) -> None:
+def test_the_page_is_the_same_each_time_its_texts_translated_and_the_figure_in_it(html: str) -> None:
     assert page(document(), Text()) == html
     assert "Copia LaTeX" in page(document(), Text("it", {"Copy LaTeX": "Copia LaTeX"}))
-
-
-def test_the_figure_stands_in_the_page() -> None:
     viewer = Viewer("<div id=arm></div>", "#arm{color:red}", 'var arm = "</script>";')
     html = page(document(), Text(), viewer)
     assert "<div id=arm></div>" in html

@@ -97,11 +97,8 @@ def test_a_plant_that_the_controller_does_not_know_is_not_followed_exactly() -> 
     assert run.energy_error < 1e-7
 
 
-def test_every_law_of_a_plan_is_known_to_the_controller() -> None:
+def test_every_law_is_known_and_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     assert set(NEEDS) == set(get_args(Law))
-
-
-def test_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     energy, work, lost = np.array([[5.0, 6.5, 4.0], [0, 2.0, 2.0], [0, 0.5, 2.5]])
     run = Run(np.arange(3.0), *[np.zeros((3, 1))] * 3, energy, work, np.zeros(3), lost, None)
     assert run.energy_error == 0.5
