@@ -42,7 +42,7 @@ def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 
 
-@pytest.mark.first(20)
+@pytest.mark.first(16)
 @pytest.mark.parametrize(("file", "page"), PUBLISHED, ids=[page["id"] for _, page in PUBLISHED])
 def test_a_page_that_other_people_published_gets_them_too(file: dict[str, Any], page: dict[str, Any]) -> None:
     assert_true(file, page)

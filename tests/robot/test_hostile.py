@@ -103,7 +103,7 @@ def edited_texts(draw: st.DrawFn) -> str:
     return text
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=200)
 @given(edited_texts())
 def test_edited_files_give_a_robot_or_one_line(text: str) -> None:
     result = answer(text.encode("utf-8"))

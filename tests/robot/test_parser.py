@@ -77,7 +77,7 @@ def rational(numerator: int, denominator: int = 1) -> Number:
     return Number(Fraction(numerator, denominator))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=200)
 @given(trees())
 def test_a_printed_tree_parses_back_to_itself(tree: Expression) -> None:
     assert parse(to_text(tree)) == tree
