@@ -1,6 +1,5 @@
 """Interrupts wait where they would leave something behind, and arrive afterwards; temporary folders go whole."""
 
-import gc
 import os
 import shutil
 import signal
@@ -48,7 +47,6 @@ def test_a_folder_goes_with_its_block_or_with_its_last_holder() -> None:
     path = held.path
     assert path.is_dir()
     del held
-    gc.collect()
     assert not path.exists()
 
 

@@ -18,16 +18,13 @@ def test_the_text_is_returned_and_written_once(tmp_path: Path) -> None:
     assert export("kuka-kr5", "csv", path, force=True) == text
 
 
-def test_what_a_format_cannot_say_is_a_warning() -> None:
+def test_what_a_format_cannot_say_is_a_warning_and_numbers_of_symbols_are_typed() -> None:
     with pytest.warns(RobotFileWarning) as told:
         text = derive.export("puma560-corke", "urdf")
     bodies, armature, *_ = (str(one.message) for one in told)
     assert "links entry 3, inertia: physically inconsistent" in bodies
     assert armature.startswith("puma560-corke: URDF cannot say the armature of q1")
     assert derive.load("puma560-corke").to_urdf() == text
-
-
-def test_numbers_of_symbols_are_typed() -> None:
     arm = derive.load("anthropomorphic-arm")
     assert '"0.25 0 0"' in export(arm, "urdf", values={"a2": 0.5, "a3": "1/4"})
     with pytest.raises(DeriveError, match=r"no 'a4' in anthropomorphic-arm; allowed: a2, a3"):

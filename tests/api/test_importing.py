@@ -238,8 +238,3 @@ def test_a_snap_is_read_exactly() -> None:
     assert snap_of("1e-6") * 10**6 == 1
     with pytest.raises(DeriveError):
         snap_of("nan")
-
-
-def test_no_file_is_said(tmp_path: Path) -> None:
-    with pytest.raises(RobotFileError, match="no file"):
-        import_urdf(tmp_path / "none.urdf")

@@ -28,13 +28,6 @@ def test_files_are_written_beside_each_other_and_named(plan: Path, tmp_path: Pat
     assert b"<svg" in (tmp_path / "tau.svg").read_bytes()
 
 
-def test_with_a_simulation_the_rows_are_its_own(plan: Path, tmp_path: Path) -> None:
-    found = derive.move(derive.Motion.load(plan), simulate=True, csv=tmp_path / "run.csv")
-    head, *rows = (tmp_path / "run.csv").read_text().splitlines()
-    assert head == "t,q1,qd1,tau1,energy,work,lost"
-    assert float(rows[-1].split(",")[1]) == found.run.q[-1, 0]
-
-
 def test_another_ending_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
     for option, name in (("plot", "tau.jpg"), ("gif", "a.mp4"), ("mp4", "a.gif")):
         said = f"'{name}' has the ending of another kind of file; allowed: {', '.join(FORMS[option])}"

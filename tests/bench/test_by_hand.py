@@ -39,13 +39,10 @@ def test_every_quantity_of_any_arm_is_right(peer: Peer) -> None:
     assert not [cell for cell in row.values() if "failed" in cell]
 
 
-def test_sympy_by_hand_is_right() -> None:
+def test_sympy_by_hand_is_right_and_base_parameters_save_operations() -> None:
     row = _row(sympy_by_hand.PEER, load("planar-2r-symbolic"))
     assert row["tau"]["error"] < 1e-12
     assert row["g"]["error"] < 1e-12
-
-
-def test_base_parameters_save_operations() -> None:
     case = load("stanford-numeric")
     plain, base = (_row(peer, case) for peer in (casadi_by_hand.PLAIN, casadi_by_hand.BASE))
     assert base["tau"]["arithmetic"] < 0.7 * plain["tau"]["arithmetic"]

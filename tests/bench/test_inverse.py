@@ -73,11 +73,8 @@ def test_figures_and_reasons_reach_the_page(monkeypatch: pytest.MonkeyPatch, fou
     assert f"| right | {figure(spent / 1000)} |" in times(results, ONE)
 
 
-def test_the_committed_page_is_that_of_the_committed_results() -> None:
+def test_the_committed_page_is_that_of_the_results_and_has_every_solver_and_arm() -> None:
     assert (FOLDER / "inverse.md").read_text(encoding="utf-8") == inverse_markdown(read_json("inverse"))
-
-
-def test_every_solver_has_a_table_and_every_arm_a_file() -> None:
     assert {solver.way for solver in (*ours.SOLVERS, *SOLVERS)} == {ONE, C, BATCH}
     folder = Path(run.__file__).parents[1] / "robots"
     assert all((folder / f"{name}.yaml").is_file() for name in ARMS)

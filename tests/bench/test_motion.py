@@ -32,15 +32,14 @@ def test_what_is_slow_has_fewer_turns() -> None:
     assert min(found["processor"], found["passed"]) >= 0
 
 
-def test_rows_reach_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_reach_the_page_and_the_committed_one_is_that_of_its_results(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     row = Row("falls", "0.05 s", "0.01 s", "160 s", {"processor": 0.01})
     monkeypatch.setattr(motion, "rows", lambda quick, rounds: iter([row]))
     results = motion.run(quick=True)
     assert "| falls | 0.05 s | 0.01 s | 160 s |" in motion_markdown(results)
     assert results["rows"][0]["numbers"] == {"processor": 0.01}
-
-
-def test_the_committed_page_is_that_of_the_committed_results() -> None:
     results = read_json("motion")
     assert (FOLDER / "motion.md").read_text(encoding="utf-8") == motion_markdown(results)
     assert np.isfinite([value for row in results["rows"] for value in row["numbers"].values()]).all()

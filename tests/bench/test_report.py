@@ -41,24 +41,18 @@ def timings() -> dict[str, Any]:
     return {**OPERATIONS, "batch": 1000, "rounds": 3, "floor": {"lanes": widths, "byte": 0.05}, "robots": robots}
 
 
-def test_the_best_other_tool_is_the_one_with_the_fewest_operations() -> None:
+def test_a_page_says_the_best_other_tool_what_is_missing_and_what_failed() -> None:
     assert best_other(OPERATIONS["robots"]["puma560-numeric"]["counts"], "tau") == (11, "Y")
     assert "| PUMA | 10 (11) |" in summary(OPERATIONS)
-
-
-def test_pages_name_what_is_missing_and_what_failed() -> None:
     text = operations_markdown(OPERATIONS)
     assert "Not installed: adam (adam)." in text
     assert "X, B: ValueError: no" in text
 
 
-def test_ratios_are_of_medians_of_one_run() -> None:
+def test_ratios_are_of_medians_of_one_run_and_the_floor_adds_arithmetic_and_sines() -> None:
     rows = timings()["robots"]["puma560-numeric"]["batch"]
     assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "tau") == pytest.approx(30)
     assert ratio(rows, "Pinocchio, C++ loop", "derive: model_native, out=", "B") is None
-
-
-def test_floor_adds_arithmetic_and_sines() -> None:
     text = timings_markdown(timings(), OPERATIONS)
     assert "| PUMA, tau, 4 lanes | 0.20 | 2.50 | 12.0 | 2.70 | 12.0 | 30.0 |" in text
 
@@ -94,15 +88,12 @@ def test_results_name_no_folder_of_a_machine() -> None:
     assert not [text for text in texts if re.search(r"/(home|work|root|tmp|usr)/", text)]
 
 
-def test_rows_take_turns() -> None:
+def test_rows_take_turns_and_single_calls_get_rows_whose_results_stay_in_order() -> None:
     order: list[str] = []
     rows = {name: Timed(lambda name=name: order.append(name), 1, list) for name in "ab"}  # type: ignore[misc, arg-type]
     times = measure(rows, Effort(rounds=2, seconds=0.0))
     assert "".join(order).endswith("abab")
     assert all(cell["min"] <= cell["median"] for cell in times.values())
-
-
-def test_single_calls_get_rows_and_their_results_are_kept_in_order() -> None:
     import numpy as np
 
     inputs = [np.arange(6.0).reshape(3, 2)]

@@ -16,6 +16,7 @@ from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 from tests.checking.test_files import ARM
+from tests.refusals import one_message
 from tests.rows import robot_of_rows
 
 
@@ -68,9 +69,8 @@ def test_identities_and_products_are_compared() -> None:
     ],
 )
 def test_what_does_not_fit_the_robot_is_refused_at_its_line(item: str, error: type) -> None:
-    with pytest.raises(error) as caught:
+    with one_message(error, r".*:8:\d+", ""):
         check(f"expected:\n  - {item}\n")
-    assert caught.value.location.line == 8
 
 
 def test_the_sign_of_a_velocity_is_a_symbol_in_a_difference() -> None:
@@ -198,13 +198,10 @@ def test_labels_without_a_joint_and_names_under_functions_are_undecidable(formul
     assert outcomes(f'expected:\n  - {{quantity: p, entries: {{"1": "{formula}"}}}}\n') == [Outcome.UNDECIDABLE]
 
 
-def test_an_entry_printed_with_an_unknown_name_is_not_one_of_the_rest() -> None:
+def test_an_unknown_name_is_not_one_of_the_rest_and_an_erratum_with_one_is_still_marked() -> None:
     found = report('expected:\n  - {quantity: p, entries: {"1": "foo", "2": "a1*s1 + a2*s12"}, rest: zero}\n')
     assert [f.entry for f in found.findings] == ["p[1]", "p[2]", "p[3]"]
     assert not found.wrong
-
-
-def test_an_erratum_with_an_unknown_name_is_still_marked_as_one_and_a_correction_leaves_it_wrong() -> None:
     tail = 'expected:\n  - {quantity: p, entries: {"1": "a1*c1"}, status: erratum, correct: {"1": "a1*c1 + foo"}}\n'
     assert outcomes(tail) == [Outcome.WRONG, Outcome.UNDECIDABLE]
     assert only('expected:\n  - {quantity: p, entries: {"1": "foo"}, status: erratum}\n').erratum

@@ -23,6 +23,7 @@ from derive.checking.table import robot_of_table
 from derive.cli.main import main
 from derive.errors import CheckError
 from tests.checking.test_pages import ANT
+from tests.refusals import one_message
 from tests.rows import robot_of_rows
 
 
@@ -319,9 +320,8 @@ HEAD = "| i | theta | d | a | alpha |\n|---|---|---|---|---|\n"
     ],
 )
 def test_what_is_no_table_is_refused_with_its_place(text: str, message: str) -> None:
-    with pytest.raises(CheckError, match=message.replace("?", r"\?")) as caught:
+    with one_message(CheckError, "page.md[0-9:]*", message):
         robot_of_table(document_of(text, "page.md", ".md"), "arm")
-    assert str(caught.value).startswith("page.md")
 
 
 def test_a_command_writes_the_file_and_lines_choose_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

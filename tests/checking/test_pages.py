@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 import yaml
 
-from derive.checking.comparison import divided
 from derive.checking.documents import document_of
 from derive.checking.formulas.findings import FileReport, Outcome, judge
 from derive.checking.latex.conditions import AMONG
@@ -43,7 +42,7 @@ def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 
 
-@pytest.mark.first(20)
+@pytest.mark.first(16)
 @pytest.mark.parametrize(("file", "page"), PUBLISHED, ids=[page["id"] for _, page in PUBLISHED])
 def test_a_page_that_other_people_published_gets_them_too(file: dict[str, Any], page: dict[str, Any]) -> None:
     assert_true(file, page)
@@ -161,10 +160,6 @@ def test_what_is_wrong_for_all_and_stands_between_them_is_not_compared() -> None
     assert not wrong
     assert "wrong for planar-2r-perugia and for planar-3r; which is meant is not certain" in unread[0]
     assert three == (["J[1,3]"], [], ())
-
-
-def test_without_reports_nothing_is_divided() -> None:
-    assert divided([], [], []) == []
 
 
 @pytest.mark.parametrize(

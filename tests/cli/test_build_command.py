@@ -13,6 +13,8 @@ import pytest
 from derive.publish.targets import targets_named
 from tests.cli.command import PENDULUM, contents, derive, derive_process, environment, is_one_message, refused
 
+QUICK = ("--effort", "quick", "--target", "numpy", "--only")
+
 
 def test_check_names_what_is_stale_or_missing_and_exits_with_1(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM)
@@ -31,9 +33,9 @@ def test_check_names_what_is_stale_or_missing_and_exits_with_1(tmp_path: Path) -
 
 
 def test_quiet_build_prints_nothing_and_a_pipe_sees_no_progress(tmp_path: Path) -> None:
-    outcome = derive_process("build", "planar-3r", "--quiet", folder=tmp_path)
+    outcome = derive_process("build", "planar-3r", *QUICK, "--quiet", folder=tmp_path)
     assert (outcome.status, outcome.stdout, outcome.stderr) == (0, "", "")
-    assert derive("build", "planar-3r", "--force", folder=tmp_path).stderr == ""
+    assert derive("build", "planar-3r", *QUICK, "--force", folder=tmp_path).stderr == ""
 
 
 def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> None:
@@ -41,7 +43,7 @@ def test_progress_on_a_terminal_leaves_standard_output_alone(tmp_path: Path) -> 
     if process == 0:  # pragma: no cover -- the child
         os.chdir(tmp_path)
         os.dup2(os.open("out.txt", os.O_WRONLY | os.O_CREAT), 1)
-        command = [sys.executable, "-m", "derive", "build", "planar-3r", "--effort", "quick"]
+        command = [sys.executable, "-m", "derive", "build", "planar-3r", *QUICK]
         os.execve(sys.executable, command, environment(TERM="xterm"))
     shown = b""
     while chunk := _read(terminal):
@@ -62,7 +64,7 @@ def _read(terminal: int) -> bytes:
 def test_one_failure_does_not_stop_the_rest(tmp_path: Path) -> None:
     (tmp_path / "generated" / "skeleton").mkdir(parents=True)
     (tmp_path / "generated" / "skeleton" / "thesis.txt").write_text("not ours")
-    outcome = refused("build", "skeleton", "planar-3r", folder=tmp_path)
+    outcome = refused("build", "skeleton", "planar-3r", *QUICK, folder=tmp_path)
     assert "skeleton" in outcome.stderr
     assert (tmp_path / "generated" / "planar_3r" / "model_numpy.py").exists()
     assert [path.name for path in (tmp_path / "generated" / "skeleton").iterdir()] == ["thesis.txt"]
@@ -80,17 +82,6 @@ def test_a_target_is_added_to_the_usual_ones_and_only_leaves_the_named_ones(tmp_
         assert derive("build", "planar-3r", "--effort", "quick", *choice, folder=tmp_path).status == 0
         assert {path.name for path in folder.iterdir()} == {"MANIFEST.json", "__init__.py", *wanted}
         assert derive("build", "planar-3r", "--check", "--effort", "quick", *choice, folder=tmp_path).status == 0
-
-
-def test_verify_finds_a_changed_model_and_exits_with_1(tmp_path: Path) -> None:
-    (tmp_path / "arm.yaml").write_text(PENDULUM)
-    assert derive("build", "arm.yaml", folder=tmp_path).status == 0
-    assert derive("verify", "arm.yaml", folder=tmp_path).status == 0
-    changed = PENDULUM.replace("com: [l1 - a1", "com: [2*l1 - a1")
-    (tmp_path / "arm.yaml").write_text(changed)
-    outcome = derive("verify", "arm.yaml", folder=tmp_path)
-    assert outcome.status == 1
-    assert is_one_message(outcome.stderr), outcome.stderr
 
 
 def test_report_on_a_full_disk_is_an_error_of_one_line(tmp_path: Path) -> None:

@@ -160,7 +160,7 @@ def test_a_terminal_shows_a_table_with_changes_and_unknown_names(
 MATRIX = r"J = \begin{bmatrix} -a_1 s_1 - a_2 s_{12} & a_2 s_{12} \\ a_1 c_1 + a_2 c_{12} & a_2 c_{12} \end{bmatrix}"
 
 
-def test_a_matrix_in_latex_has_a_verdict_for_each_entry(folder: Path) -> None:
+def test_a_matrix_in_latex_has_a_verdict_for_each_entry_and_is_no_other_quantity(folder: Path) -> None:
     done = derive("check", "planar-2r-perugia", "--latex", MATRIX, folder=folder)
     lines = done.stdout.splitlines()
     assert (done.status, done.stderr) == (1, "")
@@ -168,9 +168,6 @@ def test_a_matrix_in_latex_has_a_verdict_for_each_entry(folder: Path) -> None:
     assert lines[1] == "--latex:1:45: J[1,2] is wrong: a_2 s_{12}"
     assert lines[3] == "  change: sign: -a2*s12 instead of a2*s12"
     assert lines[-1] == "--latex: 3 equal (3 in the same form), 1 wrong"
-
-
-def test_a_left_side_that_contradicts_the_quantity_is_refused(folder: Path) -> None:
     done = refused("check", "planar-2r-perugia", "--quantity", "B", "--latex", MATRIX, folder=folder)
     assert "left side 'J' means J, but the quantity asked about is B" in done.stderr
 
@@ -192,17 +189,12 @@ def test_of_a_latex_file_the_displays_are_compared_and_the_rest_is_listed(folder
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["notes.md", "--section", "Tables"], "notes.md has no section 'Tables'; allowed: 'Arm'"),
         (["x = 1", "--lines", "3"], "--lines and --section choose a part of a document; give a file"),
         (["notes.md", "--lines", "b-3"], "'b-3' is not a range of lines such as 20-80"),
-        (["notes.pdf"], "notes.pdf is a PDF; derive check reads .tex, .md, .rst, .markdown, .ipynb, .txt; give its"),
-        (["empty.md"], "empty.md:1:1: no mathematics between $ signs"),
     ],
 )
 def test_what_is_no_part_of_a_document_is_refused(options: list[str], message: str, folder: Path) -> None:
     (folder / "notes.md").write_text("# Arm\n$x = a_1 c_1$\n")
-    (folder / "notes.pdf").write_bytes(b"%PDF-1.4")
-    (folder / "empty.md").write_text("Nothing but words.\n")
     done = derive("check", "planar-2r-perugia", "--latex", *options, folder=folder)
     assert done.status == 2
     assert message in done.stderr

@@ -10,14 +10,11 @@ from derive.exchange.formats import FORMS
 from tests.cli.command import PENDULUM, accepted, derive, refused
 
 
-def test_the_file_is_written_and_remarks_are_told(tmp_path: Path) -> None:
+def test_the_file_is_written_remarks_are_told_and_every_format_is_offered(tmp_path: Path) -> None:
     done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
     assert (done.status, done.stdout) == (0, "puma.urdf\n")
     assert "derive: warning: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
     assert (tmp_path / "puma.urdf").read_text().startswith("<?xml")
-
-
-def test_the_command_offers_every_format() -> None:
     assert tuple(FORMS) == export.FORMATS
 
 

@@ -50,14 +50,11 @@ def test_bodies_that_cannot_be_are_exchanged_for_ones_that_can(folder: Path) -> 
     assert "proven" in derive("verify", "possible.yaml", folder=folder).stdout
 
 
-def test_without_an_output_the_file_is_printed(folder: Path) -> None:
+def test_a_urdf_comes_from_standard_input_and_without_an_output_the_file_is_printed(folder: Path) -> None:
     done = derive("import", "arm.urdf", folder=folder)
     (folder / "printed.yaml").write_text(done.stdout)
     assert derive("show", "printed.yaml", "p", folder=folder).status == 0
     assert "2 joints" in done.stderr
-
-
-def test_a_urdf_comes_from_standard_input(folder: Path) -> None:
     with mock.patch("sys.stdin") as stdin:
         stdin.buffer.read.return_value = ARM.encode()
         done = derive("import", "-", "-o", "arm.yaml", folder=folder)

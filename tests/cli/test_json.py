@@ -16,15 +16,12 @@ def test_list_names_the_whole_catalogue(tmp_path: Path) -> None:
     assert {row["convention"] for row in rows} == {"standard", "modified"}
 
 
-def test_show_gives_rows_of_matrices_and_text_of_scalars(tmp_path: Path) -> None:
+def test_show_gives_rows_of_matrices_text_of_scalars_and_a_list_of_what_there_is(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM)
     found = json.loads(derive("show", "arm.yaml", "T", "potential", "--format", "json", folder=tmp_path).stdout)
     assert found["robot"] == "pendulum"
     assert found["quantities"]["T"][3] == ["0", "0", "0", "1"]
     assert isinstance(found["quantities"]["potential"], str)
-
-
-def test_list_of_quantities_leaves_out_what_a_robot_without_links_lacks(tmp_path: Path) -> None:
     found = json.loads(derive("show", "thumb", "--format", "json", folder=tmp_path).stdout)
     assert "T" in found["quantities"]
     assert "B" not in found["quantities"]

@@ -36,9 +36,7 @@ def written(text: str, folder: Path) -> str:
 MOVED_BY_A_SLIDE = PENDULUM.replace("revolute, a: 1, limits: [-3, 3]", "prismatic")
 WRONG = [
     (PENDULUM, "to: b", "to: bb", r":4:16: path entry 2, to: unknown point 'bb'; allowed: a, b; did"),
-    (PENDULUM, "b: [1]", "b: [1, 2]", r":3:21: points, b: 2 values for 1 joint; allowed: one for"),
     (MOVED_BY_A_SLIDE, "b: [1]", "b: [pi/2]", r":3:22: points, b entry 1: an angle, 'pi/2', for the slide q1; allow"),
-    (POSES, "1.2, 0", "1.6, 0", r":5:3: the arm does not reach b: q2 is real for Abs.D. <= 1, which are 1.4 and 1"),
     (SINGULAR, ": 1}]", ": 1, line: yes}]", r":6:11: the way starts at a singular configuration, where sin\(q2\) = 0"),
 ]
 """Reading a plan is tested in `tests/plans`."""
@@ -55,12 +53,9 @@ def test_a_wrong_plan_is_one_message_at_its_place_and_nothing_is_written(
     assert not (tmp_path / "run.csv").exists()
 
 
-def test_no_such_plan(tmp_path: Path) -> None:
+def test_no_such_plan_and_options_that_do_not_belong_together(tmp_path: Path) -> None:
     message = "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
     assert message in refused("move", "scara-pick", folder=tmp_path).stderr
-
-
-def test_options_that_do_not_belong_together(tmp_path: Path) -> None:
     plan = written(PENDULUM, tmp_path)
     for options in ("--format latex", "--show --json", "--csv - --json"):
         refused("move", plan, *options.split(), folder=tmp_path)
@@ -68,13 +63,10 @@ def test_options_that_do_not_belong_together(tmp_path: Path) -> None:
     assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
 
 
-def test_no_move_is_accepted(tmp_path: Path) -> None:
+def test_no_move_is_accepted_and_a_limit_that_is_exceeded_is_a_line_and_status_1(tmp_path: Path) -> None:
     done = derive("move", written(PENDULUM.replace("to: b", "to: a"), tmp_path), folder=tmp_path)
     assert done.status == 0
     assert "a -> a   1/5 = 0.2 s  none        none" in done.stdout
-
-
-def test_a_limit_that_is_exceeded_is_a_line_and_status_1(tmp_path: Path) -> None:
     text = PENDULUM.replace("limits: [-3, 3]", "speed: 2")
     done = derive("move", written(text, tmp_path), folder=tmp_path)
     assert done.status == 1

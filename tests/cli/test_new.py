@@ -47,16 +47,13 @@ def test_a_copy_differs_in_its_name_alone(model: str) -> None:
     assert all(line in text for line in comments)
 
 
-def test_of_a_corpus_file_only_the_robot_is_copied(tmp_path: Path) -> None:
+def test_of_a_corpus_file_the_robot_is_copied_and_any_name_is_exchanged(tmp_path: Path) -> None:
     block = "".join(f"  {line}\n" for line in PENDULUM.splitlines())
     notes = tmp_path / "notes.yaml"
     notes.write_text(f"source: {{document: d}}\nrobot:\n{block}expected: []\n")
     text = copied_robot_text("mine", str(notes))
     assert "expected" not in text
     assert Robot.from_text(text).joints == Robot.from_text(PENDULUM).joints
-
-
-def test_a_quoted_name_and_json_are_exchanged_too(tmp_path: Path) -> None:
     quoted = PENDULUM.replace("name: pendulum", "'name': \"pendulum\"  # mine")
     path = tmp_path / "arm.yaml"
     for text in (quoted, '{"name": "p", "convention": "standard", "joints": [{"type": "revolute"}]}'):

@@ -31,16 +31,15 @@ def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: P
     assert (tmp_path / "0.svg").read_bytes() == (tmp_path / "1.svg").read_bytes()
 
 
-def test_report_states_configuration_and_assumed_lengths(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_report_states_the_configuration_and_assumed_lengths(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["plot", "scara-perugia", "-o", str(tmp_path / "a.svg")]) == 0
     text = capsys.readouterr().out
     assert "zero configuration" in text
     assert "a1 = 1 m" in text
-
-
-def test_values_are_in_the_units_of_the_robot_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "arm.yaml").write_text(PENDULUM + "units: {angle: deg}\n")
-    assert main(["plot", str(tmp_path / "arm.yaml"), "-q=-90", "-o", str(tmp_path / "a.svg")]) == 0
+    assert main(["plot", str(tmp_path / "arm.yaml"), "-q=-90", "-o", str(tmp_path / "b.svg")]) == 0
     assert "q1 = -1.571 rad" in capsys.readouterr().out
 
 

@@ -50,12 +50,9 @@ def test_a_plan_tells_the_remarks_of_its_robot_and_strict_writes_nothing(folder:
     assert "remark" not in done.stdout
 
 
-def test_a_built_in_plan_is_told_nothing_of_bodies(tmp_path: Path) -> None:
+def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is_and_a_built_in_one_not(tmp_path: Path) -> None:
     done = derive("move", "scara-pick-and-place", "--strict", folder=tmp_path)
     assert (done.status, done.stderr) == (0, "")
-
-
-def test_a_plan_is_told_of_bodies_that_do_not_exist_as_its_robot_is(tmp_path: Path) -> None:
     path = "[a, {to: a, time: 1, payload: {mass: 1, inertia: [1, 1, 3]}}]"
     (tmp_path / "plan.yaml").write_text(f"robot: scara-matlab\npoints: {{a: [0, 0, 1, 0]}}\npath: {path}\n")
     done = derive("move", "plan.yaml", folder=tmp_path)

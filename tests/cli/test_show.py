@@ -87,15 +87,12 @@ def test_a_symbol_without_a_number_stays(folder: Path) -> None:
     assert last == "0.86602540378443865*a1"
 
 
-def test_rates_and_accelerations_go_by_order_or_by_name(folder: Path) -> None:
+def test_rates_go_by_order_or_by_name_and_without_a_quantity_a_point_shows_the_usual_ones(folder: Path) -> None:
     by_order = printed(folder, "tau", "--at", "pi/3", "--rates", "-2", "--accelerations", "3", "--format", "json")
     by_name = printed(folder, "tau", "--at", "q1=pi/3, qd1=-2, qdd1=3", "--format", "json")
     assert by_order == by_name
     ((torque,),) = json.loads("".join(by_order))["quantities"]["tau"]
     assert torque == pytest.approx(0.076543513945 * 3 + 1.2345 * 9.81 * 0.2159 / 2, rel=1e-14)
-
-
-def test_without_a_quantity_a_point_shows_the_usual_ones(folder: Path) -> None:
     found = [line for line in printed(folder, "--at", "0", "--rates", "1", "--format", "python") if " = [" in line]
     assert [line.partition(" ")[0] for line in found] == ["T", "J", "B", "g", "Cqd"]
 
@@ -116,14 +113,11 @@ def test_a_point_that_is_none_is_refused(options: tuple[str, ...], word: str, fo
     assert word in outcome.stderr
 
 
-def test_the_list_says_shape_and_unit_for_this_robot(folder: Path) -> None:
+def test_the_list_says_shape_and_unit_and_singularities_where_they_are(folder: Path, tmp_path: Path) -> None:
     lines = printed(folder)
     assert lines[0].split() == ["quantity", "shape", "unit", "what", "it", "is"]
     assert next(line for line in lines if line.startswith("g ")).split()[1:5] == ["1x1", "N", "m", "or"]
     assert not [line for line in lines if line.startswith("J_12")]
-
-
-def test_singularities_say_where_they_are(tmp_path: Path) -> None:
     outcome = derive("show", "planar-2r-perugia", "singularities", folder=tmp_path)
     task = "  the determinant of J for the task x, y (rows 1, 2)"
     assert outcome.stdout.splitlines() == ["singularities = a1*a2*s2", task, "  s2 = 0: q2 = 0 or pi"]
@@ -165,23 +159,19 @@ def shown(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capsys.readouterr().out
 
 
-def test_the_task_of_the_command_line_is_solved(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_task_is_solved_as_text_as_json_and_at_a_configuration(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert shown(capsys).startswith("1 solution (complete)\n")
     text = shown(capsys, "--task", "x,y")
     assert text.startswith("2 solutions (complete)\n")
     assert "q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in text
-
-
-def test_json_has_the_steps_and_the_branches(capsys: pytest.CaptureFixture[str]) -> None:
     found = json.loads(shown(capsys, "--task", "x,y", "--format", "json"))["quantities"]["inverse"]
     assert found["count"] == 2
     assert found["complete"] is True
     assert [step["unknown"] for step in found["steps"]] == ["q2", "q1"]
     assert [branch["name"] for branch in found["solutions"]] == ["elbow down", "elbow up"]
     assert found["steps"][1]["free_where_zero"] == ["px", "py"]
-
-
-def test_at_a_configuration_all_that_reach_its_pose_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
     text = shown(capsys, "--task", "x,y", "--at", "0.5, 1, a1=1, a2=1", "--format", "json")
     rows = json.loads(text)["quantities"]["inverse"]
     columns = sorted(zip(*([float(x) for x in row] for row in rows), strict=True))

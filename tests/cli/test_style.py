@@ -34,15 +34,12 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_block_can_be_pasted_into_a_robot_file_and_prints_the_formulas_so(folder: Path) -> None:
+def test_the_block_can_be_pasted_into_a_robot_file_and_examples_are_text_or_latex(folder: Path) -> None:
     done = derive("style", "notes.yaml", folder=folder)
     assert (done.status, done.stderr) == (0, "")
     assert yaml.safe_load(done.stdout) == {"style": {"gravity": "body"}}
     robot = yaml.safe_load(NOTES)["robot"]
     assert Robot.from_text(done.stdout + yaml.safe_dump(robot)).style == Style.of("gravity: body")
-
-
-def test_examples_are_given_as_text_or_latex(folder: Path) -> None:
     latex = r"g_1 = m_{l1} g l_1 c_1 + m_{m2} g a_1 c_1 + m_{l2} g \left(a_1 c_1 + l_2 c_{12}\right)"
     expected = derive("style", "planar-2r-perugia", "--example", GRAVITY, folder=folder)
     assert expected.stdout.startswith("style:\n  gravity: body\n")
@@ -65,16 +62,13 @@ and \[ b_{12} = I_{l2} + m_{l2} l_2^2 + m_{l2} a_1 l_2 c_2 + k_{r2} I_{m2}. \]
     assert "g(a_{1}c_{1} " in derive("handout", "planar-2r-perugia", *chosen, folder=folder).stdout
 
 
-def test_a_formula_that_no_style_or_another_one_prints_is_named_with_the_reason(folder: Path) -> None:
+def test_another_style_is_named_with_the_reason_and_a_wrong_formula_ends_with_1(folder: Path) -> None:
     done = accepted("style", "other.yaml", folder=folder)
     lines = done.stdout.splitlines()
     (place,) = [line for line in lines if "other.yaml" in line]
     assert "g[1]: as printed with gravity:" in place
     assert lines[lines.index(place) + 1].startswith("#   printed: ")
     assert lines[lines.index(place) + 2].startswith("#   written: ")
-
-
-def test_a_wrong_formula_ends_with_1_and_does_not_decide(folder: Path) -> None:
     wrong = GRAVITY.replace("g[1]", "g[2]")
     done = derive("style", "planar-2r-perugia", "--example", wrong, folder=folder)
     assert done.status == 1
@@ -82,14 +76,11 @@ def test_a_wrong_formula_ends_with_1_and_does_not_decide(folder: Path) -> None:
     assert "it is not equal to the derived formula" in done.stdout
 
 
-def test_the_examples_of_the_help_are_right(folder: Path) -> None:
+def test_the_examples_of_the_help_are_right_and_the_report_may_be_json(folder: Path) -> None:
     typed = [shlex.split(line) for line in style.DESCRIPTION.splitlines() if "--example" in line]
     assert len(typed) == 2
     for _, *arguments in typed:
         assert derive(*arguments, folder=folder).stdout.startswith("style:\n  inertia: geometry\n# as printed: 1 of 1")
-
-
-def test_the_report_as_json(folder: Path) -> None:
     done = derive("style", "notes.yaml", "--json", folder=folder)
     report = json.loads(done.stdout)
     assert (report["style"], report["reproduced"]) == ({"gravity": "body"}, 1)

@@ -11,11 +11,8 @@ import pytest
 from derive.cli import terminal
 
 
-def test_a_message_is_one_line_whatever_it_quotes() -> None:
+def test_a_message_is_one_line_whatever_it_quotes_and_columns_are_aligned(capsys: pytest.CaptureFixture[str]) -> None:
     assert terminal.one_line("a\nb\x1b[31m\tc d") == "a\\nb\\x1b[31m\\tc d"
-
-
-def test_columns_are_aligned_and_end_with_their_text(capsys: pytest.CaptureFixture[str]) -> None:
     terminal.print_columns([("arm", "RR"), ("anthropomorphic", "R")], ("name", "joints"))
     assert capsys.readouterr().out == "name             joints\narm              RR\nanthropomorphic  R\n"
     terminal.print_columns([])

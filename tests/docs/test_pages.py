@@ -174,12 +174,9 @@ def test_every_place_that_is_named_exists(text: str) -> None:
     assert not [place for place in sorted(named | inner) if not (ROOT / place).exists()]
 
 
-def test_every_folder_of_the_package_is_on_the_map() -> None:
+def test_every_folder_of_the_package_is_on_the_map_and_every_decision_in_the_index() -> None:
     folders = {path.name for path in (ROOT / "derive").iterdir() if (path / "__init__.py").exists()}
     assert not [folder for folder in sorted(folders) if f"`derive/{folder}/`" not in MAP]
-
-
-def test_every_decision_stands_in_the_index() -> None:
     folder = ROOT / "docs" / "decisions"
     index = (folder / "index.md").read_text(encoding="utf-8")
     assert [path.name for path in sorted(folder.glob("0*.md")) if f"({path.name})" not in index] == []
@@ -202,9 +199,13 @@ def executed(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return execution(TOUR, tmp_path_factory.mktemp("tour"))
 
 
-def test_a_log_becomes_the_model_that_its_notebook_shows(tmp_path: Path) -> None:
+def test_the_tour_and_the_log_show_what_they_store_as_formulas_or_tables(tmp_path: Path, executed: Any) -> None:
     assert outputs(execution(LOG_TO_MODEL, tmp_path)) == outputs(nbformat.read(LOG_TO_MODEL, as_version=4))
     assert (tmp_path / "identified.yaml").exists()
+    assert outputs(executed) == outputs(nbformat.read(TOUR, as_version=4))
+    shown = outputs(executed)
+    assert sum("text/latex" in data for data in shown) >= 9
+    assert sum("text/html" in data for data in shown) == 2
 
 
 def outputs(notebook: Any) -> list[dict[str, Any]]:
@@ -215,16 +216,6 @@ def outputs(notebook: Any) -> list[dict[str, Any]]:
         shown += [{"printed": "".join(result["text"] for result in results if result.get("name") == "stdout")}]
         shown += [result["data"] for result in results if "data" in result]
     return shown
-
-
-def test_the_tour_shows_what_it_stores(executed: Any) -> None:
-    assert outputs(executed) == outputs(nbformat.read(TOUR, as_version=4))
-
-
-def test_every_result_of_the_tour_is_set_as_a_formula_or_a_table(executed: Any) -> None:
-    shown = outputs(executed)
-    assert sum("text/latex" in data for data in shown) >= 9
-    assert sum("text/html" in data for data in shown) == 2
 
 
 @pytest.mark.parametrize("path", [TOUR, LOG_TO_MODEL], ids=name)

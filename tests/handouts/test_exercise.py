@@ -17,7 +17,7 @@ from derive.handouts.sheet.document import Blank, Block, Document, Gap, Paragrap
 from derive.handouts.sheet.latex_writer import latex
 from derive.robot.options.handout import PARTS, USUAL_PARTS, Derivation, HandoutOptions
 from derive.robot.robot import Robot
-from tests.handouts.latex_runner import overfull, run_latex
+from tests.handouts.latex_runner import run_clean
 from tests.random_robots import swept_catalogue
 from tests.rows import robot_of_rows
 
@@ -121,13 +121,10 @@ def test_an_exercise_has_at_most_twice_the_pages_of_the_handout(name: str, tmp_p
         replace(robot.handout, derivation=Derivation.RESULT, language="pt" if name == "stanford-deluca" else "it"),
     )
     whole = document(context)
-    handout, asking, solved = (
-        run_latex(latex(sheet, context.text), tmp_path)
+    handout, asking, _ = (
+        run_clean(latex(sheet, context.text), tmp_path)
         for sheet in (whole, exercise(whole, context.text), solutions(whole, context.text))
     )
-    assert not asking.faults
-    assert not solved.faults
-    assert overfull(asking) <= 1.0
     assert asking.pages <= 2 * handout.pages
 
 
@@ -166,7 +163,7 @@ def test_each_form_is_a_file_of_the_robots_name() -> None:
     assert all(b"written by derive" in data for data in handout.files.values())
 
 
-def test_every_part_is_there_in_its_order() -> None:
+def test_every_part_is_there_in_its_order_or_those_that_are_asked_for() -> None:
     usual = context_of(Robot.load("planar-2r-perugia"))
     without_loops = [part for part in PARTS if part != "closure"]
     assert [section.part for section in document(usual).sections] == [p for p in without_loops if p in USUAL_PARTS]
@@ -174,8 +171,5 @@ def test_every_part_is_there_in_its_order() -> None:
     context = context_of(Robot.load("planar-2r-perugia"), HandoutOptions(parts=PARTS))
     assert [section.part for section in document(context).sections] == without_loops
     assert all(section.title and section.blocks for section in document(context).sections)
-
-
-def test_only_the_parts_that_are_asked_for() -> None:
     context = context_of(Robot.load("scara-perugia"), HandoutOptions(parts=("jacobian", "table")))
     assert [section.part for section in document(context).sections] == ["table", "jacobian"]

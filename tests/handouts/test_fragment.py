@@ -60,29 +60,28 @@ def test_names_of_books_are_understood_as_by_show(bar: Robot, book: str, ours: s
     )
 
 
-def test_a_word_with_several_meanings_is_refused_with_them(bar: Robot) -> None:
+def test_what_has_several_meanings_or_none_is_refused_with_what_may_be_meant(bar: Robot) -> None:
     with pytest.raises(QuantityError, match="several meanings"):
         fragment_text(bar, bar.handout, "euler angles")
+    with pytest.raises(TargetError, match="did you mean 'inertia'"):
+        fragment_text(bar, bar.handout, "inerta")
+    plain = robot_of_rows("R a: a1")
+    with pytest.raises(QuantityError, match="no links"):
+        fragment_text(plain, plain.handout, "B")
 
 
-def test_a_name_with_line_breaks_stays_in_its_comment(bar: Robot) -> None:
+def test_a_name_with_line_breaks_stays_in_its_comment_and_wide_matrices_say_so(bar: Robot) -> None:
     assert fragment_text(bar, bar.handout, "mass\n matrix").startswith("% mass matrix of bar")
-
-
-def test_matrices_wider_than_amsmath_expects_say_so() -> None:
     robot = robot_of_rows(" | ".join("P" * 11))
     text = fragment_text(robot, robot.handout, "J")
     assert "c@MaxMatrixCols\\endcsname=11" in text
 
 
-def test_a_generated_function_is_named_where_one_computes_the_quantity() -> None:
+def test_functions_and_symbols_are_those_of_the_registry(bar: Robot) -> None:
     functions = {row.interface.name for row in ROWS}
     named = {row.name: row.function for row in REGISTRY.values() if row.function}
     assert set(named.values()) <= functions
     assert named["B"] == "inertia_matrix"
-
-
-def test_symbols_are_those_of_the_registry_with_the_index_and_the_letter_asked_for(bar: Robot) -> None:
     letter = replace(bar.handout, notation=NotationOptions(inertia=InertiaLetter.M))
     assert "\\mathbf{J}_v^{l_{2}}" in fragment_text(bar, letter, "Jv_com[2]")
     assert "\\mathbf{M}^{l_{1}}" in fragment_text(bar, letter, "B_link[1]")
@@ -93,14 +92,6 @@ def test_symbols_are_those_of_the_registry_with_the_index_and_the_letter_asked_f
 def test_a_width_that_is_none_is_refused(bar: Robot, width: str) -> None:
     with pytest.raises(QuantityError, match="such as 84mm"):
         fragment_text(bar, bar.handout, "B", width)
-
-
-def test_what_there_is_not_is_refused_with_what_may_be_meant(bar: Robot) -> None:
-    with pytest.raises(TargetError, match="did you mean 'inertia'"):
-        fragment_text(bar, bar.handout, "inerta")
-    plain = robot_of_rows("R a: a1")
-    with pytest.raises(QuantityError, match="no links"):
-        fragment_text(plain, plain.handout, "B")
 
 
 PLANE = "planar-2r-perugia"

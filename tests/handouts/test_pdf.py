@@ -38,21 +38,19 @@ def refusal(body: str) -> str:
     return str(caught.value)
 
 
-def test_the_same_text_gives_the_same_bytes() -> None:
+def test_the_same_text_gives_the_same_bytes_and_nothing_is_left_behind(scratch: Path) -> None:
+    before = os.getcwd()
     first, second = (compile_latex(document("$x$"), "arm") for _ in range(2))
     assert first.pdf == second.pdf
     assert first.pdf.startswith(b"%PDF")
+    assert list(scratch.iterdir()) == []
+    assert os.getcwd() == before
 
 
 def test_references_are_resolved() -> None:
     compiled = compile_latex(document(r"\begin{equation}\label{e} x \end{equation} \ref{e} \pageref{e}"))
     assert "undefined references" not in compiled.text
     assert compiled.pages == 1
-
-
-def test_nothing_is_left_behind(scratch: Path) -> None:
-    compile_latex(document("x"))
-    assert list(scratch.iterdir()) == []
 
 
 def test_a_refusal_tells_message_line_source_heading_and_where_the_document_is_kept(scratch: Path) -> None:
@@ -66,12 +64,9 @@ def test_a_refusal_tells_message_line_source_heading_and_where_the_document_is_k
     assert (folder / "arm.tex").read_text() == document("fine\n\\unknowncommand{2}")
 
 
-def test_a_missing_package_of_latex_names_the_system_package() -> None:
+def test_missing_packages_and_programs_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with pytest.raises(LatexError, match="apt install texlive-latex-recommended"):
         compile_latex(document("x").replace("amsmath", "nosuchpackage"))
-
-
-def test_missing_programs_name_the_system_packages(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(LatexError, match=r"latexmk and pdflatex not found.*texlive-latex-recommended latexmk"):
         compile_latex(document("x"))
@@ -88,15 +83,13 @@ def test_files_outside_are_not_read(name: str, scratch: Path) -> None:
     assert "not found" in refusal(rf"\input{{{name}}}")
 
 
-def test_no_program_is_run(tmp_path: Path) -> None:
-    compile_latex(document(rf"\immediate\write18{{touch {tmp_path}/ran}} x"))
-    assert not (tmp_path / "ran").exists()
-
-
-def test_settings_of_the_user_do_not_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_program_is_run_and_settings_of_the_user_do_not_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / ".latexmkrc").write_text("die 'read';\n")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert compile_latex(document("x")).pages == 1
+    assert compile_latex(document(rf"\immediate\write18{{touch {tmp_path}/ran}} x")).pages == 1
+    assert not (tmp_path / "ran").exists()
 
 
 def test_overfull_boxes_are_measured() -> None:
@@ -105,20 +98,11 @@ def test_overfull_boxes_are_measured() -> None:
     assert 10 < overfull(log) < 40
 
 
-def test_both_forms_of_an_error_are_read() -> None:
+def test_errors_of_both_forms_and_pages_are_read_from_the_log() -> None:
     plain = LatexRun("! Undefined control sequence.\n<recently read> \\x\nl.12 \\x\n")
     placed = LatexRun("./arm.tex:12: Undefined control sequence.\nl.12 \\x\n")
     assert plain.faults == [("Undefined control sequence.", 12)]
     assert plain.faults == placed.faults
     assert LatexRun("!  ==> Fatal error occurred, no output PDF file produced!\n").faults == []
-
-
-def test_pages_are_counted_across_a_wrapped_line() -> None:
     assert LatexRun("Output written on a_very_long_name.pdf (1\n2 pages, 100 bytes).").pages == 12
     assert LatexRun("No pages of output.").pages == 0
-
-
-def test_the_caller_keeps_its_folder(tmp_path: Path) -> None:
-    before = os.getcwd()
-    compile_latex(document("x"))
-    assert os.getcwd() == before

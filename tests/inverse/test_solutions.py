@@ -117,7 +117,8 @@ def test_the_harness_prints_a_line_for_each_class(capsys):
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
-    return cache(lambda name: built_modules(LOST[name].robot(), tmp_path_factory.mktemp(name), "native"))
+    make = tmp_path_factory.mktemp
+    return cache(lambda name, *targets: built_modules(LOST[name].robot(), make(name), *targets or ("native",)))
 
 
 def beside_eighth_turns(trial, count, seed):
@@ -144,10 +145,10 @@ def test_no_solution_is_lost_beside_singular_poses(name, built):
         assert (found.empty, found.spurious, found.found) == (0, 0, 300), found.missing
 
 
-@pytest.mark.parametrize("target", [*swept("numpy"), "native"])
+@pytest.mark.parametrize("target", ["numpy", *swept("native")])
 def test_a_rounded_pose_is_refused_with_the_tolerance_that_takes_its_nearest_rotation(target, built):
     arm, q = LOST["parallel-123"].arm, np.array([0.3, 0.5, -0.4, 0.2, 0.7, 0.1])
-    module, poses = built("parallel-123")[target], np.round(forward_kinematics(arm, q[None]), 4)
+    module, poses = built("parallel-123", target)[target], np.round(forward_kinematics(arm, q[None]), 4)
     with pytest.raises(ValueError, match=r"not orthonormal .*; tolerance=0\.0001 uses the nearest rotation"):
         module.inverse_kinematics(poses)
     found = module.inverse_kinematics(poses, tolerance=1e-4)[0]

@@ -135,14 +135,11 @@ def test_there_and_back_is_the_same_number(text: str) -> None:
     assert evaluate(back, numbers) == pytest.approx(evaluate(tree, numbers), rel=1e-14)
 
 
-def test_users_names_are_symbols_and_constant_angles_stay_as_they_are_written() -> None:
+def test_names_and_angles_stay_as_written_and_linear_rows_above_angular_ones() -> None:
     assert expression_to_sympy(parse_expression("I*E", HERE)) == sympy.Symbol("I") * sympy.Symbol("E")
     domain = PolynomialDomain(robot_of_rows("R a: a1, alpha: pi/5"))
     shown = {str(factor_to_sympy(domain, factor)) for factor in FactorTable(domain).factors}
     assert {"sin(q1)", "cos(q1)", "a1", "sin(pi/5)", "cos(pi/5)"} <= shown
-
-
-def test_linear_rows_stand_above_angular_ones() -> None:
     assert columns_matrix([(1, 2, 3)], [(4, 5, 6)], write=sympy.Integer) == sympy.Matrix([1, 2, 3, 4, 5, 6])
 
 

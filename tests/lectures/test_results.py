@@ -76,16 +76,13 @@ def test_both_sets_give_the_same_torques(robot: Robot) -> None:
     np.testing.assert_allclose(base, link, rtol=1e-12)
 
 
-def test_gravity_enters_through_the_acceleration_of_the_base() -> None:
+def test_gravity_is_an_acceleration_of_the_base_and_every_formula_of_lagrange_tested() -> None:
     assert METHODS["initial_conditions"]["status"] == "ok"
     for name in SETS:
         first, *_, last = recursion_of(name, arms()[2]).links
         assert (first.previous.w, first.previous.wd, first.previous.v) == ((0.0, 0.0, 0.0),) * 3
         assert first.previous.vd == (0.0, 0.0, 9.8062)
         assert last.following.f == last.following.n == (0.0, 0.0, 0.0)
-
-
-def test_every_general_formula_of_lagrange_is_tested() -> None:
     assert {item["name"] for item in METHODS["lagrange"]} == FORMULAS.keys()
 
 

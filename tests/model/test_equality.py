@@ -190,7 +190,7 @@ def formulas() -> st.SearchStrategy[str]:
     return st.recursive(st.sampled_from(ATOMS), bigger, max_leaves=8)
 
 
-@settings(max_examples=120, deadline=20_000, derandomize=True)
+@settings(max_examples=80, deadline=20_000, derandomize=True)
 @given(formula=formulas())
 def test_any_formula_is_compared_or_refused(formula: str) -> None:
     found = outcome(lambda: verdict(SCARA, "T[1,4]", formula))
@@ -200,7 +200,7 @@ def test_any_formula_is_compared_or_refused(formula: str) -> None:
         assert found.equal is (found.counter_example is None) or found.exact
 
 
-@settings(max_examples=150, deadline=20_000, derandomize=True)
+@settings(max_examples=80, deadline=20_000, derandomize=True)
 @given(formula=formulas())
 def test_any_formula_equals_itself(formula: str) -> None:
     found = outcome(lambda: verdict(SCARA, "T[1,4]", f"a1*c1 + a2*c12 + ({formula}) - ({formula})"))
@@ -222,7 +222,7 @@ LONG = {
     "nested sines": "sin(" * 30 + "q1" + ")" * 30,
     "a fine fraction of an angle": "cos(q1/1000003)",
     "a huge multiple of an angle": "cos(1000003*q1)",
-    "many terms": " - ".join(["a1*c1"] * 5_000),
+    "many terms": " - ".join(["a1*c1"] * 2_000),
 }
 TOO_LONG = {
     "a long token": "c" + "1" * 60,

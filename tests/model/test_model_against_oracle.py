@@ -107,7 +107,7 @@ def test_every_built_in_robot_agrees_with_the_oracle(name: str) -> None:
     check(Numbers(Robot.load(name), seed=7))
 
 
-@settings(max_examples=8, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=6, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), n=st.integers(1, 4))
 def test_closed_forms_of_random_robots_agree_with_the_oracle(seed: int, n: int) -> None:
     check(Numbers(Robot.from_text(robot_text(random.Random(seed), n)), seed))
@@ -119,7 +119,7 @@ def test_closed_forms_of_long_random_robots_agree_with_the_oracle(seed: int) -> 
     check(Numbers(Robot.from_text(robot_text(random.Random(1000 + seed), 5 + seed % 2)), seed))
 
 
-@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 10**6), n=st.integers(1, 3))
 def test_analytic_jacobians_are_the_derivatives_of_the_angles(seed: int, n: int) -> None:
     numbers = Numbers(Robot.from_text(robot_text(random.Random(seed), n)), seed)

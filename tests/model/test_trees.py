@@ -145,8 +145,5 @@ def test_quantities_of_ends_and_rows_are_asked_for_by_name() -> None:
     for typed, words in REFUSED.items():
         with pytest.raises(QuantityError, match=words):
             model.quantity(typed)
-
-
-def test_what_needs_an_arm_that_stands_is_refused_on_a_root_that_moves() -> None:
     with pytest.raises(QuantityError, match="the inverse kinematics of body, whose root moves; allowed: arms"):
         Model(Robot.from_text(BODY)).quantity("inverse[hand]")

@@ -116,13 +116,10 @@ def test_curves_are_derived_exactly() -> None:
     assert qdd == pytest.approx(np.stack([-np.pi * np.sin(2 * t), np.full(9, 0.2)], axis=1), abs=1e-14)
 
 
-def test_torques_of_an_arm_without_links_are_refused() -> None:
+def test_torques_without_links_are_refused_and_samples_end_with_the_motion() -> None:
     motion = Motion.from_text("robot: stanford-deluca\ncurves: {q1: t}\ntime: 1\n")
     with pytest.raises(QuantityError, match="has no dynamics"):
         motion.torques(0.0)
-
-
-def test_samples_end_with_the_motion() -> None:
     text = PICK_AND_PLACE.replace("sample: 0.01", "sample: 0.7")
     times = Motion.from_text(text).times
     assert times[-1] == 15

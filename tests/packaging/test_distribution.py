@@ -42,13 +42,10 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return Path(next(builder.build(directory=str(tmp_path_factory.mktemp("sdist")))))
 
 
-def test_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: Path) -> None:
+def test_wheel_holds_the_package_its_templates_command_and_licence_and_nothing_else(wheel: Path) -> None:
     expected = sources(ROOT / "derive") | {f"derive/{name}" for name in sources(ROOT / "templates")}
     assert {name for name in content(wheel) if ".dist-info/" not in name} == expected
     assert {"derive/robot/catalogue/scara-perugia.yaml", "derive/py.typed"} <= expected
-
-
-def test_wheel_brings_the_command_and_the_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         (entry_points,) = (archive.read(name) for name in archive.namelist() if name.endswith("/entry_points.txt"))
         (licence,) = (archive.read(name) for name in archive.namelist() if name.endswith("/licenses/LICENSE"))

@@ -37,19 +37,10 @@ path: [a, {to: b, time: 1}, {to: c, time: 1}]
 CURVES = "robot: planar-2r-perugia\ncurves: {q1: sin(t)}\ntime: 5\n"
 
 
-def refusal(text: str) -> str:
-    with pytest.raises(DeriveError) as caught:
-        plan_from_bytes(text.encode(), "plan.yaml")
-    return str(caught.value)
-
-
-def test_a_robot_may_stand_in_the_plan() -> None:
+def test_a_robot_may_stand_in_the_plan_or_in_a_file_beside_it(tmp_path: Path) -> None:
     robot = "{name: arm, convention: standard, units: {angle: deg}, joints: [{type: revolute, a: 1}]}"
     plan = plan_from_bytes(f"robot: {robot}\npoints: {{a: [0], b: [90]}}\n{PATH}".encode(), "p")
     assert to_text(plan.points["b"].q[0]) == "pi/2"  # type: ignore[index]
-
-
-def test_a_robot_file_is_looked_for_beside_the_plan(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("{name: arm, convention: standard, joints: [{type: revolute, a: 1}]}")
     text = f"robot: mine.yaml\npoints: {{a: [0], b: [1]}}\n{PATH}"
     assert plan_from_bytes(text.encode(), str(tmp_path / "plan.yaml")).robot.name == "arm"
@@ -69,7 +60,8 @@ def test_a_robot_file_is_looked_for_beside_the_plan(tmp_path: Path) -> None:
     ],
 )
 def test_wrong_plans_and_curves_are_refused_with_their_place(text: str, message: str) -> None:
-    assert re.search(message, refusal(text))
+    with pytest.raises(DeriveError, match=message):
+        plan_from_bytes(text.encode(), "plan.yaml")
 
 
 def cells(text: str) -> PlanCells:
@@ -86,10 +78,8 @@ def test_the_right_plan_is_right() -> None:
 def test_a_wrong_plan_is_one_message_when_it_is_loaded(old: str, new: str, message: str) -> None:
     assert old in RIGHT
     text = RIGHT.replace(old, new, 1) if old else RIGHT + new
-    with pytest.raises(DeriveError) as caught:
+    with pytest.raises(DeriveError, match=rf"\Aplan.yaml:{re.escape(message)}[^\n]*\Z"):
         Motion.from_text(text, "plan.yaml")
-    assert str(caught.value).startswith(f"plan.yaml:{message}")
-    assert "\n" not in str(caught.value)
 
 
 def test_joint_values_have_the_units_of_the_robot_and_numbers_and_formulas_the_time() -> None:

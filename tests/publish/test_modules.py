@@ -26,14 +26,13 @@ def test_a_compiled_module_has_the_functions_of_the_other_wherever_its_texts_go(
     assert imported(pickle.loads(pickle.dumps(sources(compiled=True))))[1] is folder  # kept by its texts
 
 
-def test_where_there_is_no_compiler_it_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_compiler_is_refused_and_one_that_does_not_serve_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("CC", "nowhere-to-be-found")
     imported.cache_clear()
     with pytest.raises(TargetError, match="was not found"):
         imported(sources(compiled=True))
-
-
-def test_a_compiler_that_does_not_serve_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "false")
     imported.cache_clear()
     robot = Robot.from_text(ONE_JOINT)

@@ -29,12 +29,9 @@ def test_libraries_are_compiled_while_the_rest_is_rendered_and_the_sheet_comes_l
     assert list(files.items()) == list(render.render_robot(robot, targets, Effort.QUICK).files.items())
 
 
-def test_sources_name_the_files_of_the_whole_build() -> None:
+def test_sources_name_the_files_of_the_whole_build_and_libraries_are_those_of_the_targets() -> None:
     source = render.source_of(Robot.from_text(ARM), targets_named(["c", "readme"], only=True), Effort.QUICK)
     assert source.files == ("MANIFEST.json", "README.md", "__init__.py", "model.c", "model.h")
-
-
-def test_libraries_are_those_of_the_targets() -> None:
     assert library_names(TARGETS.values()) == tuple(name for t in TARGETS.values() for name in t.compiled)
     assert library_names(targets_named()) == ()
 
@@ -68,14 +65,11 @@ def test_foreign_and_broken_manifests_are_none(content: str, tmp_path: Path) -> 
     assert manifest.read_manifest(tmp_path) is None
 
 
-def test_links_and_missing_files_are_no_manifest(tmp_path: Path) -> None:
+def test_links_and_missing_files_are_no_manifest_and_compiled_files_are_names(tmp_path: Path) -> None:
     assert manifest.read_manifest(tmp_path) is None
     (tmp_path / "elsewhere").write_text(json.dumps({"generator": "derive", "files": {}}), encoding="utf-8")
     (tmp_path / manifest.FILE).symlink_to("elsewhere")
     assert manifest.read_manifest(tmp_path) is None
-
-
-def test_compiled_files_are_names_whatever_the_manifest_holds() -> None:
     assert manifest.compiled_files({}) == ()
     assert manifest.compiled_files({"compiled": "libm.so"}) == ()
     assert manifest.compiled_files({"compiled": ["libm.so", 3]}) == ("libm.so",)

@@ -23,10 +23,7 @@ def test_ten_for_each_link_and_what_its_joint_has(seed: int) -> None:
         assert own == {part for part, value in wanted.items() if value}
 
 
-def test_a_parameter_is_named_after_its_joint() -> None:
+def test_a_parameter_is_named_after_its_joint_and_without_links_there_are_none() -> None:
     assert Parameter(3, "Ixy").name == "Ixy3"
-
-
-def test_robots_without_links_have_no_regressor() -> None:
     assert has_regressor(Robot.load("scara-perugia"))
     assert not has_regressor(Robot.load("thumb"))

@@ -12,6 +12,7 @@ from derive.robot.expression import ONE, ZERO, Name, to_text
 from derive.robot.names import acceleration_name, free_symbols, joint_label, robot_symbols, velocity_name
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.robot import Robot
+from tests.refusals import one_message
 
 HEAD = "name: r\nconvention: standard\n"
 
@@ -35,14 +36,11 @@ def test_everything_optional_has_its_documented_default() -> None:
     assert (robot.gravity, robot.links, robot.parameters, robot.runtime) == (None, (), (), ())
 
 
-def test_a_full_row_is_read_cell_by_cell() -> None:
+def test_a_full_row_is_read_cell_by_cell_quoted_or_bare() -> None:
     [joint] = arm("{type: revolute, q: th, theta: pi/2 - th, d: d1 + 1, a: 0.4318, alpha: al, limits: [-pi, x]}").joints
     assert (joint.variable, joint.sign) == ("th", -1)
     cells = (joint.theta, joint.d, joint.a, joint.alpha, *(joint.limits or ()))
     assert [to_text(cell) for cell in cells] == ["pi/2", "d1 + 1", "2159/5000", "al", "-pi", "x"]
-
-
-def test_quoted_and_bare_cells_mean_the_same() -> None:
     bare = arm("{type: revolute, a: 0.10, d: 1e3, theta: q1 + 1}")
     quoted = arm("{type: 'revolute', a: '0.10', d: \"1e3\", theta: \"q1 + 1\"}")
     assert bare.joints == quoted.joints
@@ -63,14 +61,11 @@ def test_links_have_zeros_where_the_file_is_silent() -> None:
     assert (second.mass, second.motor.mass, second.motor.inertia) == (ZERO, ZERO, ZERO)
 
 
-def test_links_without_gravity_hang_in_a_field_g_along_minus_z() -> None:
+def test_links_without_gravity_hang_in_a_field_g_along_minus_z_unless_g_means_something_else() -> None:
     robot = arm("{type: revolute}", tail="links: [{mass: m}]\nparameters: {g: 9.81}\n")
     assert [to_text(entry) for entry in robot.gravity] == ["0", "0", "-g"]
     assert robot_symbols(robot) == ("g", "m")
     assert free_symbols(robot) == ("m",)
-
-
-def test_the_default_gravity_is_refused_where_g_means_something_else() -> None:
     with pytest.raises(RobotFileError, match=r"r.yaml:5:\d+: links: .*'g' is used for something else"):
         arm("{type: revolute, a: g}", tail="links: [{mass: m}]\n")
 
@@ -146,7 +141,7 @@ def test_a_path_and_a_text_give_the_same_robot(tmp_path: Path) -> None:
     assert dataclasses.replace(robot, source="", digest="") == dataclasses.replace(load(text), source="", digest="")
 
 
-def test_unknown_names_suggest_the_nearest_robot() -> None:
+def test_what_is_no_robot_or_no_file_gives_one_message(tmp_path: Path) -> None:
     with pytest.raises(UnknownRobotError, match="did you mean 'scara-perugia'"):
         Robot.load("scara-perugai")
     with pytest.raises(UnknownRobotError, match="did you mean 'thumb'"):
@@ -155,9 +150,6 @@ def test_unknown_names_suggest_the_nearest_robot() -> None:
         Robot.load("no\0such")
     with pytest.raises(UnknownRobotError):
         Robot.load("x" * 10_000)
-
-
-def test_what_is_not_a_readable_file_gives_one_message(tmp_path: Path) -> None:
     with pytest.raises(RobotFileError, match="not a file"):
         Robot.load(tmp_path)
     with pytest.raises(RobotFileError, match=r"/dev/null:1:1: not a file"):
@@ -177,20 +169,16 @@ CONTRADICTIONS = [
     ("{type: prismatic, d: d1}", "if 'd1' is the variable, write q: d1"),
     ("{type: revolute, theta: theta1}", "if 'theta1' is the variable, write q: theta1"),
     ("{type: revolute, theta: q1 - q1}", "constant"),
-    ("{type: revolute, theta: 0*q1}", "constant"),
     ("{type: revolute, d: q1}", "write type: prismatic"),
     ("{type: prismatic, theta: q1}", "write type: revolute"),
     ("{type: revolute, a: q1}", "only in the cell theta"),
     ("{type: revolute, alpha: sin(q1)}", "only in the cell theta"),
     ("{type: revolute, theta: q1**2}", "is not linear in q1"),
-    ("{type: revolute, theta: q1 + sin(q1)}", "is not linear in q1"),
     ("{type: revolute, theta: q1*cos(q1)}", "is not linear in q1"),
     ("{type: revolute, q: q2, theta: q1}", "constant"),
     ("{type: revolute, limits: [1, -1]}", "not below"),
-    ("{type: revolute, limits: [1, 1]}", "not below"),
     ("{type: revolute, limits: [0, q1]}", "in limits"),
     ("{type: revolute, q: pi}", "cannot be a symbol"),
-    ("{type: revolute, q: sin}", "cannot be a symbol"),
     ("{type: revolute, q: q-1}", "is not a name"),
     ("{type: revolute, a: qd1}", "velocity of 'q1' is called 'qd1'"),
     ("{type: revolute, a: qdd1}", "acceleration of 'q1' is called 'qdd1'"),
@@ -212,10 +200,8 @@ PAIRS = [
 
 @pytest.mark.parametrize(("rows", "words"), [*(((row,), words) for row, words in CONTRADICTIONS), *PAIRS])
 def test_contradictory_rows_are_refused_at_their_line(rows: tuple[str, ...], words: str) -> None:
-    with pytest.raises((RobotFileError, ExpressionError)) as caught:
+    with one_message((RobotFileError, ExpressionError), rf"r.yaml:{3 + len(rows)}:\d+", words):
         arm(*rows)
-    assert caught.value.location.line == 3 + len(rows)
-    assert words in str(caught.value)
 
 
 def test_sixty_four_joints_load_and_sixty_five_do_not() -> None:

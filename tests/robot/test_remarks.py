@@ -73,15 +73,12 @@ def test_parameters_that_stand_for_angles_are_angles_in_every_file() -> None:
     assert remarks("alpha: -beta", tail="parameters: {beta: pi/6}\n") == []
 
 
-def test_radians_among_degrees_are_remarked_on_and_degrees_are_not() -> None:
+def test_radians_among_degrees_are_remarked_on_and_drawn_configurations_too() -> None:
     units = "units: {angle: deg}\n"
     (remark,) = remarks("alpha: -1.5708", units)
     assert "angles of this file are in degrees; if radians are meant write -90" in remark
     assert remarks("alpha: 90, limits: [-360, 360], a: cos(60)", units) == []
     assert remarks("alpha: 0.52", units) == []
-
-
-def test_the_drawn_configuration_is_read_like_limits() -> None:
     (remark,) = remarks("a: 1", tail="figure: {q: [90]}\n")
     assert "figure, q entry 1: 90 rad is more than two turns" in remark
     assert remarks("a: 1", tail="figure: {q: [1.5708]}\n") == []
@@ -121,7 +118,7 @@ def of_tensor(inertia: str, tail: str = "") -> list[str]:
     return [str(remark) for remark in robot.remarks]
 
 
-def test_a_tensor_that_no_body_has_is_remarked_on_with_the_amount() -> None:
+def test_tensors_that_no_body_has_are_remarked_on_with_the_amount_and_no_others() -> None:
     (remark,) = of_tensor("xx: 0.1, yy: 0.02, zz: 0.2")
     assert remark.startswith("arm.yaml:8:14: links entry 1, inertia: physically inconsistent: one principal moment ")
     assert "derive export --inertia possible" in remark
@@ -129,6 +126,8 @@ def test_a_tensor_that_no_body_has_is_remarked_on_with_the_amount() -> None:
     assert "other two by 0.5 kg m^2" in remark
     (remark,) = of_tensor("zz: -0.2")  # of a planar arm
     assert "one principal moment exceeds the sum of the other two by 0.2 kg m^2" in remark
+    for inertia in ("xx: 0.1, yy: 0.1, zz: 0.2", "zz: 0.2", "xx: 1, yy: i1, zz: 5", "xx: 0, yy: 0.1, zz: 0.1"):
+        assert of_tensor(inertia) == []
 
 
 def test_several_links_are_one_remark() -> None:
@@ -139,11 +138,6 @@ def test_several_links_are_one_remark() -> None:
         "exceeds the sum of the other two by 0.25, 0.0075 kg m^2"
     )
     assert expected in remark.found
-
-
-def test_bodies_that_exist_planar_arms_and_symbols_are_not_remarked_on() -> None:
-    for inertia in ("xx: 0.1, yy: 0.1, zz: 0.2", "zz: 0.2", "xx: 1, yy: i1, zz: 5", "xx: 0, yy: 0.1, zz: 0.1"):
-        assert of_tensor(inertia) == []
 
 
 @given(st.lists(st.integers(-9, 9), min_size=6, max_size=6))

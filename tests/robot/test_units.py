@@ -8,7 +8,7 @@ from derive.errors import DeriveError, Location, RobotFileError
 from derive.robot.cells import angle_in_radians, joint_values
 from derive.robot.description import FileUnits
 from derive.robot.evaluate import evaluate
-from derive.robot.expression import Expression, names, to_text
+from derive.robot.expression import Expression, to_text
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
 
@@ -94,23 +94,13 @@ def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_
     assert [to_text(cell) for cell in (link.armature, link.viscous)] == ["2", "7"]
     assert to_text(loaded.gravity[2]) == "-981/100"
     assert to_text(dict(loaded.parameters)["L"]) == "2"
+    loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
+    assert value(loaded.gravity[0]) == pytest.approx(4.905)
 
 
 def test_in_radians_and_metres_nothing_changes() -> None:
     joint = robot("{type: revolute, theta: q1 + 2, a: 3*(x + 1), alpha: pi/3}", "rad", "m").joints[0]
     assert [to_text(cell) for cell in (joint.theta, joint.a, joint.alpha)] == ["2", "3*(x + 1)", "pi/3"]
-
-
-def test_parameters_are_radians_even_where_cells_are_degrees() -> None:
-    loaded = robot("{type: revolute, alpha: beta + 90}", extra="parameters: {beta: pi/6}\n")
-    numbers = {name: value(number) for name, number in loaded.parameters}
-    assert list(names(loaded.joints[0].alpha)) == ["beta"]
-    assert value(loaded.joints[0].alpha, **numbers) == pytest.approx(2 * math.pi / 3)
-
-
-def test_gravity_cells_may_use_degrees_in_functions() -> None:
-    loaded = robot("{type: revolute}", extra="gravity: [9.81*sin(30), 0, -9.81*cos(30)]\n")
-    assert value(loaded.gravity[0]) == pytest.approx(4.905)
 
 
 def cell(text: str) -> Expression:

@@ -54,12 +54,7 @@ def test_every_solution_leads_to_its_pose_and_the_configuration_is_one() -> None
     assert np.nanmin(apart.max(axis=-1), axis=1).max() < 1e-8
     one = model.inverse_kinematics(poses[0], PARAMETERS, q[0, GIVEN])
     np.testing.assert_allclose(one, found[0], atol=1e-9)
-
-
-def test_no_poses_have_no_solutions() -> None:
-    found, status = model_of(GENERAL).inverse_kinematics(
-        np.empty((2, 0, 4, 4)), PARAMETERS, np.empty((2, 0, 1)), status=True
-    )
+    found, status = model.inverse_kinematics(np.empty((2, 0, 4, 4)), PARAMETERS, np.empty((2, 0, 1)), status=True)
     assert (found.shape, status.shape) == ((2, 0, 16, 7), (2, 0, 16))
 
 

@@ -31,26 +31,20 @@ def test_functions_have_named_inputs_and_outputs(name: str) -> None:
     assert (function.size_in("q"), function.size_in("params")) == ((2, 1), (len(models.PARAMETERS), 1))
 
 
-def test_inverse_kinematics_has_a_function_for_each_branch() -> None:
+def test_inverse_kinematics_has_a_function_for_each_branch_and_no_parameters_no_input() -> None:
     for k, branch in enumerate(models.casadi_model(elbow(), program_of(elbow())).inverse_kinematics, 1):
         assert (branch.name(), branch.name_in()[0]) == (f"inverse_kinematics_{k}", "T")
         assert branch.name_out() == ["q", "status"]
-
-
-def test_no_parameters_no_input() -> None:
     robot = Robot.from_text(models.ONE_JOINT)
     assert models.casadi_model(robot).forward_kinematics.name_in() == ["q"]
     assert models.casadi_model(Robot.load("scara-matlab")).base_parameters.n_in() == 0
 
 
-def test_functions_differentiate_and_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_functions_differentiate_and_export_the_same_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert MODEL.inverse_dynamics.jacobian().n_out() >= 3
     MODEL.inverse_dynamics.generate("torque.c")
     assert "double" in (tmp_path / "torque.c").read_text()
-
-
-def test_the_export_is_the_same_every_time_and_names_no_folder() -> None:
     first, second = (render_casadi_c(models.source_of(models.planar())) for _ in range(2))
     assert first == second
     assert not any(re.search(r"/tmp|derive-\w{8}", text) for text in first.values())

@@ -15,6 +15,7 @@ from derive.verification.octave_model import OctaveModel
 from tests.rows import robot_of_rows
 from tests.targets.generated_models import needs_octave, planar, source_of
 from tests.targets.languages import running
+from tests.targets.searched_arms import LOOSE, program_of, robot_of
 
 OCTAVE_ALONE = re.compile(
     r"\bend(?:function|if|for|while|switch)\b|!|\+\+|--|[-+*/]=|\"|^\s*#|\bprintf\b|\bunwind_protect\b"
@@ -71,11 +72,10 @@ def test_texts_are_matlab_too(name: str) -> None:
 
 
 def test_a_robot_without_formulas_says_why_it_has_no_inverse_kinematics() -> None:
-    rows = "|".join(f"R a: 0.{k}, alpha: 0.{k + 3}, d: 0.{9 - k}" for k in range(1, 7))
-    robot = robot_of_rows(rows, name="skew-arm")
-    texts = render_octave(source_of(robot, build_program(robot, Effort.QUICK, inverse=True)))
-    assert "+skew_arm/inverse_kinematics.m" not in texts
-    assert "Inverse kinematics: there is no function, since " in texts["+skew_arm/Contents.m"]
+    texts = render_octave(source_of(robot_of(LOOSE), program_of(LOOSE)))
+    assert not [file for file in texts if "inverse_kinematics" in file]
+    (contents,) = (text for file, text in texts.items() if file.endswith("/Contents.m"))
+    assert "Inverse kinematics: there is no function, since " in contents
 
 
 @needs_octave

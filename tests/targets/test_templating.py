@@ -114,17 +114,15 @@ def test_the_example_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert getattr(scope["T"], "shape", None) == (4, 4)
 
 
-def test_every_file_of_every_target_has_a_word() -> None:
+def test_every_file_and_function_is_listed_with_a_word_and_no_tag_is_left() -> None:
     assert {name for target in TARGETS.values() for name in target.files} - {"README.md"} <= FILES.keys()
-
-
-def test_every_file_and_function_is_listed() -> None:
     rendered = render_robot(Robot.load("scara-perugia"), targets_named())
     text = rendered.files["README.md"].decode()
     for name in rendered.files:
         assert f"`{name}`" in text or name == "README.md"
     for name in rendered.operations:
         assert f"`{name}(" in text
+    assert not re.search(r"\{\{|\{%|%\}|\}\}", text)
 
 
 def test_titles_are_text() -> None:
@@ -135,10 +133,6 @@ def test_titles_are_text() -> None:
     assert "<script>" not in first
     assert "[a]" not in first
     assert "49" not in first
-
-
-def test_no_tag_is_left() -> None:
-    assert not re.search(r"\{\{|\{%|%\}|\}\}", page(Robot.load("puma560-corke")))
 
 
 ROD = text_of_rows(

@@ -44,9 +44,9 @@ def test_functions_take_the_name_of_an_end() -> None:
 @pytest.mark.parametrize("text", swept(TORSO, BODY), ids=["torso", "body"])
 def test_trees_are_built_verified_and_fresh(text: str, tmp_path: Path) -> None:
     robot = Robot.from_text(text)
-    assert {"model_numpy.py", "model_casadi.py", "model.c"} <= {*build(robot, tmp_path).files}
+    assert {"model_numpy.py", "model_casadi.py", "model.c"} <= {*build(robot, tmp_path, effort="quick").files}
     assert verify(robot, tmp_path, samples=6).worst < 1e-9
-    (found,) = stale([robot], tmp_path)
+    (found,) = stale([robot], tmp_path, effort="quick")
     assert found.is_current
 
 

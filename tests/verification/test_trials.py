@@ -133,14 +133,11 @@ def test_values_keep_within_their_natural_size(name: str) -> None:
         assert (np.abs(value) <= size * (1 + 1e-12)).all(), function
 
 
-def test_a_function_without_a_natural_size_is_no_silent_zero() -> None:
+def test_errors_are_relative_and_a_function_without_a_natural_size_is_no_silent_zero() -> None:
     samples = samples_of("scara-perugia")
     limits = Bounds(samples.oracle, samples.arguments["q"])
     with pytest.raises(KeyError, match="hovering"):
         limits.natural_size("hovering", (samples.arguments["q"],))
-
-
-def test_errors_are_relative_exact_zeros_and_infinite_where_there_is_no_number() -> None:
     difference = np.array([0.0, 0.0, 2.0, np.nan, 1.0])
     scale = np.array([0.0, 1.0, 4.0, 1.0, 0.0])
     assert relative_errors(difference, scale).tolist() == [0.0, 0.0, 0.5, np.inf, np.inf]

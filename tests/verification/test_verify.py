@@ -136,14 +136,14 @@ def test_right_functions_pass_and_every_one_is_reported(tmp_path: Path) -> None:
     assert json.loads(json.dumps(report.as_dict()))["rows"][0]["function"] == "forward_kinematics"
 
 
-@pytest.mark.parametrize("seed", seeds(12, usual=3))
+@pytest.mark.parametrize("seed", seeds(12, usual=2))
 def test_right_functions_of_random_robots_pass(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     robot = write_stand_in(tmp_path, random_robot(rng, rng.randint(1, 5), dynamics=seed % 3 > 0).text)
     assert verify(robot, tmp_path, samples=4, seed=seed).worst < 1e-11
 
 
-@pytest.mark.first(8)
+@pytest.mark.first(4)
 @pytest.mark.parametrize("function", NAMES)
 def test_a_relative_error_of_1e_8_in_one_entry_is_found(tmp_path: Path, function: str) -> None:
     message = failure(tmp_path, altered(function, "value[(..., -1) if value.ndim else ()] *= 1 + 1e-8"))
@@ -163,8 +163,8 @@ FAULTS = {
     "PARAMETERS": "\nPARAMETERS = ('m1', 'm2')\n",
     r"model_numpy.py cannot be imported: \w+": "\nimport nowhere_at_all\n",
     "SyntaxError": "\n1 +\n",
-    **{f"{name} of .* is nan instead of": altered(name, "value.flat[0] = np.nan") for name in NAMES[::6]},
-    **{f"{name} of model_numpy.py returns shape": altered(name, "value = value[..., None]") for name in NAMES[1::6]},
+    **{f"{name} of .* is nan instead of": altered(name, "value.flat[0] = np.nan") for name in NAMES[::14]},
+    **{f"{name} of model_numpy.py returns shape": altered(name, "value = value[..., None]") for name in NAMES[1::14]},
 }
 
 
@@ -186,29 +186,22 @@ def test_an_error_in_friction_and_another_in_a_small_entry_are_found(tmp_path: P
     assert "entry [2,2]" in failure(tmp_path, fault, small)
 
 
-def test_a_function_of_the_manifest_that_nobody_verified_is_found(tmp_path: Path) -> None:
+def test_an_unverified_function_and_an_empty_folder_are_found(tmp_path: Path) -> None:
+    with pytest.raises(VerificationError, match=r"does not hold .*model_casadi\.py.*model_numpy\.py"):
+        verify(Robot.from_text(ARM), tmp_path)
     (tmp_path / "MANIFEST.json").write_text('{"operations": {"inertia_matrix": {}, "collision_matrix": {}}}')
     assert "not verified: collision_matrix" in failure(tmp_path, "")
 
 
-def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(VerificationError, match=r"does not hold .*model_casadi\.py.*model_numpy\.py"):
-        verify(Robot.from_text(ARM), tmp_path)
-
-
-def test_nothing_is_left_in_the_process_or_the_folder(tmp_path: Path) -> None:
-    modules, path = set(sys.modules), list(sys.path)
-    verify(write_stand_in(tmp_path, ARM), tmp_path, samples=4)
-    assert not [name for name in set(sys.modules) - modules if "model" in name]
-    assert sys.path == path
-    assert [file.name for file in tmp_path.iterdir()] == ["model_numpy.py"]
-
-
-def test_the_same_seed_gives_the_same_report(tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_report_and_nothing_is_left_behind(tmp_path: Path) -> None:
     robot = write_stand_in(tmp_path, ARM, altered("jacobian", "value *= 1 + 1e-12"))
+    modules, path = set(sys.modules), list(sys.path)
     first, second = (verify(robot, tmp_path, samples=4, seed=7) for _ in range(2))
     assert first == second
     assert first.worst > 1e-13
+    assert not [name for name in set(sys.modules) - modules if "model" in name]
+    assert sys.path == path
+    assert [file.name for file in tmp_path.iterdir()] == ["model_numpy.py"]
 
 
 def test_a_robot_whose_inertia_matrix_is_singular_is_verified_but_for_its_accelerations(tmp_path: Path) -> None:
@@ -221,15 +214,12 @@ def test_a_robot_whose_inertia_matrix_is_singular_is_verified_but_for_its_accele
     assert rows["inertia_matrix"].samples > 0
 
 
-def test_random_parameters_keep_tensors_positive_and_cells_finite() -> None:
+def test_random_parameters_are_possible_and_configurations_within_the_limits() -> None:
     text = ARM.replace("{zz: 0.1}", "{xx: Ixx, yy: Iyy, zz: Izz, xy: Ixy, xz: Ixz}").replace("a1: 0.5", "b: 1")
     text = text.replace("a: a1", "a: sqrt(a1 - 2*b)").replace("parameters: {b: 1}", "parameters: {b: 1}\nruntime: [b]")
     for sample_set in sample_sets(Robot.from_text(text), 6, np.random.default_rng(3)):
         assert (np.linalg.eigvalsh(sample_set.oracle.arm.inertia) > -1e-12).all()
         assert sample_set.parameters["a1"] > 2 * sample_set.parameters["b"]
-
-
-def test_configurations_lie_within_the_limits() -> None:
     for sample_set in sample_sets(Robot.from_text(ARM), 30, np.random.default_rng(1)):
         second = sample_set.arguments["q"][:, 1]
         assert second.min() >= -1

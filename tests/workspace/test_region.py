@@ -260,7 +260,7 @@ def test_places_are_dexterous_if_all_orientations_are_reached(limits: tuple[Limi
     """The pose of a planar arm in closed form: both elbows, within the limits."""
     rows = [f"R a: {a}, limits: [{w[0]}, {w[1]}]" for a, w in zip((1, 0.8), limits, strict=True)]
     (view,) = find_workspace(RobotPoses(robot_of_rows("|".join([*rows, "R a: 0.15"])))).views
-    x, y = np.random.default_rng(5).uniform(-2.0, 2.0, (2, 4_000, 1))
+    x, y = np.random.default_rng(5).uniform(-2.0, 2.0, (2, 1_500, 1))
     hand = np.linspace(0.0, TURN, 180, endpoint=False)
     u, v = x - 0.15 * np.cos(hand), y - 0.15 * np.sin(hand)
     bend = (u**2 + v**2 - 1.64) / 1.6

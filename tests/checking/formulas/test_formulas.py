@@ -14,7 +14,7 @@ from derive.checking.formulas.diagnosis import Question, diagnose
 from derive.checking.formulas.edits import SlipKind, ordinal
 from derive.checking.formulas.printed import Citation
 from derive.checking.methods_file import Vector, names_in, read_vector, value_of
-from derive.errors import CheckError, Location
+from derive.errors import Location
 from derive.lecture.shorthand import notation_text, read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare, scalar_quantity
@@ -281,11 +281,6 @@ def test_the_value_is_that_of_numpy_and_names_come_in_order() -> None:
 def test_shapes_that_do_not_fit_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="vectors"):
         value_of(read(text), VALUES)
-
-
-def test_an_empty_equation_is_refused_at_its_place() -> None:
-    with pytest.raises(CheckError, match=r"notes\.yaml:3:5"):
-        read("")
 
 
 PLANAR = Robot.load("planar-2r-perugia")

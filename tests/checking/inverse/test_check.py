@@ -144,14 +144,11 @@ def test_another_left_side_may_be_meant(text: str, said: str) -> None:
     assert change(checked("planar-2r-perugia", text)) == said
 
 
-def test_an_alternative_that_never_holds_is_wrong_by_itself() -> None:
+def test_an_alternative_or_a_sign_that_never_holds_is_wrong_by_itself() -> None:
     found = checked("planar-2r-perugia", PLANAR.replace("+-sqrt(1 - D**2), D)", "sqrt(1 - D**2), D) or q2 + 1"))
     assert outcomes(found)["q2"] is Outcome.SOME
     right, wrong = checked("planar-2r-perugia", "theta2 = atan2(r21, r11) - theta1 or atan2(r21, r11) + theta1")
     assert (right.verdict.equal, wrong.verdict.equal) == (True, False)
-
-
-def test_a_plus_minus_of_which_one_sign_never_holds_is_wrong() -> None:
     text = "theta2 = atan2(r21, r11) - theta1"
     assert change(checked("planar-2r-perugia", text.replace("= atan2", "= +-atan2"))) == (
         "+- that is not needed: atan2(r21, r11) - q1"
@@ -220,15 +217,12 @@ def test_entries_have_the_names_of_books(word: str, entry: tuple[int, int]) -> N
     assert PoseNames.of(load("puma560-corke"), [word]).entries == {word: entry}
 
 
-def test_the_wrist_of_an_arm_is_where_its_last_axes_meet() -> None:
+def test_the_wrist_is_where_the_last_axes_meet_and_that_of_a_planar_arm_its_last_joint() -> None:
     names = PoseNames.of(load("stanford-laschi"), ["xc", "pWy", "w_z", "px", "az"])
     assert names.wrist == {"xc": 0, "pWy": 1, "w_z": 2}
     for place in places(names, {}):
         along = place.values["w_z"] - place.pose[2][3]
         assert abs(along) < 1e-12 or math.isclose(abs(along), abs(place.values.get("d6", 0) * place.values["az"]))
-
-
-def test_planar_arms_have_an_orientation_and_their_last_joint_as_wrist() -> None:
     names = PoseNames.of(load("planar-3r"), ["phi", "cphi", "x", "pWx"])
     assert names.rows == ("x", "phi")
     for place in places(names, {}):

@@ -198,13 +198,10 @@ def test_a_product_of_transforms_leads_from_its_first_frame_to_its_last(
     assert SideReading(found, "").side(found.equations[0][0], True).frames == frames
 
 
-def test_a_product_alone_is_compared_and_one_that_skips_a_frame_is_not() -> None:
+def test_a_product_alone_is_compared_where_its_frames_follow_each_other() -> None:
     assert checked(ANT, r"$$T_3^0 = T_1^0 T_2^1 T_3^2$$").equal == 1
     skipping = checked(ANT, r"$$T_3^0 = T_1^0 T_3^2$$ $$p_z = d_1 + a_2 s_2 + a_3 s_{23}$$")
     assert (skipping.equal, len(skipping.unread)) == (1, 1)
-
-
-def test_frames_are_those_of_transforms_and_rotations_only() -> None:
     assert frames_of(Target("A[2]"), ANT) == (1, 2)
     assert frames_of(Target("T"), ANT) == (0, 3)
     assert frames_of(Target("T[1,3]", (1, 2, 3), (4,)), ANT) is None

@@ -146,7 +146,7 @@ def test_names_of_dense_wrists_do_not_cover_each_other(name: str) -> None:
 NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")
 
 
-def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
+def test_latex_needs_no_package_fits_the_page_and_has_short_lines(tmp_path: File) -> None:
     drawings = [*map(drawn, NAMES), *map(convention_drawing, Convention)]
     body = "\n\n".join(rf"\noindent {latex_drawing(drawing)}" for drawing in drawings)
     head = f"\\documentclass{{article}}\n{PREAMBLE}\\setlength{{\\textwidth}}{{{WIDTH}pt}}\n"
@@ -154,9 +154,6 @@ def test_latex_needs_no_package_and_fits_the_page(tmp_path: File) -> None:
     log = run_latex(document, tmp_path)
     assert log.pages, log.faults
     assert overfull(log) == 0.0
-
-
-def test_lines_of_latex_are_short_enough_for_any_tex() -> None:
     assert max(map(len, latex_drawing(drawn("human-body")).splitlines())) < 900
 
 
@@ -168,22 +165,16 @@ def test_lengths_that_are_fractions_or_roots_are_drawn_as_the_symbols_of_their_c
     assert drawing_bytes(drawing, ".svg").startswith(b"<?xml")
 
 
-def test_svg_is_well_formed_and_titled_whatever_the_title_holds() -> None:
+def test_svg_is_well_formed_titled_whatever_the_title_holds_and_holds_every_item() -> None:
     root = ElementTree.fromstring(svg_drawing(drawn("scara-perugia", title="a < b & \"c\" \x00 'd'")))
     title = root.find("{http://www.w3.org/2000/svg}title")
     assert title.text == "a < b & \"c\"   'd'"
     assert root.get("role") == "img"
-
-
-def test_svg_holds_every_item() -> None:
     drawing = drawn("puma560-corke")
     root = ElementTree.fromstring(svg_drawing(drawing))
     kinds = [child.tag.rpartition("}")[2] for child in root]
     assert kinds.count("path") == sum(isinstance(item, Path) for item in drawing.items)
     assert kinds.count("text") == sum(isinstance(item, Label) for item in drawing.items)
-
-
-def test_black_follows_the_text_of_the_page() -> None:
     svg = svg_drawing(Drawing(10, 10, (Path(((0.0, 0.0), (5.0, 5.0))), Label((5.0, 5.0), "a_{1}"))))
     assert svg.count('"currentColor"') == 2
 
@@ -237,13 +228,10 @@ def test_a_planar_arm_is_seen_from_above_and_both_elbows_end_at_one_point() -> N
     assert angle == pytest.approx(0.2, abs=1e-2)
 
 
-def test_configurations_that_cover_each_other_are_one_line_with_both_numbers() -> None:
+def test_configurations_that_cover_each_other_are_one_line_and_an_arm_that_always_looks_the_same_is_none() -> None:
     drawing = branches((0.2, 0.9), (1.1, -0.9), (0.2, 0.9))
     assert len(arms(drawing)) == 2
     assert [item.latex for item in drawing.items if isinstance(item, Label)] == ["1,3", "2"]
-
-
-def test_an_arm_that_looks_the_same_in_all_of_them_is_not_drawn() -> None:
     assert branches((0.2, 0.9), (0.2, 0.9)) is None
 
 

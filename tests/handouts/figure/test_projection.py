@@ -55,11 +55,8 @@ def normal_of(robot: Robot) -> np.ndarray | None:
     return plane_normal([arm_scene(robot, poses.frames([0.3] * robot.n))])
 
 
-def test_which_built_in_robots_are_planar() -> None:
+def test_which_robots_are_planar_and_one_slide_has_no_plane() -> None:
     assert {name for name in chains() if normal_of(Robot.load(name)) is not None} == PLANAR
-
-
-def test_slides_alone_have_a_plane_and_one_slide_has_none() -> None:
     slide = "P alpha: pi/2, theta: pi/2"
     normal = normal_of(robot_of_rows(f"{slide} | {slide}"))
     assert sorted(np.abs(normal)[:2]) == pytest.approx([0, 1], abs=1e-12)

@@ -76,23 +76,17 @@ def test_lines_break_outside_of_brackets_if_they_can() -> None:
     assert "(" in lines[1]
 
 
-def test_short_equations_share_a_line() -> None:
+def test_short_equations_share_a_line_and_boxes_are_packed_within_the_width() -> None:
     equations = [Equation(italic(letter), (TexPiece(italic("x")),)) for letter in "abcdefgh"]
     (line,) = equation_lines(equations)
     assert re.findall(r"(\w) =", line) == list("abcdefgh")
-
-
-def test_boxes_are_packed_within_the_width() -> None:
     assert pack([Box("a", 200.0), Box("b", 200.0), Box("c", 200.0)], 455.0) == ["a \\qquad b", "c"]
     assert pack([], 455.0) == []
 
 
-def test_the_width_of_a_matrix_is_that_of_its_columns() -> None:
+def test_columns_make_the_width_of_a_matrix_and_rows_of_fractions_keep_off_each_other() -> None:
     cell = Box("x", 20.0)
     assert matrix([[cell, cell], [cell, Box("y", 50.0)]]).width >= 20.0 + 50.0 + 10.0
-
-
-def test_rows_of_fractions_in_a_matrix_keep_off_each_other() -> None:
     rows = matrix_rows([["\\tfrac{1}{2}", "0"], ["x", "\\tfrac{1}{3}"], ["0", "1"]])
     assert rows == ["\\tfrac{1}{2} & 0 \\\\[0.6ex]", "x & \\tfrac{1}{3} \\\\", "0 & 1"]
     assert matrix_rows([["x"]]) == ["x"]
@@ -114,13 +108,10 @@ def place_name(row: int, column: int) -> Box:
     return script(italic("t"), italic(f"{row}{column}"))
 
 
-def test_a_small_matrix_is_printed_whole_with_its_zeros() -> None:
+def test_a_small_matrix_is_printed_whole_and_a_symmetric_one_asks_for_its_upper_half() -> None:
     found = layouter().lay_out(italic("T"), place_name, entries_of([[cos(A), 0], [0, 1]]))
     assert found.lines == (r"T = \begin{bmatrix} \cos a_{1} & 0 \\ 0 & 1 \end{bmatrix}",)
     assert [box.tex for box, _ in found.values] == ["t_{11}", "t_{22}"]
-
-
-def test_a_symmetric_matrix_asks_for_its_upper_half_and_prints_all() -> None:
     found = layouter().lay_out(italic("B"), place_name, entries_of([[A, B], [X, D]]), symmetric=True)
     assert "x_{9}" not in found.lines[0]
     assert found.lines[0].count("b_{1}") == 2
@@ -155,18 +146,13 @@ def equations_of(name: str) -> list[Equation]:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_broken_lines_become_whole_again(name: str) -> None:
+def test_broken_lines_become_whole_again_and_marks_are_all_that_is_added(name: str) -> None:
     equations = equations_of(name)
     whole = [concatenate(equation.left, EQUALS, joined(equation.right)).tex for equation in equations]
     for width in (200.0, 455.0, 1e9):
         found = whole_equations(equation_lines(equations, width))
         assert [re.sub(r"\s+", "", line) for line in found] == [re.sub(r"\s+", "", line) for line in whole]
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_marks_are_all_that_is_added(name: str) -> None:
-    for line in whole_equations(equation_lines(equations_of(name))):
-        assert MARK.sub("", breakable(line)) == line
+        assert [MARK.sub("", breakable(line)) for line in found] == found
 
 
 @pytest.mark.parametrize(
@@ -209,7 +195,7 @@ def context() -> Context:
     return context_of(Robot.load("planar-3r"))
 
 
-def test_small_matrices_share_a_line(context: Context) -> None:
+def test_small_matrices_share_a_line_and_a_wide_one_is_not_small(context: Context) -> None:
     matrix = of_matrix(sympy.Matrix([[sympy.cos(q1), 0], [0, 1]]))
     found = [small(context, symbol, matrix, entry_namer(symbol)) for symbol in (P, R)]
     together = side_by_side([one for one in found if one is not None])
@@ -217,9 +203,6 @@ def test_small_matrices_share_a_line(context: Context) -> None:
     assert together.lines == (f"P = {body} \\qquad R = {body}",)
     assert together.blanks == ("P", "R")
     assert [name.tex for name, _ in together.values] == ["(P)_{11}", "(P)_{22}", "(R)_{11}", "(R)_{22}"]
-
-
-def test_a_wide_matrix_is_not_small(context: Context) -> None:
     wide = sympy.Matrix([[sympy.Symbol("a1") ** k * sympy.Symbol("a2") ** k for k in range(2, 22)]])
     assert small(context, P, of_matrix(wide), entry_namer(P)) is None
 
@@ -229,16 +212,13 @@ def test_components_of_a_vector_have_one_index() -> None:
     assert entry_namer(P, ",")(2, 10).tex == "(P)_{2,10}"
 
 
-def test_what_is_left_out_is_said(context: Context) -> None:
+def test_what_is_left_out_is_said_and_entries_are_copied_as_latex_and_python(context: Context) -> None:
     plain = LaidOut(("P = 0",), by_entry=True)
     assert formula(context, plain).note == ""
     sparse = LaidOut(("P = 0",), by_entry=True, has_zeros=True)
     assert formula(context, sparse).note == "Entries that are not listed are zero."
     symmetric = LaidOut(("P = 0",), by_entry=True, has_zeros=True, symmetric=True)
     assert formula(context, symmetric).note.startswith("The matrix is symmetric; ")
-
-
-def test_entries_are_copied_as_latex_and_python(context: Context) -> None:
     laid_out = LaidOut(("P = c_{1}",), values=((P, sympy.cos(q1)),))
     (entry,) = formula(context, laid_out).entries()
     assert (entry.name, entry.latex, entry.python) == ("P", "c_{1}", "cos(q1)")
@@ -275,13 +255,10 @@ ROWS = Rows(("a = b",))
 SECTION = Section("table", "Table", (Paragraph("one"), Steps("two", (ROWS, Paragraph("three"))), Paragraph("four")))
 
 
-def test_a_text_has_words_mathematics_and_code() -> None:
+def test_a_text_has_words_mathematics_and_code_and_blocks_of_steps_are_of_the_section() -> None:
     found = list(spans("The matrix $\\mathbf{R}$ of `inertia_matrix`."))
     assert [mark for mark, _ in found] == ["", "$", "", "`", ""]
     assert [text for _, text in found] == ["The matrix ", "\\mathbf{R}", " of ", "inertia_matrix", "."]
     assert list(spans("")) == []
-
-
-def test_blocks_inside_of_steps_are_blocks_of_the_section() -> None:
     texts = [block.text for block in blocks_of(SECTION) if isinstance(block, Paragraph)]
     assert texts == ["one", "three", "four"]

@@ -83,7 +83,7 @@ def lines(name: str, form: str) -> list[str]:
     return workspace_lines(Model(robot).workspace, form, Notation.of(robot))
 
 
-def test_a_ring_is_written_with_its_radii() -> None:
+def test_a_ring_is_written_with_its_radii_and_numbers_alone_are_decimals() -> None:
     assert lines("planar-2r-perugia", "text") == [
         "reachable region, if no joint has limits:",
         "   abs(a1 - a2) <= sqrt(px**2 + py**2) <= a1 + a2: between two circles, q2 is real",
@@ -91,6 +91,8 @@ def test_a_ring_is_written_with_its_radii() -> None:
     ]
     (_, row, _) = lines("planar-2r-perugia", "latex")
     assert row == r"  \lvert a_{1} - a_{2} \rvert \le \sqrt{p_{x}^{2} + p_{y}^{2}} \le a_{1} + a_{2} \\"
+    (bound,) = [line for line in lines("kuka-kr5", "text") if "<=" in line]
+    assert bound.strip() == ("0.0384234 <= sqrt(wz**2 + (rho - 0.075)**2) <= 0.578423: between two tori, q3 is real")
 
 
 def test_python_can_run_a_workspace() -> None:
@@ -101,19 +103,11 @@ def test_python_can_run_a_workspace() -> None:
         assert values["reached"] is wanted
 
 
-def test_numbers_alone_are_decimals() -> None:
-    (bound,) = [line for line in lines("kuka-kr5", "text") if "<=" in line]
-    assert bound.strip() == ("0.0384234 <= sqrt(wz**2 + (rho - 0.075)**2) <= 0.578423: between two tori, q3 is real")
-
-
-def test_json_has_every_bound() -> None:
+def test_json_has_every_bound_and_an_arm_without_any_says_what_to_do() -> None:
     found: Reach = Model(Robot.load("puma560-corke")).workspace
     parts = workspace_parts(found)
     assert [bound["shape"] for bound in parts["bounds"]] == ["outside of a cylinder", "between two spheres"]
     assert (parts["whole"], parts["count"]) == (True, 8)
-
-
-def test_an_arm_without_bounds_says_what_to_do() -> None:
     assert lines("thumb", "text")[-1] == "the boundary: derive plot --workspace"
     assert lines("spherical-wrist", "text")[0].startswith("no bound")
 
@@ -123,7 +117,7 @@ def planar() -> InverseKinematics:
     return InverseKinematics(planar_graph(), PLANAR, PLANAR.style)
 
 
-def test_the_planar_arm_is_solved_as_in_textbooks(planar: InverseKinematics) -> None:
+def test_the_planar_arm_is_solved_as_in_textbooks_and_in_latex_by_a_fraction(planar: InverseKinematics) -> None:
     lines = derivation_lines(planar, "text", Notation.of(planar.robot))
     assert lines[0] == "2 solutions (complete)"
     assert "   D = (px**2 + py**2 - a1**2 - a2**2)/(2*a1*a2)" in lines
@@ -132,9 +126,6 @@ def test_the_planar_arm_is_solved_as_in_textbooks(planar: InverseKinematics) -> 
     assert "     a1*c1 + a2*c12 = px" in lines
     assert "   q1 = atan2(py, px) - atan2(a2*s2, a1 + a2*c2)" in lines
     assert "   arbitrary if px = 0 and py = 0" in lines
-
-
-def test_in_latex_the_law_of_cosines_is_a_fraction(planar: InverseKinematics) -> None:
     text = "\n".join(derivation_lines(planar, "latex", Notation.of(planar.robot)))
     assert r"D &= \frac{p_{x}^{2} + p_{y}^{2} - a_{1}^{2} - a_{2}^{2}}{2a_{1}a_{2}}" in text
     assert r"\operatorname{atan2}(\pm \sqrt{1 - D^{2}},\, D)" in text
@@ -181,11 +172,8 @@ def test_a_general_arm_says_which_joints_the_eigenvalues_give_and_reaches_the_po
     assert min(errors) < 1e-9
 
 
-def test_a_plus_before_a_plus_minus_is_left_out() -> None:
+def test_signs_are_joined_and_a_quotient_is_a_fraction_unless_it_is_too_wide(planar: InverseKinematics) -> None:
     assert with_signs(r"a + \pm b - \pm c") == r"a \pm b \mp c"
-
-
-def test_a_quotient_is_a_fraction_unless_it_is_too_wide(planar: InverseKinematics) -> None:
     notation = with_names(Notation.of(planar.robot), planar)
     value = next(line.value for line in planar.lines if str(line.symbol) == "D")
     assert r"\frac{p_{x}^{2}" in SignLatexPrinter(notation, planar).latex(value)

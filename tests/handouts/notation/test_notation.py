@@ -2,7 +2,6 @@
 
 import random
 from collections import Counter
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 from sympy import Rational, Symbol, cos, pi, sin, symbols
 
 from derive.handouts.layout.lines import Equation, equation_lines
-from derive.handouts.notation.notation import Notation, Order, is_below
+from derive.handouts.notation.notation import Notation, Order
 from derive.handouts.notation.pieces import italic, joined
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.notation.symbols import Group, Symbols
@@ -184,14 +183,6 @@ def test_frames_stand_right_or_left() -> None:
     assert left.frame("T", "n", 0).tex == r"{}^{0}\mathbf{T}_{n}"
 
 
-@pytest.mark.parametrize("letter", InertiaLetter)
-def test_letter_of_the_inertia_matrix(letter: InertiaLetter) -> None:
-    symbols_ = Symbols(Notation.of(scara(), NotationOptions(inertia=letter)), 3)
-    assert symbols_.inertia_letter == letter.value
-    entry = partial(symbols_.entry, symbols_.inertia_letter.lower())
-    assert entry(1, 2).tex == f"{letter.value.lower()}_{{12}}"
-
-
 def test_entries_that_would_look_like_a_variable_are_written_with_the_matrix() -> None:
     """Joint 11 of a robot written d_{11} is no entry of D."""
     robot = scara(third="q11")
@@ -215,11 +206,6 @@ def test_factors_and_terms_stand_in_the_order_of_textbooks(kind: str, wanted: li
     for seed in range(20):
         shuffled = random.Random(seed).sample(wanted, len(wanted))
         assert sorted(shuffled, key=getattr(Order(Notation.of(PLANAR)), kind)) == wanted
-
-
-def test_negative_powers_are_denominators() -> None:
-    assert is_below((1 / A1).as_base_exp()[1])
-    assert not is_below((A1**2).as_base_exp()[1])
 
 
 @pytest.mark.parametrize("n", [1, 6, 7, 20, 64])

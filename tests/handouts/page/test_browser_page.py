@@ -97,15 +97,12 @@ def test_entries_are_copied(view: Page, context: BrowserContext, allowed: bool) 
             assert view.evaluate("navigator.clipboard.readText()") == wanted
 
 
-def test_light_and_dark_change_places(view: Page) -> None:
+def test_light_and_dark_change_places_and_steps_open_and_close(view: Page) -> None:
     before = paper(view)
     view.click("#theme")
     assert paper(view) != before
     view.click("#theme")
     assert paper(view) == before
-
-
-def test_steps_open_and_close(view: Page) -> None:
     inner = view.locator("main details .display").first
     assert not inner.is_visible()
     view.locator("main summary").first.click()

@@ -50,9 +50,10 @@ def test_the_same_robot_gives_the_same_figure() -> None:
     assert figure(Robot.load("thumb")) == figure(Robot.load("thumb"))
 
 
-def test_the_bundle_is_small_and_ends_no_script() -> None:
+def test_the_bundle_is_small_and_no_script_ends_its_element() -> None:
     assert len(three()) <= BUNDLE_BUDGET
     assert not re.search(r"</script|<!--", three(), re.IGNORECASE)
+    assert "</script" not in safe_script('var a = "</script><!--";')
 
 
 def test_words_are_translated_and_inert() -> None:
@@ -66,25 +67,19 @@ def test_words_are_translated_and_inert() -> None:
     assert "Con <i>a</i><sub>1</sub> = " in html
 
 
-def test_a_prismatic_joint_without_limits_goes_as_far_as_the_longest_link() -> None:
+def test_a_joint_starts_as_the_figure_says_or_within_its_limits_or_as_far_as_the_longest_link() -> None:
     robot = robot_of_rows("R a: 0.3 | P d: q2 + 0.75 | R limits: [1, 2]")
     first, second, third = travels(robot, symbol_values(robot, (), {}))
     assert (first.lower, first.upper, first.start) == (-math.pi, math.pi, 0)
     assert (second.lower, second.upper, second.start) == (0, 0.75, 0.375)
     assert (third.lower, third.upper, third.start) == (1, 2, 1.5)
-
-
-def test_the_figure_configuration_is_where_it_starts() -> None:
     robot = robot_of_rows("R a: 0.3 | R a: a2", "figure: {q: [pi/2, -1]}")
     assert [travel.start for travel in travels(robot, symbol_values(robot, (), {"a2": 1.0}))] == [math.pi / 2, -1]
 
 
-def test_up_is_against_gravity() -> None:
+def test_up_is_against_gravity_and_symbols_are_letters_with_indices() -> None:
     assert upwards(robot_of_rows("R a: 1", "gravity: [0, -9.81, 0]\nlinks: [{mass: 1}]"), {}) == (0, 1, 0)
     assert upwards(robot_of_rows("R a: 1"), {}) == (0, 0, 1)
-
-
-def test_symbols_are_letters_with_indices() -> None:
     assert html_symbol(r"\theta_{1}") == "<i>\N{GREEK SMALL LETTER THETA}</i><sub>1</sub>"
     assert "<script" not in html_symbol("<script>")
 
@@ -166,7 +161,7 @@ def test_polynomials_that_meet_are_told_by_their_values_at_the_times_of_a_grid()
     assert plain["grids"][1][1] == [b - a + 0.01 for a, b in pairwise(times)]
 
 
-def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None:
+def test_joints_that_turn_and_slide_have_plots_that_say_which_is_beyond_its_limit() -> None:
     made = player_texts(MOTION, ARM, ROWS, Text())
     assert [(plot["order"], plot["revolute"]) for plot in made["plots"]] == [
         (k, b) for k in range(3) for b in (True, False)
@@ -174,9 +169,6 @@ def test_joints_that_turn_and_those_that_slide_have_plots_of_their_own() -> None
     with_torques = player_texts(replace(MOTION, functions=("inverse_dynamics",)), ARM, ROWS, Text())
     assert [plot["title"] for plot in with_torques["plots"][6:]] == ["Torque [N m]", "Force [N]"]
     assert with_torques["joints"][1]["units"] == ["m", "m/s", "m/s²", "N"]
-
-
-def test_a_plot_says_which_joint_is_beyond_its_limit_and_when() -> None:
     exceeded = (("speed", 1, 0.25, -3.0),)
     made = player_texts(replace(MOTION, exceeded=exceeded), ARM, ROWS, Text())
     assert [plot["exceeded"] for plot in made["plots"]] == [[], [], [], ["q2 beyond its limit at 0.25 s"], [], []]
@@ -207,14 +199,11 @@ def test_words_of_the_player_are_translated_and_inert() -> None:
     assert (0.25, "0,25", False) in made["speeds"]
 
 
-def test_the_script_calls_functions_by_their_names_there() -> None:
+def test_the_script_calls_functions_by_name_and_sliders_hold_all_of_the_motion() -> None:
     motion = replace(MOTION, functions=("inverse_dynamics",))
     robot = Robot.load("planar-2r-perugia")
     script = viewer(robot, build_program(robot, Effort.QUICK), {}, Text(), playback=motion).script
     assert "return { forwardKinematics, linkTransforms, inverseDynamics };" in script
-
-
-def test_sliders_hold_all_of_the_motion() -> None:
     program = build_program(ARM, Effort.QUICK)
     plain, played = (viewer(ARM, program, {}, Text(), playback=motion) for motion in (None, MOTION))
     assert 'max="1"' in plain.html
@@ -263,15 +252,12 @@ def reader(html: str) -> Reader:
     return Reader(html)
 
 
-def test_no_address_of_another_file_is_in_the_page(html: str, reader: Reader) -> None:
+def test_the_page_states_its_language_names_no_other_file_and_refuses_every_request(html: str, reader: Reader) -> None:
     assert not re.findall(r"https?://|//[a-z]+\.", re.sub(r"<script>.*?</script>", "", html, flags=re.DOTALL))
     for _, attributes in reader.found:
         for name in ("src", "href", "srcset", "action"):
             assert (attributes.get(name) or "#").startswith(("#", "data:"))
     assert all(address.startswith("data:") for address in re.findall(r"url\(([^)]*)\)", html))
-
-
-def test_the_page_states_its_language_and_refuses_every_request(html: str, reader: Reader) -> None:
     assert reader.all("html") == [{"lang": "it"}]
     policies = [meta["content"] for meta in reader.all("meta") if "http-equiv" in meta]
     assert [policy for policy in policies if (policy or "").startswith("default-src 'none'")]
@@ -291,33 +277,20 @@ def test_every_section_can_be_reached_and_tables_have_heads(reader: Reader) -> N
     assert {f"#{attributes['id']}" for attributes in reader.all("section")} <= anchors
 
 
-def test_every_formula_stands_in_the_page_as_its_latex(html: str) -> None:
+def test_every_formula_stands_in_the_page_as_its_latex_and_entries_can_be_copied(html: str, reader: Reader) -> None:
     sheet = document()
     found = [block for section in sheet.sections for block in blocks_of(section)]
     parts = ((*b.named, *lines([b]), *b.omitted) if isinstance(b, SheetFormula) else lines([b]) for b in found)
     assert [unescape(latex) for latex in re.findall(r"<div class=math>([^<]*)</div>", html)] == [*chain(*parts)]
-
-
-def test_entries_can_be_copied_as_they_are(reader: Reader) -> None:
     options = [(option["data-latex"], option["data-python"]) for option in reader.all("option")]
     assert options == [(entry.latex, entry.python) for entry in ENTRIES]
     for _, python in options:
         ast.parse(python or "", mode="eval")
 
 
-def test_the_page_is_the_same_each_time(html: str) -> None:
+def test_the_page_is_the_same_each_time_its_texts_translated_and_the_figure_in_it(html: str) -> None:
     assert page(document(), Text()) == html
-
-
-def test_texts_of_the_page_are_translated() -> None:
     assert "Copia LaTeX" in page(document(), Text("it", {"Copy LaTeX": "Copia LaTeX"}))
-
-
-def test_a_script_cannot_end_its_element() -> None:
-    assert "</script" not in safe_script('var a = "</script><!--";')
-
-
-def test_the_figure_stands_in_the_page() -> None:
     viewer = Viewer("<div id=arm></div>", "#arm{color:red}", 'var arm = "</script>";')
     html = page(document(), Text(), viewer)
     assert "<div id=arm></div>" in html

@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames
 from derive.verification.oracle.lagrange import kinetic_energy, link_jacobians, potential_energy, rotor_jacobians
 from tests.evaluate import evaluate
-from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import bare_context, changed, document_of, words
 from tests.model.test_model_against_oracle import Numbers
 from tests.random_robots import catalogue, chains, robot_text, sampled
@@ -220,12 +218,9 @@ def test_the_inertia_matrix_has_the_chosen_letter_everywhere(letter: InertiaLett
         assert f"{other.value.lower()}_{{12}}" not in text
 
 
-def test_robots_without_links_have_no_dynamics() -> None:
+def test_robots_without_links_have_no_dynamics_and_those_with_many_joints_a_sentence() -> None:
     arm = Robot.from_text("name: arm\ntitle: Arm\nconvention: standard\njoints: [{type: revolute}]\n")
     assert document_of(bare_context(arm), DYNAMICS).sections == ()
-
-
-def test_many_joints_keep_the_sentence_that_nothing_is_derived() -> None:
     robot = Robot.from_text(robot_text(random.Random(3), 4))
     (section,) = document_of(bare_context(robot, policy=SheetPolicy(closed_form_joints=3)), DYNAMICS).sections
     assert section.part == "inertia"
@@ -238,13 +233,3 @@ def test_rotors_are_mentioned_where_the_robot_has_them() -> None:
     assert any(link.motor not in (None, Motor()) for link in robot.links)
     for arm, expected in ((robot, True), (without, False)):
         assert ("rotors" in words(part_of(bare_context(arm), "newton-euler"))) is expected
-
-
-# -- it fits the page
-
-
-@pytest.mark.parametrize("key", sampled([*WITH_LINKS, *SEEDS], [*WITH_LINKS[::3], *SEEDS[:3]]))
-def test_the_pages_have_no_error_and_nothing_outside_the_margins(key: str | int, tmp_path: Path) -> None:
-    robot = Robot.load(key) if isinstance(key, str) else random_arm(key)
-    context = bare_context(robot) if robot.n > 7 else prepared(key)[0]
-    run_clean(latex(document_of(context, DYNAMICS), Text()), tmp_path)

@@ -36,7 +36,7 @@ from derive.workspace.poses import RobotPoses
 from tests.evaluate import evaluate
 from tests.handouts.latex_runner import run_clean
 from tests.handouts.reading import REACHED, bare_context, document_of, lines, part, words
-from tests.random_robots import chains, random_robot, robot_text, sampled, seeds
+from tests.random_robots import random_robot
 from tests.rows import robot_of_rows
 
 TENTH = Fraction(1, 10)
@@ -57,20 +57,6 @@ def assert_compiles(robot: Robot, folder: Path, **options: Any) -> None:
 
 
 # -- on paper
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sampled(chains(), chains()[1::4]))
-def test_the_kinematics_of_the_catalogue_compiles(name: str, tmp_path: Path) -> None:
-    assert_compiles(numbered(Robot.load(name)), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", seeds(10, usual=3))
-def test_the_kinematics_of_random_robots_compiles(seed: int, tmp_path: Path) -> None:
-    robot = Robot.from_text(robot_text(random.Random(seed), 1 + seed % 7))
-    frames = FrameIndices.LEFT if seed % 2 else FrameIndices.RIGHT
-    assert_compiles(numbered(robot), tmp_path, frames=frames)
 
 
 @pytest.mark.sweep
@@ -245,14 +231,11 @@ def test_other_profiles_have_their_formulas(plan_context: Context, profile: str,
     assert any(letters in line for block in steps[0].blocks if isinstance(block, Rows) for line in block.lines)
 
 
-def test_what_is_too_long_is_counted(plan_context: Context) -> None:
+def test_the_sheet_can_be_printed_and_what_is_too_long_is_counted(plan_context: Context) -> None:
     last = plan_part(plan_context).blocks[-1]
     assert isinstance(last, Steps)
     said = [block.text for block in last.blocks if isinstance(block, Paragraph)]
     assert "The other joints: 128 polynomials each, between places on the way." in said
-
-
-def test_the_sheet_can_be_printed(plan_context: Context) -> None:
     sheet = plan_sheet(plan_context, "A plan", "ab" * 32, (plan_part(plan_context, "quintic", "spline"),))
     tex = latex(sheet, plan_context.text)
     assert "10 u^{3} - 15 u^{4}" in tex

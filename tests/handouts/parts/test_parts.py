@@ -192,14 +192,11 @@ def test_what_a_reader_must_know_is_said(robot: str, name: str, said: tuple[str,
     assert not [sentence for sentence in unsaid if sentence in text]
 
 
-def test_the_steps_show_the_blocks() -> None:
+def test_the_steps_show_the_blocks_and_results_can_be_left_blank() -> None:
     robot = "stanford-deluca"
     assert not any(isinstance(block, Steps) for block in part(robot, "singularities").blocks)
     steps = next(block for block in part(robot, "singularities", steps=True).blocks if isinstance(block, Steps))
     assert sum(isinstance(block, SheetFormula) for block in steps.blocks) == 2
-
-
-def test_the_results_can_be_left_blank() -> None:
     formulas = [block for block in part("planar-2r-perugia", "singularities").blocks if isinstance(block, SheetFormula)]
     assert formulas
     assert all(formula.blanks for formula in formulas)
@@ -236,13 +233,10 @@ def table(robot: Robot) -> Table:
     return found
 
 
-def test_columns_have_the_order_of_the_convention() -> None:
+def test_columns_have_the_order_of_the_convention_and_every_joint_a_row_with_its_variable() -> None:
     standard, modified = table(Robot.load("scara-perugia")), table(Robot.load("dh-modified-deluca"))
     assert standard.header[2:6] == ("$\\theta_i$", "$d_i$", "$a_i$", "$\\alpha_i$")
     assert modified.header[2:6] == ("$\\alpha_{i-1}$", "$a_{i-1}$", "$\\theta_i$", "$d_i$")
-
-
-def test_every_joint_has_a_row_with_its_variable() -> None:
     robot = Robot.load("scara-perugia")
     rows = table(robot).rows
     assert [row[1] for row in rows] == ["revolute" if joint.is_revolute else "prismatic" for joint in robot.joints]
@@ -300,11 +294,8 @@ def test_tables_have_the_units_of_the_file(in_file: bool) -> None:
     assert "lengths in metres" not in said
 
 
-def test_nothing_is_drawn_without_poses() -> None:
+def test_the_figure_is_drawn_with_its_values_and_nothing_without_poses() -> None:
     assert section_of(changed(context_of(Robot.load("scara-perugia")), poses=None), "figure") is None
-
-
-def test_configuration_of_the_figure_is_drawn_with_its_values() -> None:
     q = (Number(Fraction(1, 2)), Number(Fraction(1)), Number(Fraction(3, 10)), Number(Fraction(0)))
     robot = replace(Robot.load("scara-perugia"), figure=FigureOptions(q=q))
     made = part(robot, "figure")

@@ -64,9 +64,11 @@ def test_messages_inside_of_f_strings_are_found(tmp_path: Path) -> None:
         list(messages.literals(file))
 
 
-def test_english_needs_no_file() -> None:
+def test_english_needs_no_file_and_no_babel() -> None:
     assert text_for("en").messages == {}
     assert text_for("en_GB")("Link %(index)s:", index=3) == "Link 3:"
+    code = "import sys; from derive.handouts.sheet.language import text_for; text_for('en'); "
+    assert printed_by(f"{code} print('babel' in sys.modules)") == "False"
 
 
 @pytest.mark.parametrize(
@@ -119,11 +121,6 @@ def test_a_broken_catalogue_is_named(tmp_path: Path) -> None:
     (tmp_path / "eo.po").write_text("msgid mass\n", encoding="utf-8")
     with pytest.raises(TargetError, match=r"the catalogue eo\.po cannot be read"):
         text_for("eo", tmp_path)
-
-
-def test_english_does_not_load_babel() -> None:
-    code = "import sys; from derive.handouts.sheet.language import text_for; text_for('en'); "
-    assert printed_by(f"{code} print('babel' in sys.modules)") == "False"
 
 
 def test_catalogues_are_part_of_the_package() -> None:

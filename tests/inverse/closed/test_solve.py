@@ -116,9 +116,8 @@ def test_rows_and_joints_that_there_are_not_are_refused(asked: dict[str, Any], m
     ],
 )
 def test_what_a_file_asks_and_the_arm_cannot_do_is_said_with_its_place(block: str, message: str) -> None:
-    with pytest.raises(QuantityError) as refusal:
+    with pytest.raises(QuantityError, match=rf"\A<text>:9:{message}"):
         solve(arm_of("standard", "R 0 0 a1 0; R 0 0 a2 0; R 0 0 a3 0", block))
-    assert str(refusal.value).startswith(f"<text>:9:{message}")
 
 
 def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
@@ -146,16 +145,13 @@ def test_at_singular_poses_there_is_a_solution_and_joints_that_are_free_are_said
 PIEPER = "R 0 0.6 0.5 -90; R 0 0.13 0.44 60; R {} 0.68 0.2 90; R 0 0.15 0 90; R 0 0 0 -90; R 0 0.1 0 0"
 
 
-def test_a_wrist_on_three_skew_axes_has_the_quartic_of_pieper() -> None:
+def test_skew_wrists_and_given_joints_with_offsets_are_solved() -> None:
     robot = arm_of("standard", PIEPER.format(0))
     graph = solve(robot)
     assert graph.nodes[0].kind == "conic"
     assert order(graph)[0] == "3"
     assert (graph.leaves, graph.count) == (8, 8)
     assert_the_solutions_are_those_of(robot, np.random.default_rng(2).uniform(-3, 3, 6), {})
-
-
-def test_a_given_joint_may_have_an_offset() -> None:
     robot, q = arm_of("standard", PIEPER.format("180/7")), np.array([0.3, -1.2, 0.4, 0.5, 0.6, 0.7])
     graph = solve(robot, ("x", "y", "z"), (2, 3, 4, 5))
     assert graph.count == 1

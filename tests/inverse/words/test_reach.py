@@ -150,13 +150,10 @@ def test_solutions_are_told_apart_wherever_rounding_puts_them() -> None:
     assert looked.places(looked.branches) == [0, 1]
 
 
-def test_an_arm_with_one_solution_has_no_names() -> None:
+def test_an_arm_with_one_solution_has_no_names_and_branches_that_do_not_exist_no_warning() -> None:
     inverse = inverse_kinematics(catalogue("spherical-arm"), catalogue("spherical-arm").style)
     assert postures(inverse.robot, inverse.graph).names == ("",)
     assert [solution.name for solution in inverse.solutions] == [""]
-
-
-def test_branches_that_do_not_exist_raise_no_warning() -> None:
     robot = random_arm("5dof", 2).robot()
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         assert len(postures(robot, solve(robot)).branches) > 1

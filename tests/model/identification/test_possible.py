@@ -262,12 +262,9 @@ def bodies_of(robot: Robot) -> possible.Bodies:
         return possible.in_own_units(chain, directions(robot, chain, domain))
 
 
-def test_a_pseudo_inertia_is_the_integral_of_place_by_place() -> None:
+def test_a_pseudo_inertia_is_an_integral_and_of_mass_one_in_its_own_units() -> None:
     masses, places, parameters = cloud()
     assert np.allclose(possible.pseudo_inertias(parameters[None]), [np.einsum("p,pa,pb->ab", masses, places, places)])
-
-
-def test_a_body_in_its_own_units_has_mass_one_and_no_first_moment() -> None:
     found = bodies_of(arm("spatial"))
     assert np.allclose(found.given[:, 6:9], 0, atol=1e-12)
     assert np.allclose(found.given[:, 9], 1)

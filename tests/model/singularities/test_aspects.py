@@ -66,16 +66,13 @@ def assert_is_a_path(robot: Robot, found: Aspects, rows: slice) -> None:
     assert min(values) > 0.0 or max(values) < 0.0
 
 
-def test_the_orthogonal_arm_of_the_literature_is_cuspidal() -> None:
+def test_of_orthogonal_arms_those_that_fold_over_are_cuspidal() -> None:
     robot = orthogonal(2, 1.5, 1)  # Wenger: four cusps, two aspects
     found = Model(robot).aspects
     assert found.count == 2
     assert {2, 4} == set(found.solutions)
     assert_is_a_path(robot, found, slice(0, 3))
     assert found.inverse.solutions == ()  # no words for its branches
-
-
-def test_an_orthogonal_arm_that_cannot_fold_over_is_not_cuspidal() -> None:
     found = Model(orthogonal(1, 3, 0)).aspects  # r2 = r3 = 0: quadratics, not cuspidal (Wenger 2007)
     assert not found.is_cuspidal
 

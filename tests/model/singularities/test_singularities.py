@@ -224,7 +224,7 @@ def test_lengths_that_are_equal_in_the_file_count_as_equal() -> None:
     assert SingularArm(robot_of_rows(rows, "parameters: {a2: 0.3, a3: 0.3}\n")).check(places=200, starts=12) is None
 
 
-def test_what_has_no_closed_form_says_what_decides_and_is_not_called_complete() -> None:
+def test_what_has_no_closed_form_says_what_decides_and_four_general_axes_are_never_singular() -> None:
     row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4"
     more = "R a: 0.2, d: 0.3, alpha: 0.7 | R a: 0.2"
     five = find_singularities(robot_of_rows(f"{row} | {more}"))
@@ -232,9 +232,6 @@ def test_what_has_no_closed_form_says_what_decides_and_is_not_called_complete() 
     assert list(statement(five, str))[-1].endswith("what decides is det(J^T*J) = 0")
     seven = find_singularities(robot_of_rows(f"{row} | {more}, d: 0.2, alpha: 0.9 | R a: 0.1, alpha: 0.8 | R a: 0.2"))
     assert (seven.outcome, seven.complete, seven.rank, seven.square) == (Outcome.UNSOLVED, False, 6, "J*J^T")
-
-
-def test_four_general_axes_are_proven_to_be_never_singular() -> None:
     row = "R a: 0.3, d: 0.1, alpha: 0.4 | R a: 0.2, alpha: 1.1, d: 0.2 | R a: 0.3, alpha: -0.4, d: 0.4 | R a: 0.2"
     assert find_singularities(robot_of_rows(row)).outcome is Outcome.NEVER
 

@@ -117,9 +117,8 @@ def test_magnitudes_that_keep_their_sign_are_written_without(formula, duration, 
     ],
 )
 def test_others_are_refused_with_the_time(formula, message: str) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(DeriveError, match=message) as caught:
+    with pytest.raises(DeriveError, match=f"{message}.*allowed: formulas with a finite velocity"):
         followed(formula, 2)
-    assert "allowed: formulas with a finite velocity" in str(caught.value)
 
 
 def test_a_plan_names_the_formula_and_its_place() -> None:
@@ -142,14 +141,11 @@ def test_a_motion_is_stretched_by_the_joint_that_needs_most_where_anything_limit
     assert Limits((Integer(1), None), (None, None), (None, None)).stretch([ZERO, Integer(1)], [ZERO, ZERO]) is None
 
 
-def test_limits_that_are_missing_are_infinite_and_leave_the_usual_cruise() -> None:
+def test_missing_limits_are_infinite_proportions_short_and_times_rounded_up() -> None:
     assert limits(acceleration=Integer(2)).cruise(0, Integer(1)) == 2
     assert limits(speed=Integer(2)).cruise(0, Integer(1)) == CRUISE
     speed, acceleration, torque = limits(speed=pi).numbers()
     assert (speed.tolist(), acceleration.tolist(), torque.tolist()) == ([float(pi)], [np.inf], [np.inf])
-
-
-def test_proportions_are_short_fractions_and_times_are_rounded_up() -> None:
     assert proportions([1.0, 2.0, 0.0, 2 / 3]) == (Rational(1, 2), 1, Rational(1, 100), Rational(1, 3))
     assert proportions([0.0]) == (Rational(1, 100),)
     assert rounded_up(1.0) == 1 + Rational(1, 10**6)

@@ -145,12 +145,9 @@ def test_too_many_pieces_are_refused_with_their_number(tmp_path: Path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
-def test_the_same_plan_gives_the_same_bytes() -> None:
+def test_the_same_plan_gives_the_same_bytes_and_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
     one, other = (MotionCode(Motion.from_text(PLANS["every profile"]), "arm_").texts for _ in range(2))
     assert one == other
-
-
-def test_titles_cannot_leave_their_comments(tmp_path: Path) -> None:
     title = 'title: "*/ \\"\\"\\" \\\\ ??/"\n'
     assert write_code(Motion.from_text(title + PLANS["standing"]), tmp_path).worst == 0
 
@@ -209,11 +206,13 @@ def test_what_is_printed_is_what_moves(profile: str) -> None:
     assert checked >= 20
 
 
-def test_latex_has_a_display_for_every_segment() -> None:
+def test_latex_has_a_display_for_every_segment_and_curves_are_printed_as_they_were_given() -> None:
     lines = list(printed(Motion.from_text(PICK_AND_PLACE), as_latex=True))
     assert lines[:2] == ["% rest -> A, 0 <= t <= 3 s", r"\begin{align*}"]
     assert lines[2] == r"  q_{1}(t) &= \frac{5 \pi t^{3}}{27} - \frac{5 \pi t^{4}}{54} + \frac{\pi t^{5}}{81} \\"
     assert lines[5:7] == [r"  q_{4}(t) &= 0", r"\end{align*}"]
+    motion = Motion.from_text("robot: planar-2r-perugia\ncurves: {q1: sin(2*t)}\ntime: 1\n")
+    assert list(printed(motion))[1:] == ["  q1 = sin(2*t)", "  q2 = 0"]
 
 
 def test_what_is_not_exact_is_printed_in_decimals_alone() -> None:
@@ -222,8 +221,3 @@ def test_what_is_not_exact_is_printed_in_decimals_alone() -> None:
     first, *lines = list(printed(Motion.from_text(text)))[:4]
     assert first == "rest -> A, 0 <= t <= 3 s"
     assert all(re.fullmatch(r"  q\d = [-+*t. e\d]+", line) for line in lines)
-
-
-def test_curves_are_printed_as_they_were_given() -> None:
-    motion = Motion.from_text("robot: planar-2r-perugia\ncurves: {q1: sin(2*t)}\ntime: 1\n")
-    assert list(printed(motion))[1:] == ["  q1 = sin(2*t)", "  q2 = 0"]

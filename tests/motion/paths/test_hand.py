@@ -152,13 +152,10 @@ def test_the_branch_of_a_point_on_a_way_is_kept_or_refused(path: str, point: str
         assert Motion.from_text(text + path)(1.0)[0][2] < 0, "the elbow bends one way"
 
 
-def test_a_symbol_without_a_number_is_named_before_a_pose_is_looked_for() -> None:
+def test_points_in_joint_variables_stay_exact_and_need_numbers_for_symbols(lines: Motion) -> None:
     text = "robot: planar-2r-perugia\npoints: {a: [0, 1], b: {pose: {p: [1, 0.3, 0]}}}\npath: [a, {to: b, time: 1}]\n"
     with pytest.raises(QuantityError, match=r"the symbol 'a1' .*has no number; write values: \{a1: ...\} in the plan"):
         assert Motion.from_text(text).trajectory
-
-
-def test_points_in_joint_variables_stay_exact(lines: Motion) -> None:
     hand = Hand(lines.plan, lines.values, lambda cells: tuple(map(expression_to_sympy, cells)), lambda *_: np.zeros(6))
     assert hand.configuration("a", None)[0] == 17 * pi / 180
 

@@ -97,11 +97,8 @@ def test_a_plant_that_the_controller_does_not_know_is_not_followed_exactly() -> 
     assert run.energy_error < 1e-7
 
 
-def test_every_law_of_a_plan_is_known_to_the_controller() -> None:
+def test_every_law_is_known_and_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     assert set(NEEDS) == set(get_args(Law))
-
-
-def test_the_ledger_is_what_the_start_had_and_the_motors_brought() -> None:
     energy, work, lost = np.array([[5.0, 6.5, 4.0], [0, 2.0, 2.0], [0, 0.5, 2.5]])
     run = Run(np.arange(3.0), *[np.zeros((3, 1))] * 3, energy, work, np.zeros(3), lost, None)
     assert run.energy_error == 0.5
@@ -190,13 +187,10 @@ def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
         assert [run.work[-1], run.base[-1]] == pytest.approx(planned, abs=1e-6)
 
 
-def test_without_scipy_one_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_needs_scipy_or_looks_too_often_is_refused_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
     with pytest.raises(TargetError, match=r"simulations need scipy, .*-m pip install .*'scipy>="):
         pendulum("0").simulate()
-
-
-def test_a_controller_that_looks_a_thousand_million_times_is_refused() -> None:
     with pytest.raises(RobotFileError, match=r"control, period: 1e\+09 samples of the controller in 2 s; allowed"):
         pendulum("0", extra="control: {law: pd, kp: 1, kd: 1, period: 2e-9}\n")
 

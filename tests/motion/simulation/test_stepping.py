@@ -15,6 +15,7 @@ from derive.publish import modules
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle
 from tests.motion.plans import PICK_AND_PLACE, PUMA_FALLS
+from tests.random_robots import swept
 from tests.targets.generated_models import needs_compiler
 
 
@@ -260,7 +261,7 @@ def test_where_the_reaction_is_more_than_breakaway_both_slide() -> None:
     assert run.energy_error < 1e-10
 
 
-@pytest.mark.parametrize("least", [6, 3, 0])
+@pytest.mark.parametrize("least", [3, 0, *swept(6)])
 def test_friction_is_complementary_at_every_sample(least: float) -> None:
     """What stands needs less than breakaway, by an oracle's dynamics, and what slips loses energy."""
     motion = Motion.from_text(ARM.replace("6, viscous", f"[6, {least}], viscous"))

@@ -153,12 +153,9 @@ def test_axes_of_a_run_are_parallel_and_runs_are_as_long_as_can_be(seed: int) ->
         assert not parallel or axes[i] @ axes[k] == pytest.approx(direction * turned)
 
 
-def test_nearly_parallel_is_not_parallel() -> None:
+def test_nearly_parallel_is_not_parallel_and_a_sum_of_angles_costs_its_additions() -> None:
     trace = Trace(robot_of_rows("R alpha: 1e-9, a: 1 | R a: 1"))
     assert [run.first for run in parallel_runs(trace.chain, trace.domain.cosine_sine_of_sum)] == [0, 1]
-
-
-def test_a_sum_of_angles_costs_its_additions() -> None:
     trace = Trace(robot_of_rows("R | R | R"))
     place = trace.runs[0].placements[2]
     tape = cut(*bake(trace.graph, [place.cosine.ref, place.sine.ref], trace.choice.numbers))
@@ -294,15 +291,12 @@ def test_closed_forms_are_the_recursions(seed: int, sums: bool, monkeypatch: pyt
     assert found[0] is not None
 
 
-def test_a_textbook_arm_is_written_as_in_the_textbook() -> None:
+def test_textbook_arms_are_as_in_the_textbook_and_long_closed_forms_not_offered() -> None:
     program = build_program(robot_of_rows("R a: a1 | R a: a2", TWO_BARS))
     assert program["inertia_matrix"].operations.arithmetic <= 4
     assert program["coriolis_matrix"].operations.arithmetic <= 4
     assert program["gravity_vector"].operations.arithmetic <= 5
     assert program["inverse_dynamics"].operations.arithmetic <= 26
-
-
-def test_long_closed_forms_are_not_offered() -> None:
     robot = Robot.from_text(random_robot(random.Random(4), 6).text)
     trace = Trace(robot)
     assert [form.values("inverse_dynamics") for form in trace.closed_forms] == [None] * len(trace.closed_forms)

@@ -131,13 +131,10 @@ def test_accelerations_have_the_torques_that_make_them(case: Case) -> None:
         assert np.abs(left).max() <= 1e-9 * max(1, np.abs(inertia).max(), np.abs(state.tau).max())
 
 
-def test_angles_that_are_singular_everywhere_have_no_jacobian() -> None:
+def test_a_fixed_axis_has_no_rate_and_angles_that_are_singular_everywhere_no_jacobian() -> None:
     program = build_program(robot_of_rows("R a: 0.5 | R a: 0.4"))
     assert "analytic_jacobian_rpy" in program
     assert "analytic_jacobian_zyz" not in program
-
-
-def test_a_fixed_axis_has_no_rate() -> None:
     program = build_program(robot_of_rows("P"))
     assert program["jacobian_dot"].operations == Operations()
 

@@ -92,19 +92,13 @@ def test_what_occurs_twice_is_computed_once(case: str) -> None:
     assert improved(*values(*arguments, *parameters)) == operations
 
 
-def test_numeric_multiples_of_a_sum_are_one_sum() -> None:
+def test_multiples_of_a_sum_squares_of_sine_and_cosine_and_sums_that_cancel_save_operations() -> None:
     _, (x, y, z, *_), _ = names()
     sums = [2 * x + 3 * y, 4 * x + 6 * y + z, 6 * x + 9 * y - z]
     assert improved(*sums).total <= 7
-
-
-def test_sine_and_cosine_squared_are_one() -> None:
     _, (x, y, *_), _ = names()
     s, c = x.sin(), x.cos()
     assert improved(s * s * y + c * c * y).arithmetic == 0
-
-
-def test_sums_that_cancel_leave_no_hoisted_work() -> None:
     _, (x, *_), (a, b, *_) = names()
     tape = cut(*improve(x.graph, [(((a + b) - b) * x).ref, ((a + b - a) * x * x).ref]))
     assert tape.hoisted_operations == Operations()
@@ -219,14 +213,11 @@ def test_one_of_both_ways_to_accelerations_is_left_for_every_number_of_joints() 
     assert POLICY.fewest_articulated <= POLICY.most_factorised + 1
 
 
-def test_a_search_without_work_finds_less() -> None:
+def test_an_effort_has_a_name_and_a_search_without_work_finds_less() -> None:
     idle = replace(POLICY, search_work=0, draft_work=0, hoisted_work=0, frame_choice_work=0)
     costs, _ = measured(idle, ["puma560-corke"], ["inertia_matrix"])
     usual = build_program(Robot.load("puma560-corke"), names=["inertia_matrix"])["inertia_matrix"]
     assert usual.tape.operations.cost < costs["puma560-corke", "inertia_matrix"]
-
-
-def test_an_effort_has_a_name() -> None:
     assert effort_named("quick") is Effort.QUICK
     with pytest.raises(DeriveError, match="unknown effort 'most'"):
         effort_named("most")

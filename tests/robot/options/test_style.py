@@ -24,10 +24,14 @@ def test_what_a_style_says_of_itself_makes_the_same_style(seed: int) -> None:
     assert Robot.from_text(f"{ARM}style:\n{block}").style == style
 
 
-def test_a_set_by_name_says_its_name_and_the_default_needs_none() -> None:
+def test_a_set_by_name_says_its_name_and_the_file_has_a_key_for_every_option() -> None:
     assert [str(style) for style in NAMED_STYLES.values()] == list(NAMED_STYLES)
     assert Style().options() == {}
     assert Style.of("by-geometry, gravity: body").options() == {"name": "by-geometry", "gravity": "body"}
+    rows = dict(model_of(StyleRow).model_fields)
+    assert rows.pop("name").default == "compact"
+    assert list(rows) == [option.name for option in fields(Style)]
+    assert {name: row.annotation for name, row in rows.items()} == {n: k | None for n, k in STYLE_OPTIONS.items()}
 
 
 def test_a_file_says_the_style_as_a_name_a_block_or_a_name_with_changes() -> None:
@@ -38,13 +42,6 @@ def test_a_file_says_the_style_as_a_name_a_block_or_a_name_with_changes() -> Non
     assert changed.inertia is Grouping.GEOMETRY
     assert changed.gravity is Grouping.BODY
     assert changed.contraction is Contraction.OPPOSED
-
-
-def test_the_block_of_the_file_has_a_key_for_every_option_and_its_values() -> None:
-    rows = dict(model_of(StyleRow).model_fields)
-    assert rows.pop("name").default == "compact"
-    assert list(rows) == [option.name for option in fields(Style)]
-    assert {name: row.annotation for name, row in rows.items()} == {n: k | None for n, k in STYLE_OPTIONS.items()}
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def check(oracle: Oracle, outside: Reference, arguments: dict[str, Array]) -> No
 
 
 @given(robots())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_every_function_agrees_with_pinocchio(robot: RandomRobot) -> None:
     oracle, outside = Oracle.of(Robot.from_text(robot.text), robot.values), reference(robot)
     check(oracle, outside, motion(robot.n))
@@ -90,7 +90,7 @@ def test_the_sample_of_robots_covers_the_format() -> None:
 
 
 @given(robots())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_a_batch_is_its_configurations_one_by_one(robot: RandomRobot) -> None:
     oracle = Oracle.of(Robot.from_text(robot.text), robot.values)
     rng = random.Random(1)
@@ -132,7 +132,7 @@ def test_inertia_from_com_and_rotor_jacobians_is_symmetric_and_positive_definite
 
 
 @given(robots(max_joints=4))
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=3, deadline=None)
 def test_energy_changes_by_the_work_of_torques_minus_friction(robot: RandomRobot) -> None:
     """Along a motion simulated by Runge and Kutta, the work as one more state; dry friction jumps at turning points."""
     oracle, (q, qd, force) = oracle_of(robot), state(robot.n)
