@@ -16,9 +16,9 @@ from typing import Any
 import sympy
 
 from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.notation.notation import Glyph
 from derive.handouts.notation.pieces import EMPTY, Box, concatenate, italic, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.model.entries import Entries
 
 

@@ -17,9 +17,8 @@ from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, EMPTY, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.kinematics import euler_names
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, component_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook
 from derive.model.entries import Entries
 
 _UPPER = (1, 2, 3)

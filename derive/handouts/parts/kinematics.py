@@ -27,9 +27,8 @@ from derive.handouts.notation.pieces import (
 )
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, tool_of
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot import tree
 from derive.robot.description import IDENTITY

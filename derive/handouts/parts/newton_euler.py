@@ -25,13 +25,11 @@ from derive.handouts.notation.pieces import (
     script,
     signed_sum,
 )
-from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.printer import LatexPrinter, PlainPrinter
 from derive.handouts.notation.symbols import Symbols
-from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.dynamics import has_rotors
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, component_namer, entry_namer, matrix_lines, textbook
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name

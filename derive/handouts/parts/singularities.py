@@ -7,13 +7,12 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, break_lines, pack
 from derive.handouts.layout.quantity import Item, omitted
+from derive.handouts.notation.notation import Glyph
 from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, formula
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import formula
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.singularities import Condition, Outcome, Posture, SingularFactor, Singularities

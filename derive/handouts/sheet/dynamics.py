@@ -8,6 +8,7 @@ import sympy
 
 from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
+from derive.handouts.notation.notation import Glyph
 from derive.handouts.notation.pieces import (
     MINUS,
     Box,
@@ -21,7 +22,6 @@ from derive.handouts.notation.pieces import (
     signed_sum,
 )
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import Entries, ModelEntries
