@@ -1,7 +1,5 @@
 """How the passive joints of closed loops follow the variables: formulas of their positions and of their derivatives."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

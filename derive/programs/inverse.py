@@ -10,8 +10,6 @@ elimination and an eigenvalue problem (`derive.inverse.general.search`), or damp
 numbers are printed and with parameters as arguments, and which joints are eliminated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction

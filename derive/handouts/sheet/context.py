@@ -9,10 +9,10 @@ from itertools import groupby
 import sympy
 
 from derive.errors import DeriveError
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.layout.lines import Equation, equated, equation_lines, fits, matrix, pack
 from derive.handouts.layout.quantity import POLICY, LaidOut, Layouter, Namer, SheetPolicy
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.pieces import EMPTY, Box, bracketed, concatenate, italic, joined, script, upright
+from derive.handouts.notation.pieces import EMPTY, Box, bracketed, italic, joined, script, upright
 from derive.handouts.notation.printer import Cell, DataPrinter, LatexPrinter, PlainPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
@@ -173,7 +173,7 @@ def component_namer(symbol: Box) -> Namer:
 
 def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:
     """A matrix of the robot's data: in brackets if it fits, else entry by entry."""
-    box = concatenate(symbol, EQUALS, matrix([[joined(cell) for cell in row] for row in cells]))
+    box = equated(symbol, matrix([[joined(cell) for cell in row] for row in cells]))
     if fits(box, len(cells)):
         return [box.tex]
     places = ((i, j, cell) for i, row in enumerate(cells, 1) for j, cell in enumerate(row, 1))
@@ -187,7 +187,7 @@ def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Lai
     entries = {place: quantity.entry(*place) for place in quantity.places}
     rows, columns = (range(1, size + 1) for size in quantity.shape)
     cells = [[joined(context.printer.pieces(entries[i, j])) for j in columns] for i in rows]
-    box = concatenate(symbol, EQUALS, matrix(cells))
+    box = equated(symbol, matrix(cells))
     if not fits(box, len(rows)):
         return None
     values = tuple((namer(*place), value) for place, value in entries.items() if quantity.terms(*place))

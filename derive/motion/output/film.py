@@ -24,8 +24,6 @@ from derive.motion.simulation.simulation import Run
 from derive.robot.tree import ends
 from derive.workspace.poses import RobotPoses
 
-SUFFIXES = (".gif", ".mp4")
-
 RATE = 20  # frames per second
 MOST_FRAMES = 1500  # of a film; a motion of more than a minute is shown faster than it is
 WIDTH, HEIGHT = 480, 360  # of a frame [pixels]; even, as MP4 wants

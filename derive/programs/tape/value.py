@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -14,22 +14,14 @@ from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, no
 from derive.programs.tape.tape import PARAMETER, Op
 from derive.robot.coupling import coupling
 from derive.robot.description import Joint
-from derive.robot.expression import (
-    ZERO,
-    Call,
-    Expression,
-    Name,
-    Number,
-    Pi,
-    Power,
-    Product,
-    Sum,
-    add,
-    multiply,
-    substitute,
-)
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
+
+
+def _operation(make: Callable[..., Ref]) -> Callable[..., Value]:
+    """A method for an operation of the graph on this value and others, which may be numbers."""
+    return lambda value, *others: Value(value.graph, make(value.graph, value.ref, *map(value._other, others)))
 
 
 class Value:
@@ -72,9 +64,6 @@ class Value:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Value | int | Fraction, /) -> Value:
-        return Value(self.graph, self.graph.divide(self.ref, self._other(other)))
-
     def __rtruediv__(self, other: Value | int | Fraction, /) -> Value:
         return Value(self.graph, self.graph.divide(self._other(other), self.ref))
 
@@ -94,48 +83,18 @@ class Value:
                 square = square * square
         return result
 
-    def sin(self) -> Value:
-        """The sine of an angle [rad]."""
-        return Value(self.graph, self.graph.sine(self.ref))
-
-    def cos(self) -> Value:
-        """The cosine of an angle [rad]."""
-        return Value(self.graph, self.graph.cosine(self.ref))
-
-    def sqrt(self) -> Value:
-        """The square root."""
-        return Value(self.graph, self.graph.root(self.ref))
-
-    def sign(self) -> Value:
-        """-1, 0 or 1."""
-        return Value(self.graph, self.graph.sign(self.ref))
-
-    def arctangent(self, x: Value | int) -> Value:
-        """atan2 of this and x [rad]."""
-        return Value(self.graph, self.graph.arctangent(self.ref, self._other(x)))
-
-    def less(self, other: Value | int | Fraction) -> Value:
-        """A comparison."""
-        return Value(self.graph, self.graph.less(self.ref, self._other(other)))
-
-    def select(self, a: Value | int | Fraction, b: Value | int | Fraction) -> Value:
-        """One of two values, this being the case."""
-        return Value(self.graph, self.graph.select(self.ref, self._other(a), self._other(b)))
-
-    def opposite(self) -> Value:
-        """0 where this is 1, 1 where it is 0."""
-        return Value(self.graph, self.graph.opposite(self.ref))
-
-    def maximum(self, other: Value | int | Fraction) -> Value:
-        """The larger of two values."""
-        return Value(self.graph, self.graph.extreme(Op.MAXIMUM, self.ref, self._other(other)))
-
-    def minimum(self, other: Value | int | Fraction) -> Value:
-        """The smaller of two values."""
-        return Value(self.graph, self.graph.extreme(Op.MINIMUM, self.ref, self._other(other)))
-
-    def __abs__(self) -> Value:
-        return Value(self.graph, self.graph.absolute(self.ref))
+    sin = _operation(Graph.sine)  # of an angle [rad]
+    cos = _operation(Graph.cosine)
+    sqrt = _operation(Graph.root)
+    sign = _operation(Graph.sign)  # -1, 0 or 1
+    arctangent = _operation(Graph.arctangent)  # atan2 of this and another one [rad]
+    less = _operation(Graph.less)  # 1 where this is less than another one, else 0
+    select = _operation(Graph.select)  # the first of two others where this is 1, else the second
+    opposite = _operation(Graph.opposite)  # 0 where this is 1, 1 where it is 0
+    maximum = _operation(lambda graph, *pair: graph.extreme(Op.MAXIMUM, *pair))
+    minimum = _operation(lambda graph, *pair: graph.extreme(Op.MINIMUM, *pair))
+    __abs__ = _operation(Graph.absolute)
+    __truediv__ = _operation(Graph.divide)
 
     def __repr__(self) -> str:
         """``v7``, or ``-v7``."""
@@ -280,8 +239,8 @@ class TapeDomain:
         rows = [(direction * self._joints[i].sign, self._coupling[self._places[i]]) for i, direction in turns]
         total = self.number(0)
         for k, column in enumerate(zip(*(row for _, row in rows), strict=True)):
-            signed = (multiply(Number(Fraction(sign)), factor) for (sign, _), factor in zip(rows, column, strict=True))
-            terms = composed(decompose(add(*signed)))
+            signed = (Product((Number(Fraction(sign)), factor)) for (sign, _), factor in zip(rows, column, strict=True))
+            terms = composed(decompose(Sum(tuple(signed))))
             total = total + self.constant(terms) * self.variable(Q, k) if terms != ZERO else total
         return total
 
