@@ -1,7 +1,5 @@
 """Motions that excite the base parameters of a robot, from Python."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, load, tell
 from derive.errors import DeriveError, TargetError, listed
-from derive.handouts.fragment import fragment_text
-from derive.handouts.render import Addition, Format, handout_files, sheet_names
+from derive.handouts.render import Addition, Format, fragment_text, handout_files, sheet_names
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.options.handout import chosen_pages
 from derive.robot.options.style import Style

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, listed
-from derive.handouts.figure.writers import figure_bytes, require_matplotlib
+from derive.handouts.figure.writers import SUFFIXES, figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.sampling.clusters import cluster
 from derive.sampling.grid import MapGrid
@@ -20,9 +20,6 @@ from derive.sampling.maps import MapStore, map_dataset, value_type
 
 if TYPE_CHECKING:
     import xarray
-
-SUFFIXES = (".pdf", ".svg", ".png")
-"""Forms of a picture, by the ending of its file."""
 
 _MOST = 10**10  # poses of a map that nobody is asked about
 _SECONDS = 1e-6  # for a pose of an arm with formulas, compiled

@@ -11,7 +11,7 @@ from derive.api.robots import tell
 from derive.errors import DeriveError
 from derive.handouts.figure.writers import require_matplotlib
 from derive.motion.motion import Motion
-from derive.motion.output.table import csv_bytes
+from derive.motion.output.printed import csv_bytes
 from derive.plans.catalogue import plan_names
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.presentation import with_options

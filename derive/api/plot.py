@@ -10,7 +10,7 @@ from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing
 from derive.handouts.figure.workspace_plot import workspace_bytes
-from derive.handouts.figure.writers import drawing_bytes, require_matplotlib
+from derive.handouts.figure.writers import SUFFIXES, drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.model.ends import without_parallelograms
@@ -20,9 +20,6 @@ from derive.robot.tree import require_chain
 from derive.workspace.poses import RobotPoses
 from derive.workspace.region import Measure
 from derive.workspace.views import Workspace, WorkspaceView, find_workspace
-
-SUFFIXES = (".pdf", ".svg", ".png")
-"""Forms of a figure, by the ending of its file."""
 
 
 @dataclass(frozen=True, slots=True)

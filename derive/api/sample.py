@@ -1,7 +1,5 @@
 """Functions of a robot at millions of configurations from Python: what ``derive sample`` prints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 from derive.api.robots import RobotLike, load

@@ -14,7 +14,7 @@ from derive.checking.formulas.findings import Outcome
 from derive.checking.latex.check import check_latex
 from derive.checking.style_finding import Example, StyleEvidence, printed_examples
 from derive.errors import CheckError, Location, quoted
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.printer import TextPrinter
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
 from derive.robot.load import file_bytes

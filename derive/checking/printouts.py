@@ -18,7 +18,7 @@ from derive.checking.latex.check import LatexReport, check_latex
 from derive.checking.report import Printout
 from derive.errors import CheckError, Location, quoted
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.text import TextPrinter, loses_digits
+from derive.handouts.notation.printer import TextPrinter, loses_digits
 from derive.model.model import Model
 from derive.robot.description import Remark
 from derive.robot.load import is_there

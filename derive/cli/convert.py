@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     lines = [*moves(made.conversion), *made.notes]
     if arguments.derivation:
         from derive.exchange.derivation import derivation_text
-        from derive.handouts.fragment import fragment_text
+        from derive.handouts.render import fragment_text
 
         robot = made.conversion.source
         is_latex = arguments.format == "latex"  # as the handout prints it

@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     options = {**files, **keywords(arguments, "simulate", "name", "force")}
     found = move(arguments.plan, language=arguments.lang, code=arguments.out, **options)
     if rows_alone:
-        from derive.motion.output.table import csv_bytes
+        from derive.motion.output.printed import csv_bytes
 
         print(csv_bytes(found.motion, found.run).decode(), end="")
     elif arguments.json:
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_error(wrong)
         return FAILED
     if found.run is not None and not found.run.reached:
-        from derive.motion.output.table import diverged
+        from derive.motion.output.printed import diverged
 
         print_error(diverged(found.motion, found.run))
         return FAILED
@@ -102,32 +102,32 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:
     """The formulas, or the tables; what went wrong."""
-    from derive.motion.output import table
+    from derive.motion.output import printed
 
     as_latex = arguments.format == "latex"
     if arguments.show or arguments.hand or arguments.increments:
         from derive.motion.incremental import increments_of, not_closed, printed_increments
-        from derive.motion.output.printed import printed, printed_hand, printed_weights
 
         if arguments.show:
-            print(*printed(motion, as_latex=as_latex), sep="\n")
+            print(*printed.printed(motion, as_latex=as_latex), sep="\n")
         if arguments.hand:
-            print(*printed_hand(motion, as_latex=as_latex), *printed_weights(motion, as_latex=as_latex), sep="\n")
+            way, weights = (make(motion, as_latex=as_latex) for make in (printed.printed_hand, printed.printed_weights))
+            print(*way, *weights, sep="\n")
         if arguments.increments:
             found = increments_of(motion, arguments.increments)
             print(*printed_increments(motion, arguments.increments, found), sep="\n")
             return not_closed(motion, found)
         return ""
-    rows = table.joint_table(motion) if arguments.joints else table.table(motion)
-    print_columns(rows, (table.JOINT_HEADER if arguments.joints else table.HEADER)[: len(rows[0])])
-    for line in table.violations(motion):
+    rows = printed.joint_table(motion) if arguments.joints else printed.table(motion)
+    print_columns(rows, (printed.JOINT_HEADER if arguments.joints else printed.HEADER)[: len(rows[0])])
+    for line in printed.violations(motion):
         print(line)
     if run is not None:
         print()
-        given = (table.GIVEN[name] for name in table.given_in(run))
-        print_columns(table.simulated_table(motion, run), (*table.SIMULATED_HEADER, *given))
+        given = (printed.GIVEN[name] for name in printed.given_in(run))
+        print_columns(printed.simulated_table(motion, run), (*printed.SIMULATED_HEADER, *given))
         control, where = motion.plan.control, "energy in the world" if motion.base else "energy"
         print(f"{control.law}, friction {motion.plan.friction}: {where} balances to {run.energy_error:.1g} J")
-        for line in table.violations(motion, run):
+        for line in printed.violations(motion, run):
             print(line)
     return ""

@@ -179,7 +179,7 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
         from derive.handouts.notation import derivation, singularities
         from derive.handouts.notation.closure import closure_lines, closure_parts
         from derive.handouts.notation.notation import Notation
-        from derive.handouts.notation.text import TextPrinter
+        from derive.handouts.notation.printer import TextPrinter
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
         from derive.model.closure import Closure
@@ -237,8 +237,7 @@ def _put_in(
 def _printer(robot: Robot, form: str, digits: int | None, values: list[Any], *, numbers: bool) -> tuple[Printer, bool]:
     """What writes the entries, and whether digits are lost by it."""
     from derive.handouts.notation.notation import Notation
-    from derive.handouts.notation.printer import LatexPrinter
-    from derive.handouts.notation.text import PlainPrinter, TextPrinter, loses_digits
+    from derive.handouts.notation.printer import LatexPrinter, PlainPrinter, TextPrinter, loses_digits
 
     notation = Notation.of(robot)
     notation = replace(notation, digits=digits, decimals=notation.decimals or numbers)

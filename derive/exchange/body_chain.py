@@ -23,8 +23,8 @@ from derive.model.identification.exact_scalars import ExactDomain
 from derive.robot import tree
 from derive.robot.description import BASE, INERTIA, Convention, Inertia, Joint, Link, RootType
 from derive.robot.expression import ZERO, number
-from derive.robot.remarks import ROUNDING
 from derive.robot.robot import Robot
+from derive.robot.validate import ROUNDING
 from derive.verification.oracle.frames import Array, chain_frames, joint_axes, numeric_arm
 
 RESIDUE = 1e-15  # moments of inertia that are left of nothing by a URDF's decimals [kg m^2]

@@ -5,7 +5,7 @@ from itertools import chain
 from typing import Any
 
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.text import TextPrinter, loses_digits
+from derive.handouts.notation.printer import TextPrinter, loses_digits
 from derive.handouts.parts.conversion import FEW_FACTORS
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.convention import Conversion, has_equal_poses

@@ -32,8 +32,8 @@ from derive.robot.expression import ZERO, Name, is_constant
 from derive.robot.load import is_robot_name
 from derive.robot.names import robot_symbols
 from derive.robot.reading.size_limits import FILE_LIMITS
-from derive.robot.remarks import missing_moment
 from derive.robot.robot import Robot
+from derive.robot.validate import missing_moment
 from derive.robot.writer import robot_text
 
 MOST_MOVED = 0.01  # of the arm's reach: a table whose poses may be farther from the URDF's is refused

@@ -5,8 +5,6 @@ Two ways in which notes print long dynamics. Christoffel names: ``C = [h*qd2, h*
 constants. Two values that differ by a rational factor share one name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import gcd, lcm

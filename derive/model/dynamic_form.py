@@ -21,7 +21,7 @@ from derive.lecture.form import LectureForm
 from derive.lecture.plan import Plan, Term, flat, joined
 from derive.lecture.sympy_conversion import Expr
 from derive.lecture.terms import Monomial, divide, project
-from derive.mechanics.exact_dynamics import Dynamics
+from derive.mechanics.exact import Dynamics
 from derive.mechanics.regressor import coulomb_column
 from derive.robot import tree
 from derive.robot.description import Link

@@ -20,7 +20,7 @@ from derive.errors import QuantityError
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, columns_matrix
 from derive.mechanics.chain import build_chain
-from derive.mechanics.exact_dynamics import Dynamics
+from derive.mechanics.exact import Dynamics
 from derive.mechanics.regressor import coulomb_column, with_unit_rotors
 from derive.model.dynamic_form import MAX_DYNAMIC_TERMS, DynamicForm, RateWriting, friction_torque, times_rate
 from derive.model.kinematic_model import KinematicModel

@@ -25,7 +25,7 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:
-    from derive.model.on_closure import OnClosure
+    from derive.model.closure import OnClosure
 
 Real = Any
 Values = Mapping[str, Fraction]
@@ -117,7 +117,7 @@ def _closed(robot: Robot) -> "OnClosure | None":
     """The closed configurations of a robot with loops."""
     if not robot.passive:
         return None
-    from derive.model.on_closure import OnClosure  # NumPy, which models without loops do not need
+    from derive.model.closure import OnClosure  # NumPy, which models without loops do not need
 
     return OnClosure(robot)
 

@@ -22,7 +22,7 @@ from derive.algebra.ring import TooManyTerms
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, frame_matrix
 from derive.mechanics.chain import Chain, build_chain
-from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.exact import Kinematics
 from derive.mechanics.vectors import Frame, S, Vector, multiply, scale
 from derive.robot.robot import Robot
 

@@ -16,10 +16,8 @@ from sympy import Expr, Symbol
 from derive.arrays import Array, Flags, Indices
 from derive.errors import QuantityError, RobotFileError
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.motion.curves.extremes import peak
-from derive.motion.curves.given import curves_of, followed, read_recording
-from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, exceeded, nearby
-from derive.motion.curves.trajectory import Trajectory
+from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, exceeded, nearby, peak
+from derive.motion.curves.trajectory import Trajectory, curves_of, followed, read_recording
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques, carried_body

@@ -21,9 +21,9 @@ from derive.robot.load import catalogue_names
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.reading.document import Document, KeyPath, YamlMapping, YamlScalar, read_tree
 from derive.robot.reading.schema import check_structure
-from derive.robot.remarks import REMEDY, impossible_links, lack_of, numbered, too_large
 from derive.robot.robot import Robot
 from derive.robot.tree import end_named
+from derive.robot.validate import REMEDY, impossible_links, lack_of, numbered, too_large
 
 OF_PATHS = ("points", "profile", "via", "spline")  # keys of a plan that are about its path
 Most = tuple[Expression | None, ...]  # the largest value of each joint; None where nothing limits it

@@ -21,8 +21,9 @@ from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
-# What functions of arms with links have in common.
+# What functions of arms with links have in common, and what poses and Jacobians of ends.
 _OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
+_OF_ENDS: dict[str, Any] = {"margin": POLICY.kinematics_margin, "of_end": True}
 
 
 def _has_regressor(robot: Robot) -> bool:
@@ -74,8 +75,7 @@ ROWS = (
         "Pose of the end effector in the world frame.",
         "base A_1 ... A_n tool, a 4x4 homogeneous transform",
         kinematics.poses,
-        margin=POLICY.kinematics_margin,
-        of_end=True,
+        **_OF_ENDS,
     ),
     _row(
         ("T_i = link_transforms(q)", ("r", 4, 4)),
@@ -89,16 +89,14 @@ ROWS = (
         "Geometric Jacobian at the end effector, in the world frame.",
         "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.jacobians,
-        margin=POLICY.kinematics_margin,
-        of_end=True,
+        **_OF_ENDS,
     ),
     _row(
         ("J_end = jacobian_end(q)", (6, "n")),
         "Geometric Jacobian at the end effector, in the end effector's axes.",
         "rows: velocity of the end effector's origin [m/s], then angular velocity [rad/s], per unit of qd",
         kinematics.end_jacobians,
-        margin=POLICY.kinematics_margin,
-        of_end=True,
+        **_OF_ENDS,
     ),
     _row(
         ("dJ/dt = jacobian_dot(q, qd)", (6, "n")),
@@ -113,9 +111,8 @@ ROWS = (
         "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
         kinematics.hessians,
         exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.loops,
-        margin=POLICY.kinematics_margin,
         search=False,
-        of_end=True,
+        **_OF_ENDS,
     ),
     *(
         _row(
@@ -261,9 +258,8 @@ ROWS = (
                 f"Torques and forces by which joints feel a wrench in the axes of the {axes}.",
                 "J^T h; under it the joints' own torques are B qdd + C qd + g + friction - J^T h",
                 partial(kinematics.wrench_torques, frame),
-                margin=POLICY.kinematics_margin,
                 search=False,
-                of_end=True,
+                **_OF_ENDS,
             ),
             _row(
                 (f"dtau_h/dq = wrench_torques{suffix}_dq(q, h)", ("n", "n")),

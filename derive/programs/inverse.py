@@ -10,8 +10,6 @@ elimination and an eigenvalue problem (`derive.inverse.general.search`), or damp
 numbers are printed and with parameters as arguments, and which joints are eliminated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -35,8 +33,7 @@ from derive.programs.formulations.trace import Trace, has_exact_rotations
 from derive.programs.newton_step import newton_step
 from derive.programs.program import GIVEN, NEAR, POSE, POSE_ENTRIES, Around, Function, Interface, Inverse, InverseSearch
 from derive.programs.tape.field import Mask, TapeField
-from derive.programs.tape.scalars import Q, TapeDomain
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import Q, TapeDomain, Value
 from derive.robot.options.inverse import FREEDOMS
 from derive.robot.options.solution_policy import POLICY
 from derive.robot.tree import is_arm

@@ -21,8 +21,7 @@ from derive.mechanics.vectors import Vector, column, cross, dot
 from derive.programs.formulations.trace import Trace
 from derive.programs.program import DAMPING, POSE, POSE_ENTRIES, Function, Interface
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.scalars import Q
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import Q, Value
 
 Row = tuple[Sequence[Value], Value, Value | int]  # of G, with what is off and a weight
 INTERFACE = Interface(

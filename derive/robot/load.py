@@ -18,8 +18,7 @@ from derive.robot.reading.document import Document, KeyPath, YamlMapping, read_d
 from derive.robot.reading.schema import check_structure
 from derive.robot.reading.size_limits import FILE_LIMITS
 from derive.robot.reading.table import read_table
-from derive.robot.remarks import remarks_on, remarks_on_bodies
-from derive.robot.validate import validate
+from derive.robot.validate import remarks_on, remarks_on_bodies, validate
 
 _CATALOGUE = "robot/catalogue"
 _SUFFIX = ".yaml"

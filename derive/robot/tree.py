@@ -1,7 +1,5 @@
 """The rows of a tree: which follows which, the way to an end, and the serial arm that leads there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import inf

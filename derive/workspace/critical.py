@@ -21,7 +21,7 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, determinant
 from derive.arrays import Array
 from derive.errors import DeriveError
-from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.exact import Kinematics
 from derive.robot.evaluate import to_float
 from derive.workspace.point import TURN, Picture, PlaneMap
 

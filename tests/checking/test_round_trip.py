@@ -18,10 +18,10 @@ from derive.checking.latex.check import check_latex
 from derive.checking.report import Item, errata_items, repaired_text
 from derive.cli.main import main
 from derive.errors import CheckError, DeriveError, Location
-from derive.handouts.fragment import fragment_text
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.render import fragment_text
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from derive.errors import DeriveError, QuantityError, TargetError
-from derive.handouts.fragment import fragment, fragment_text
+from derive.handouts.render import fragment, fragment_text
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Table
 from derive.handouts.sheet.language import Text
 from derive.model.quantities import REGISTRY

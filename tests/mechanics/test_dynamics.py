@@ -15,8 +15,7 @@ from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import kinetic_energy, potential_energy
-from derive.mechanics.exact_dynamics import Dynamics
-from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.exact import Dynamics, Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
 from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics

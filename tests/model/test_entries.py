@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from derive.algebra.ring import TooManyTerms
-from derive.mechanics import exact_dynamics as dynamics
+from derive.mechanics import exact as dynamics
 from derive.model.entries import Entries, ModelEntries, expanded_terms, of_matrix
 from derive.model.model import Model
 from derive.robot.robot import Robot

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from derive.api.check import check_formula
 from derive.checking import frames_file
 from derive.errors import QuantityError
-from derive.handouts.fragment import fragment_text
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.printer import TextPrinter
+from derive.handouts.render import fragment_text
 from derive.lecture.sympy_conversion import columns_matrix, expression_to_sympy, frame_matrix
 from derive.model.dynamic_form import only_body
 from derive.model.long_chain import LongChain, nested_kinematics

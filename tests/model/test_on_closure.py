@@ -9,8 +9,8 @@ import sympy
 from derive.checking.latex.quantities import slope
 from derive.errors import CheckError
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.model.closure import OnClosure
 from derive.model.equality import DIGITS, compare, evaluate, samples
-from derive.model.on_closure import OnClosure
 from derive.robot.coupling import derivatives
 from derive.robot.expression import ZERO, Name, names
 from tests.model.test_loops import ROBOTS, model_of

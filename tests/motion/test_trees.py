@@ -8,8 +8,7 @@ import pytest
 from derive.errors import DeriveError
 from derive.motion.incremental import increments_of
 from derive.motion.motion import Motion
-from derive.motion.output.printed import printed_hand, printed_weights
-from derive.motion.output.table import samples
+from derive.motion.output.printed import printed_hand, printed_weights, samples
 from derive.plans.catalogue import new_plan_text
 from derive.robot.robot import Robot
 from derive.verification.oracle.functions import Oracle

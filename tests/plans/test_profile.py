@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from sympy import Integer, Rational, pi, sqrt
 
-from derive.motion.curves.extremes import peak
+from derive.motion.curves.limits import peak
 from derive.motion.curves.trajectory import Trajectory
 from derive.plans.hermite import Piece, power_coefficients, sampled
 from derive.plans.profile import UNIT_PEAKS, Cosine, Profile, rest_to_rest, spline, trapezoid, via_velocities

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from derive.robot.load import catalogue_names, robot_file_bytes
 from derive.robot.reading.document import read_document
-from derive.robot.remarks import missing_moment, remarks_on, remarks_on_bodies
 from derive.robot.robot import Robot
+from derive.robot.validate import missing_moment, remarks_on, remarks_on_bodies
 
 HEAD = "name: arm\nconvention: standard\n"
 

@@ -10,9 +10,8 @@ import numpy as np
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Drawing, Item, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
-from derive.handouts.figure.projection import View, best_view, paint, view_along
+from derive.handouts.figure.projection import Sizes, View, best_view, joint_centers, paint, solid_faces, view_along
 from derive.handouts.figure.scene import LETTERS, LinkSegment, Scene, arm_scene
-from derive.handouts.figure.solids import Sizes, joint_centers, solid_faces
 from derive.handouts.notation.pieces import joined, upright
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot import tree

@@ -11,8 +11,7 @@ import numpy as np
 from derive.arrays import Array
 from derive.handouts.figure.drawing import BLACK, Color, Drawing, Path
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, arrow_head, moved
-from derive.handouts.figure.projection import View, paint
-from derive.handouts.figure.solids import REVOLUTE, prism
+from derive.handouts.figure.projection import REVOLUTE, View, paint, prism
 from derive.robot.description import Convention
 
 _X, _Z = np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, 1.0))

@@ -148,7 +148,7 @@ def _number(value: float, digits: int = 2) -> str:
 
 # -- PDF, SVG and PNG through matplotlib
 
-SUFFIXES = (".pdf", ".png", ".svg")
+SUFFIXES = (".pdf", ".svg", ".png")
 POINTS_PER_INCH = 72.27
 RESOLUTION = 300  # of a PNG [dots per inch]
 CREATOR = "derive"

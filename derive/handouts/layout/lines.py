@@ -37,6 +37,11 @@ class Equation:
     right: tuple[TexPiece, ...]  # the expression
 
 
+def equated(left: Box, *right: Box) -> Box:
+    """``left = right``, and ``left =`` in front of a right-hand side that is broken over lines."""
+    return concatenate(left, EQUALS, *right)
+
+
 def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH) -> list[str]:
     """The expression on as many lines as it needs; each ends at the cheapest break that fits, else at the first one."""
     lines: list[str] = []
@@ -88,7 +93,7 @@ def equation_lines(equations: Iterable[Equation], width: float = LINE_WIDTH) -> 
     lines: list[str] = []
     row: list[Box] = []
     for equation in equations:
-        head, right = concatenate(equation.left, EQUALS), joined(equation.right)
+        head, right = equated(equation.left), joined(equation.right)
         if head.width + right.width > width / 2:
             lines += [*pack(row, width), *break_lines(head, equation.right, width)]
             row = []

@@ -15,10 +15,10 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.layout.lines import EQUALS, LANDSCAPE_WIDTH, Equation, equation_lines, fits, matrix, pack
+from derive.handouts.layout.lines import LANDSCAPE_WIDTH, Equation, equated, equation_lines, fits, matrix, pack
+from derive.handouts.notation.notation import Glyph
 from derive.handouts.notation.pieces import EMPTY, Box, concatenate, italic, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.model.entries import Entries
 
 
@@ -103,7 +103,7 @@ class Layouter:
             boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
             height, width = (range(1, size + 1) for size in quantity.shape)
             filled = ({(j, i): box for (i, j), box in boxes.items()} if symmetric else {}) | boxes
-            box = concatenate(symbol, EQUALS, matrix([[filled.get((i, j), ZERO) for j in width] for i in height]))
+            box = equated(symbol, matrix([[filled.get((i, j), ZERO) for j in width] for i in height]))
             if fits(box, len(height)):
                 values = tuple((item.name, item.write()) for item in items.values() if item.terms)
                 return LaidOut((box.tex,), values=values, blanks=(symbol.tex,))

@@ -6,8 +6,8 @@ from typing import Any
 from derive.errors import listed
 from derive.handouts.notation import derivation
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import PlainPrinter
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
-from derive.handouts.notation.text import PlainPrinter
 from derive.model.closure import Closure, LoopClosure
 from derive.model.model import Model
 from derive.robot.coupling import derivatives

@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import PlainPrinter
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
-from derive.handouts.notation.text import PlainPrinter
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.words.derivation import PrintedEquation, PrintedStep
 from derive.inverse.words.elementary import PrintedLine

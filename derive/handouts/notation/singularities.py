@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from derive.errors import listed
-from derive.handouts.notation.text import PlainPrinter
+from derive.handouts.notation.printer import PlainPrinter
 from derive.model.singularities.aspects import Aspects
 from derive.model.singularities.singularities import Singularities, statement
 from derive.robot.names import robot_symbols

@@ -6,11 +6,9 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.notation.notation import Notation, Order
+from derive.handouts.notation.notation import Glyph, Notation, Order
 from derive.handouts.notation.pieces import Box, TexPiece, fraction, italic, joined
-from derive.handouts.notation.printer import LatexPrinter, Pieces
-from derive.handouts.notation.subscripts import Glyph
-from derive.handouts.notation.text import TextPrinter
+from derive.handouts.notation.printer import LatexPrinter, Pieces, TextPrinter
 from derive.inverse.words.elementary import Sign
 from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.options.handout import PoseEntries

@@ -7,9 +7,8 @@ from derive.handouts.layout.quantity import Item
 from derive.handouts.parts.inverse import InversePart
 from derive.handouts.parts.inverse_words import and_list
 from derive.handouts.parts.table import end_lines, table_rows, tool_of
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, formula
 from derive.handouts.sheet.document import Block, Rows
-from derive.handouts.sheet.formula import formula
 from derive.model.closure import LoopClosure
 from derive.model.entries import ModelEntries, expanded_terms
 from derive.model.model import Model

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import compress
 
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, pack
+from derive.handouts.layout.lines import Equation, equated, equation_lines, pack
 from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.kinematics import transforms
@@ -54,7 +54,7 @@ def conversion(context: Context) -> Iterator[Block]:
     )
     before, behind = (Box("-1", 8.0), EMPTY) if context.is_standard else (EMPTY, Box("-1", 8.0))
     first, last = script(bold("X"), italic("0"), before), script(bold("X"), italic(str(context.robot.n)), behind)
-    both = concatenate(NEW_BASE, EQUALS, BASE, first), concatenate(NEW_TOOL, EQUALS, last, TOOL)
+    both = equated(NEW_BASE, BASE, first), equated(NEW_TOOL, last, TOOL)
     if moved := pack(compress(both, ends)):
         yield Rows(tuple(moved))
     yield from table_rows(new)

@@ -8,9 +8,8 @@ from derive.handouts.layout.lines import Equation, equation_lines
 from derive.handouts.notation.pieces import Box, concatenate, fraction, italic, script, upright
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.jacobian import JointAxes
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, body_formulas, formula, matrix_lines, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import body_formulas, formula, matrix_lines, textbook
 from derive.robot import tree
 from derive.robot.description import Inertia, Link
 from derive.robot.expression import ZERO

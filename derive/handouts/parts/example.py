@@ -1,7 +1,5 @@
 """The part with an example: T, J, B and g in numbers at the configuration of the figure or a generic one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -12,8 +10,8 @@ import numpy as np
 
 from derive.arrays import Array
 from derive.errors import DeriveError, ExpressionError
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, concatenate, italic, magnitude, minus, script
+from derive.handouts.layout.lines import Equation, equated, equation_lines, fits, matrix, pack
+from derive.handouts.notation.pieces import EMPTY, Box, TexPiece, italic, magnitude, minus, script
 from derive.handouts.notation.printer import METRE, RADIAN
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context
@@ -137,7 +135,7 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float], rates: Array) 
     numbers = [_number(context, value) for value in values]
     newton, moment = Box("\\,\\mathrm{N}", 10.0), Box("\\,\\mathrm{N\\,m}", 20.0)
     units = [moment if joint.is_revolute else newton for joint in robot.variables]
-    lines = pack(concatenate(name, EQUALS, *pair) for name, *pair in zip(names, numbers, units, strict=True))
+    lines = pack(equated(name, *pair) for name, *pair in zip(names, numbers, units, strict=True))
     rows = zip(names, numbers, values, strict=True)
     entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
     blanks = tuple(name.tex for name in names)
@@ -168,11 +166,11 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     """A matrix; column by column if it is too wide."""
     rows = _cleaned(rows)
     cells = matrix([[_number(context, value) for value in row] for row in rows])
-    box = concatenate(symbol, EQUALS, cells)
+    box = equated(symbol, cells)
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
         lines = pack(
-            concatenate(script(symbol, italic(str(k))), EQUALS, matrix([[_number(context, value)] for value in column]))
+            equated(script(symbol, italic(str(k))), matrix([[_number(context, value)] for value in column]))
             for k, column in enumerate(zip(*rows, strict=True), 1)
         )
         note = context.text("Column by column.")

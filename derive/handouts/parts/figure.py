@@ -10,9 +10,8 @@ from derive.handouts.figure.convention import convention_drawing
 from derive.handouts.figure.projection import View
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.pieces import EMPTY, joined, magnitude
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, textbook
 from derive.handouts.sheet.document import Block, Figure, Paragraph
-from derive.handouts.sheet.formula import textbook
 from derive.robot import tree
 from derive.robot.description import Joint, Variable
 from derive.robot.expression import ZERO, Expression

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import sympy
 
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix
-from derive.handouts.notation.pieces import concatenate, joined
+from derive.handouts.layout.lines import Equation, equated, equation_lines, matrix
+from derive.handouts.notation.pieces import joined
 from derive.handouts.notation.symbols import bold
 from derive.handouts.parts.inverse_example import example
 from derive.handouts.parts.inverse_words import WIDEST_LEFT, FormulaWriter, and_list, branch_name, sources, words_alone
@@ -97,7 +97,7 @@ class InversePart:
                 end=self.context.symbols.of_end("T").tex,
             )
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
-            yield Rows((concatenate(self.context.symbols.of_end("T"), EQUALS, matrix(cells)).tex,))
+            yield Rows((equated(self.context.symbols.of_end("T"), matrix(cells)).tex,))
         else:
             entries = and_list(self.context.text, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield self.context.paragraph(

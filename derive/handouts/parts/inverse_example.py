@@ -12,8 +12,8 @@ import sympy
 
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import branches_drawing
-from derive.handouts.layout.lines import EQUALS, matrix
-from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, concatenate, italic, joined
+from derive.handouts.layout.lines import equated, matrix
+from derive.handouts.notation.pieces import DECIMAL_COMMA, Box, italic, joined
 from derive.handouts.parts.example import configuration, copied_rows
 from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
@@ -65,7 +65,7 @@ def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
     rows = value_at(robot, "T", q)
     whole = {value: round(value) for row in rows for value in row if abs(value - round(value)) < _LEAST}
     cells = [[italic(str(whole[x])) if x in whole else _number(context, x) for x in row] for row in rows]
-    yield Rows((concatenate(context.symbols.of_end("T"), EQUALS, matrix(cells)).tex,))
+    yield Rows((equated(context.symbols.of_end("T"), matrix(cells)).tex,))
     words = _("It is the pose of the configuration %(values)s.", values=_stated(context, q))
     end = context.symbols.of_end("T").tex
     rest = _("All configurations below reach this pose (checked by substitution into $%(end)s$):", end=end)

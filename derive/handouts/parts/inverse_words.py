@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from derive.handouts.layout.lines import EQUALS, INDENTS, break_lines
+from derive.handouts.layout.lines import INDENTS, break_lines, equated
 from derive.handouts.notation.derivation import LONGEST_PAIR, derivation_python, formula
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import EMPTY, Box, Break, TexPiece, bracketed, concatenate, joined, script
@@ -204,7 +204,7 @@ class FormulaWriter:
 
     def broken(self, left: Sequence[TexPiece], right: Any) -> list[str]:
         """An equation on as many lines as it needs, its left side broken, too, where it is long."""
-        head, pieces = concatenate(joined(left), EQUALS), self.printer.pieces(right)
+        head, pieces = equated(joined(left)), self.printer.pieces(right)
         if head.width < WIDEST_LEFT:
             rows = break_lines(head, pieces)
         else:

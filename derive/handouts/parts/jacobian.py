@@ -12,14 +12,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from derive.handouts.layout.lines import EQUALS, fits, matrix, pack
+from derive.handouts.layout.lines import equated, fits, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, EMPTY, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.kinematics import euler_names
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, component_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import component_namer, formula, side_by_side, small, textbook
 from derive.model.entries import Entries
 
 _UPPER = (1, 2, 3)
@@ -78,11 +77,11 @@ def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
     column = script(bold("J"), italic("i"))
     if any(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a revolute joint is")
-        yield Rows((concatenate(column, EQUALS, matrix([[half] for half in axes.columns(index)])).tex,))
+        yield Rows((equated(column, matrix([[half] for half in axes.columns(index)])).tex,))
     if not all(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a prismatic joint is")
         sliding = [[half] for half in axes.columns(index, is_revolute=False)]
-        yield Rows((concatenate(column, EQUALS, matrix(sliding)).tex,))
+        yield Rows((equated(column, matrix(sliding)).tex,))
     if any(joint.sign < 0 for joint in joints):
         yield context.paragraph("with the opposite sign where the joint variable has a minus sign in the table.")
     if context.robot.coupled:
@@ -94,7 +93,7 @@ def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
     moving = {place: axes.halves(i) for i, place in enumerate(context.places, 1)}
     every = (moving.get(place, (_ZERO, _ZERO)) for place in range(context.whole.robot.n))
     upper, lower = zip(*every, strict=True)
-    summary = concatenate(context.symbols.of_end("J"), EQUALS, matrix([upper, lower]))
+    summary = equated(context.symbols.of_end("J"), matrix([upper, lower]))
     if fits(summary, 2):
         yield context.answer("so that for this arm")
         yield Rows((summary.tex,), is_answer=True)
@@ -194,7 +193,7 @@ class JointAxes:
     def column(self, i: int) -> Vector:
         """A column of J."""
         symbol = script(bold("J"), italic(str(self.context.places[i - 1] + 1)))
-        box = concatenate(symbol, EQUALS, matrix([[half] for half in self.halves(i)]))
+        box = equated(symbol, matrix([[half] for half in self.halves(i)]))
         return small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)) or box
 
     @cached_property

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 
-from derive.handouts.layout.lines import EQUALS, Equation, equation_lines, matrix, pack
+from derive.handouts.layout.lines import Equation, equated, equation_lines, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import (
     BINARY_WIDTH,
@@ -27,9 +27,8 @@ from derive.handouts.notation.pieces import (
 )
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, tool_of
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
-from derive.handouts.sheet.formula import entry_namer, formula, in_rows, side_by_side, small, textbook
 from derive.model.entries import Entries
 from derive.robot import tree
 from derive.robot.description import IDENTITY
@@ -66,7 +65,7 @@ def end_effector(context: Context) -> Iterator[Block]:
     factors = [_row(context, i) for i in (range(1, n + 1) if n <= _FEW_FACTORS else (1, 2, 3, n))]
     if n > _FEW_FACTORS:
         factors.insert(3, _DOTS)
-    yield Rows((concatenate(symbol, EQUALS, *_between_base_and_tool(context, factors)).tex,))
+    yield Rows((equated(symbol, *_between_base_and_tool(context, factors)).tex,))
     if context.steps:
         yield Steps(context.text("The product, row by row"), tuple(_steps(context)))
     if end.omitted:
@@ -101,9 +100,9 @@ def _steps(context: Context) -> Iterator[Block]:
     """T_i^0 = T_{i-1}^0 A_i, with its entries as long as they are short."""
     robot, names, ahead = context.robot, context.path, range(1, len(context.path))
     frames = [context.symbols.frame("T", name, names[0]) for name in names]
-    yield Rows((concatenate(frames[1], EQUALS, _row(context, 1)).tex,))
+    yield Rows((equated(frames[1], _row(context, 1)).tex,))
     last = ahead[-1] - 1 if robot.base == IDENTITY == robot.tool else ahead[-1]
-    products = {i: concatenate(frames[i], EQUALS, frames[i - 1], _row(context, i)) for i in ahead}
+    products = {i: equated(frames[i], frames[i - 1], _row(context, i)) for i in ahead}
     limit = context.policy.matrix_terms
     long = next((i for i in range(2, last + 1) if not context.between(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
@@ -115,7 +114,7 @@ def _steps(context: Context) -> Iterator[Block]:
             yield formula(context, _laid_out(context, symbol, quantity, Group.product(i)), "link_transforms")
     if long <= last:
         yield context.paragraph("From here on the entries are too long for a step:")
-    end = concatenate(context.symbols.of_end("T"), EQUALS, *_between_base_and_tool(context, [frames[-1]]))
+    end = equated(context.symbols.of_end("T"), *_between_base_and_tool(context, [frames[-1]]))
     yield Rows(tuple(pack([*(products[i] for i in ahead[long - 1 :]), end])))
 
 
@@ -170,7 +169,7 @@ def orientation(context: Context) -> Iterator[Block]:
         task = context.text("Find the position of the end effector.")
         yield formula(context, laid_out, context.function("forward_kinematics"), task)
     else:
-        yield Rows((concatenate(bold("p"), EQUALS, matrix([[entry] for entry in entries])).tex,))
+        yield Rows((equated(bold("p"), matrix([[entry] for entry in entries])).tex,))
     yield from _roll_pitch_yaw(context)
     yield from _euler_zyz(context)
 

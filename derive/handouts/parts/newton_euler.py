@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines, fits, matrix, pack
+from derive.handouts.layout.lines import Equation, break_lines, equated, equation_lines, fits, matrix, pack
 from derive.handouts.notation.pieces import (
     BRACKET_WIDTH,
     EMPTY,
@@ -25,13 +25,11 @@ from derive.handouts.notation.pieces import (
     script,
     signed_sum,
 )
-from derive.handouts.notation.printer import LatexPrinter
+from derive.handouts.notation.printer import LatexPrinter, PlainPrinter
 from derive.handouts.notation.symbols import Symbols
-from derive.handouts.notation.text import PlainPrinter
 from derive.handouts.parts.dynamics import has_rotors
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, component_namer, entry_namer, matrix_lines, textbook
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import component_namer, entry_namer, matrix_lines, textbook
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.expression import ZERO
 from derive.robot.names import acceleration_name, velocity_name
@@ -125,7 +123,7 @@ def _link_data(context: Context, recursion: Recursion, i: int) -> SheetFormula:
     shared, entries, blanks, python = list[Box](), list[Entry](), list[str](), PlainPrinter().doprint
     for symbol, cells, printer in _constants(context, recursion, i):
         rows = [[joined(printer.pieces(cell)) for cell in row] for row in cells]
-        box = concatenate(symbol, EQUALS, rows[0][0] if len(rows) == 1 else matrix(rows))
+        box = equated(symbol, rows[0][0] if len(rows) == 1 else matrix(rows))
         namer = entry_namer(symbol) if len(cells[0]) > 1 else component_namer(symbol)
         named = [(namer(r, c), cell) for r, row in enumerate(cells, 1) for c, cell in enumerate(row, 1)]
         if len(cells) == 1:
@@ -303,5 +301,5 @@ def _pieces(terms: Iterable[Term], depth: int = 0) -> list[TexPiece]:
 
 
 def _lines(equations: Iterable[Sides]) -> list[str]:
-    broken = (break_lines(concatenate(left, EQUALS), _pieces(terms)) for left, terms in equations)
+    broken = (break_lines(equated(left), _pieces(terms)) for left, terms in equations)
     return [line for lines in broken for line in lines]

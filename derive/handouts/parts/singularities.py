@@ -5,15 +5,14 @@ from functools import partial
 
 import sympy
 
-from derive.handouts.layout.lines import EQUALS, break_lines, pack
+from derive.handouts.layout.lines import EQUALS, break_lines, equated, pack
 from derive.handouts.layout.quantity import Item, omitted
+from derive.handouts.notation.notation import Glyph
 from derive.handouts.notation.pieces import EMPTY, RELATION_WIDTH, Box, Break, TexPiece, concatenate, italic, script
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, bold
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, formula
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Steps
-from derive.handouts.sheet.formula import formula
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.singularities.singularities import Condition, Outcome, Posture, SingularFactor, Singularities
@@ -184,7 +183,7 @@ class _SingularFormulas:
             task = self.context.text("Find $%(determinant)s$ in factors.", determinant=left.tex)
             return formula(self.context, laid_out, task=task)
         product = sympy.Mul(*(self._short(f) ** f.exponent for f in self.found.factors))
-        lines = break_lines(concatenate(left, EQUALS), self._printer.pieces(product))
+        lines = break_lines(equated(left), self._printer.pieces(product))
         word, comma = self.context.layouter.terms_word, self.context.text.comma
         items = (Item(self._names[s], expanded_terms(f.expression), lambda: None) for s, f in self._long.items())
         long = (omitted(item, word, comma=comma) for item in items)

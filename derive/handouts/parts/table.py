@@ -19,9 +19,8 @@ from derive.handouts.notation.pieces import (
 )
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.symbols import bold
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, entry_namer, matrix_lines
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
-from derive.handouts.sheet.formula import entry_namer, matrix_lines
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot import tree
 from derive.robot.coupling import coupling, position

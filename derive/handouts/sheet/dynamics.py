@@ -6,22 +6,11 @@ from functools import cached_property, partial
 
 import sympy
 
-from derive.handouts.layout.lines import EQUALS, Equation, break_lines, equation_lines
+from derive.handouts.layout.lines import Equation, break_lines, equated, equation_lines
 from derive.handouts.layout.quantity import Item, LaidOut, Layouter, Namer
-from derive.handouts.notation.pieces import (
-    MINUS,
-    Box,
-    Break,
-    TexPiece,
-    binary,
-    bracketed,
-    concatenate,
-    italic,
-    script,
-    signed_sum,
-)
+from derive.handouts.notation.notation import Glyph
+from derive.handouts.notation.pieces import MINUS, Box, Break, TexPiece, binary, bracketed, italic, script, signed_sum
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.notation.subscripts import Glyph
 from derive.handouts.notation.symbols import Group, Symbols
 from derive.lecture.sympy_conversion import Expr
 from derive.model.entries import Entries, ModelEntries
@@ -155,7 +144,7 @@ class DynamicsLayout:
             if terms and friction:
                 friction = [binary("-", 0), *friction[1:]] if friction[0] == MINUS else [binary("+", 0), *friction]
             pieces = (*(_signed_sum(terms) if terms or not friction else ()), *friction)
-            lines += break_lines(concatenate(names[i], EQUALS), pieces)
+            lines += break_lines(equated(names[i]), pieces)
         short = [i for i in joints if entries.tau.terms(i, 1) <= self.layouter.policy.flat_terms]
         return LaidOut(
             tuple(lines),

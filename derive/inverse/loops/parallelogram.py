@@ -21,7 +21,7 @@ from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.errors import QuantityError
 from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
-from derive.mechanics.exact_kinematics import Kinematics
+from derive.mechanics.exact import Kinematics
 from derive.mechanics.vectors import column, cross, subtract
 from derive.robot.coupling import position
 from derive.robot.description import Joining, Joint, Loop

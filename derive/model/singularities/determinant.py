@@ -29,7 +29,7 @@ from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
-from derive.mechanics.exact_kinematics import JacobianColumn, Kinematics, Reference, jacobian_columns
+from derive.mechanics.exact import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import column, dot
 from derive.model.singularities.rank import RealZeros, Zero, rank_loss
 from derive.model.singularities.singularities import (

@@ -8,7 +8,7 @@ from typing import Any
 import sympy
 
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.mechanics.exact_kinematics import Reference
+from derive.mechanics.exact import Reference
 
 Write = Callable[[Any], str]
 

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import csv
+import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
-from sympy import Expr, Integer
+from sympy import Abs, Expr, Float, Integer, Pow, cos, preorder_traversal, tan
 
 from derive.arrays import Array, Indices
-from derive.plans.hermite import Piece, power_coefficients, sampled
+from derive.errors import Location, QuantityError, RobotFileError, listed, optional, quoted
+from derive.motion.curves.limits import refined
+from derive.plans.hermite import TIME, ZERO, Piece, joined, power_coefficients, sampled
 from derive.plans.profile import AnyPiece, Cosine, Curve
 from derive.plans.segments import Joints, Segment
+from derive.robot.load import file_bytes
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Robot
 
 Corner = tuple[Expr, ...]  # joint variables at a point
 ONE = Integer(1)
@@ -145,3 +153,163 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
     if order == 2:
         return np.asarray(way / 2 * (np.pi / length) ** 2 * wave)
     return np.asarray(np.where(u <= 0.5, q0 + way * (1 - wave) / 2, numbers[:, 1] - way * (1 + wave) / 2))
+
+
+# -- motions that are no paths: formulas of time that a joint can follow, finite with two derivatives, and recordings
+#
+# A recording is a CSV file: recorded angles, or the samples that ``derive move --csv`` writes.
+
+# Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
+PLACES = 4001
+NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
+ROWS = 200_000  # most rows of a file
+BYTES = 100_000_000  # most bytes of a file
+# Units that a column may name after its variable, ``q1 [deg]``; without one it is rad or m.
+UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
+
+
+def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
+    """Joint variables by formulas of time that last so long [s]."""
+    pairs = [(formula, formula.diff(TIME)) for formula in formulas]
+    pieces = tuple((Curve(ZERO, duration, (formula, rate, rate.diff(TIME))),) for formula, rate in pairs)
+    return Trajectory((Segment("curves", ZERO, duration, pieces),))
+
+
+def followed(formula: Expr, duration: float) -> Expr:
+    """A formula that a joint can follow from 0 to its duration [s]."""
+    # Magnitudes, as of sqrt(t**2), are written without where what stands in them keeps its sign: the derivatives are
+    # one-sided at both ends.
+    times = np.linspace(0.0, duration, PLACES)
+    for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):
+        (inner,) = magnitude.args
+        values = _numbers(inner, times)
+        if values.min() < 0 < values.max():
+            raise _refusal("the velocity jumps", _zero(times, values))
+        formula = formula.xreplace({magnitude: inner if values.max() > 0 else -inner})
+    derivative = formula
+    for what in ("the formula", "its velocity", "its acceleration"):
+        for message, time in _undefined(derivative, times):
+            raise _refusal(message if what == "the formula" else f"{what} is not finite: {message}", time)
+        if not np.isfinite(_numbers(derivative, times)).all():
+            at = int(np.argmin(np.isfinite(_numbers(derivative, times))))
+            raise _refusal(f"{what} is not finite", times[at])
+        derivative = derivative.diff(TIME)
+    return formula
+
+
+def _refusal(found: str, time: float) -> QuantityError:
+    allowed = "allowed: formulas with a finite velocity and acceleration from 0 to the end"
+    return QuantityError(f"{found} near t = {time:.4g} s", allowed=allowed, remedy="write another formula or time")
+
+
+def _numbers(formula: Expr, times: Array) -> Array:
+    with np.errstate(all="ignore"):
+        return np.asarray(Curve(Integer(0), Integer(1), (formula, formula, formula)).sampled(times, 0), dtype=float)
+
+
+def _undefined(formula: Expr, times: Array) -> Iterator[tuple[str, float]]:
+    """Parts of a formula that have no finite real value at some time, and when."""
+    for node in preorder_traversal(formula):
+        if isinstance(node, Pow) and node.has(TIME):
+            base = _numbers(node.base, times)
+            if not node.exp.is_Integer and base.min() < -NOTHING * np.abs(base).max():
+                yield "root of a negative number", times[base.argmin()]
+            elif node.exp.is_negative and (time := _zero_of(node.base, times, base)) is not None:
+                yield "division by zero", time
+        elif isinstance(node, tan) and node.has(TIME):
+            below = cos(node.args[0])
+            if (time := _zero_of(below, times, _numbers(below, times))) is not None:
+                yield "tangent at its pole", time
+
+
+def _zero_of(formula: Expr, times: Array, values: Array) -> float | None:
+    """When a formula is zero, whether it changes its sign there or not."""
+    if values.min() < 0 < values.max():
+        return _zero(times, values)
+    at, last = int(np.abs(values).argmin()), times.size - 1
+    ends = times[[max(at - 1, 0)]], times[[min(at + 1, last)]]
+    (when,), (least,) = refined(lambda places: -np.abs(_numbers(formula, places)), *ends)
+    return float(when) if -least <= NOTHING * np.abs(values).max() else None
+
+
+def _zero(times: Array, values: Array) -> float:
+    """The first time at which a function changes its sign."""
+    signs = np.sign(values)
+    at = int(np.argmax(signs[1:] * signs[:-1] <= 0))
+    a, b = values[at], values[at + 1]
+    return float(times[at] if a == b else times[at] - a * (times[at + 1] - times[at]) / (b - a))
+
+
+def read_recording(path: Path, robot: Robot) -> Trajectory:
+    """A motion from a CSV file with a heading: ``t``, and a column for each joint variable; others are passed over."""
+    # Between the rows it is the cubic spline; with velocities of all joints in the file it is cubic polynomials that
+    # have them, with accelerations, too, quintic ones.
+    source = str(path)
+
+    def _refused(found: str, allowed: str, *place: int) -> RobotFileError:
+        return RobotFileError(found, allowed=f"allowed: {allowed}", location=Location(source, *place))
+
+    data = file_bytes(path, BYTES)
+    if len(data) > BYTES:
+        raise _refused(f"more than {BYTES} bytes", f"at most {BYTES} bytes and {ROWS} rows")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise _refused("this is no text in UTF-8", "comma-separated values") from None
+    lines = list(csv.reader(text.splitlines()))
+    columns = _columns(lines[0] if lines else [], robot, source)
+    if not 2 <= len(lines) - 1 <= ROWS:
+        raise _refused(f"{max(len(lines) - 1, 0)} rows", f"2 to {ROWS}", max(len(lines), 1))
+    numbers = np.array([_row(line, columns, Location(source, k)) for k, line in enumerate(lines[1:], start=2) if line])
+    times = numbers[:, 0] - numbers[0, 0]
+    if (np.diff(times) <= 0).any():
+        at = int(np.argmax(np.diff(times) <= 0)) + 3
+        raise _refused(f"the time {numbers[at - 2, 0]:.6g} after {numbers[at - 3, 0]:.6g}", "times that ascend", at, 1)
+    orders = (numbers.shape[1] - 1) // robot.dof
+    states = numbers[:, 1:].reshape(len(times), orders, robot.dof)
+    if orders == 1:
+        scipy = optional("scipy.interpolate", "rates of a recorded motion need scipy", "motion")
+        # Velocities of the cubic spline without a knot at the second point and the last but one.
+        states = np.stack([states[:, 0], scipy.CubicSpline(times, states[:, 0])(times, 1)], axis=1)
+    when = [Float(t) for t in times]
+    joints = tuple(joined([tuple(map(Float, node)) for node in states[:, :, j]], when) for j in range(robot.dof))
+    return Trajectory((Segment("recording", when[0], when[-1], joints),))
+
+
+def _columns(heading: list[str], robot: Robot, source: str) -> list[tuple[int, float]]:
+    """Place and unit of the time, of all variables, and of their rates where all are there."""
+    named: dict[str, tuple[int, float]] = {}
+    for k, cell in enumerate(heading):
+        name, _, unit = cell.strip().partition("[")
+        unit = unit.strip().removesuffix("]").strip()
+        if unit in UNITS or not unit:
+            named.setdefault(name.strip(), (k, UNITS.get(unit, 1.0)))
+    variables = [joint.variable for joint in robot.variables]
+    for name in ("t", *variables):
+        if name not in named:
+            found = f"no column {quoted(name)} among {listed(tuple(map(quoted, heading)))}" if heading else "no heading"
+            allowed = f"allowed: t and {listed(tuple(variables))}, with a unit as in 'q1 [deg]' or in rad and m"
+            remedy = "separate columns by commas" if heading and ";" in heading[0] else ""
+            raise RobotFileError(found, allowed=allowed, remedy=remedy, location=Location(source, 1, 1))
+    found_columns = [named[name] for name in ("t", *variables)]
+    for rate in (velocity_name, acceleration_name):
+        names = [rate(variable) for variable in variables]
+        if not all(name in named for name in names):
+            break
+        found_columns += [named[name] for name in names]
+    return found_columns
+
+
+def _row(line: list[str], columns: list[tuple[int, float]], place: Location) -> list[float]:
+    numbers = []
+    for at, unit in columns:
+        cell = line[at].strip() if at < len(line) else ""
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            there = Location(place.source, place.line, sum(len(before) + 1 for before in line[:at]) + 1)
+            raise RobotFileError(f"found {quoted(cell)}", allowed="allowed: a number", location=there)
+        numbers.append(value * unit)
+    return numbers

@@ -16,16 +16,13 @@ from derive.arrays import Array
 from derive.errors import OutputError, TargetError, optional, pip_install
 from derive.handouts.figure.arm import arm_view
 from derive.handouts.figure.drawing import Color
-from derive.handouts.figure.projection import View, plane_normal, seen, view_along
+from derive.handouts.figure.projection import OUTLINE, Sizes, View, plane_normal, seen, solid_faces, view_along
 from derive.handouts.figure.scene import Scene, arm_scene
-from derive.handouts.figure.solids import OUTLINE, Sizes, solid_faces
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
 from derive.robot.tree import ends
 from derive.workspace.poses import RobotPoses
-
-SUFFIXES = (".gif", ".mp4")
 
 RATE = 20  # frames per second
 MOST_FRAMES = 1500  # of a film; a motion of more than a minute is shown faster than it is

@@ -6,8 +6,7 @@ from itertools import accumulate, pairwise
 from sympy import Expr
 
 from derive.errors import RobotFileError
-from derive.motion.curves.extremes import numeric_peak
-from derive.motion.curves.limits import MOST_CRUISE, placed, proportions, rounded_up
+from derive.motion.curves.limits import MOST_CRUISE, numeric_peak, placed, proportions, rounded_up
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.hand import Hand
 from derive.plans.hermite import ZERO, Piece, joined, symbolic

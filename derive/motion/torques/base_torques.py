@@ -30,9 +30,8 @@ from derive.plans.segments import Payload
 from derive.plans.surroundings import BaseCurve
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
-from derive.programs.tape.scalars import QD, TapeDomain
 from derive.programs.tape.tape import Tape
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import QD, TapeDomain, Value
 from derive.robot import tree
 from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.evaluate import evaluate

@@ -13,7 +13,7 @@ import numpy as np
 
 from derive.arrays import Array, Flags
 from derive.errors import Location, QuantityError
-from derive.motion.curves.extremes import highest
+from derive.motion.curves.limits import highest
 from derive.plans.segments import Load
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort

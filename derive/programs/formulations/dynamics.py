@@ -27,8 +27,7 @@ from derive.programs.formulations.trace import Trace, flat
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.program import Column
 from derive.programs.tape.derivative import gradient_columns
-from derive.programs.tape.scalars import QD, QDD, TAU, Q
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import QD, QDD, TAU, Q, Value
 from derive.robot.inertial_parameters import Parameter, standard_parameters
 from derive.robot.options.inverse import POSE
 from derive.robot.task_rows import PARTS, task_rows

@@ -16,8 +16,7 @@ from derive.programs.optimise.improve import improved_values
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.derivative import derivative, gradient
 from derive.programs.tape.graph import ZERO
-from derive.programs.tape.scalars import QD, WRENCH, Q
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import QD, WRENCH, Q, Value
 from derive.robot.options.inverse import POSE
 from derive.robot.task_rows import PARTS, task_rows
 

@@ -9,19 +9,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from derive.algebra import constants
-from derive.programs.tape.graph import (
-    MINUS_ONE,
-    ONE,
-    UNITS,
-    ZERO,
-    Graph,
-    Ref,
-    is_negative,
-    negated,
-    node_of,
-    ref_to,
-    signed,
-)
+from derive.programs.tape.graph import ONE, UNITS, ZERO, Graph, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import Op
 
 PRIME = 2**61 - 1
@@ -111,12 +99,8 @@ class Coefficients:
 
     def multiply(self, a: Ref, b: Ref) -> Ref:
         """A product."""
-        if a == ZERO or b == ZERO:
-            return ZERO
-        if b in UNITS:
-            return signed(a, b == MINUS_ONE)
-        if a in UNITS:
-            return signed(b, a == MINUS_ONE)
+        if ZERO in (a, b) or a in UNITS or b in UNITS:
+            return self.graph.multiply(a, b)
         found = self._products.get((a, b))
         if found is None:
             found = self._products[a, b] = self.same(self.graph.multiply(a, b))

@@ -16,9 +16,8 @@ from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.closed.walk import Value as Found
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
-from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.tape import Layer
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import TapeDomain, Value
 from derive.robot.expression import Pi
 
 

@@ -5,9 +5,23 @@ import math
 import numpy as np
 import pytest
 
-from derive.handouts.figure.projection import AZIMUTHS, ELEVATIONS, View, best_view, paint, plane_normal, view_along
+from derive.handouts.figure.projection import (
+    AZIMUTHS,
+    ELEVATIONS,
+    LINK,
+    Faces,
+    Sizes,
+    View,
+    best_view,
+    joint_centers,
+    paint,
+    plane_normal,
+    prism,
+    shade,
+    solid_faces,
+    view_along,
+)
 from derive.handouts.figure.scene import Scene, arm_scene
-from derive.handouts.figure.solids import LINK, Faces, Sizes, joint_centers, prism, shade, solid_faces
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from tests.random_robots import chains

@@ -27,9 +27,8 @@ from derive.handouts.layout.quantity import POLICY, Item, LaidOut, Layouter, omi
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.sheet.context import Context
+from derive.handouts.sheet.context import Context, component_namer, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Steps, blocks_of, spans
-from derive.handouts.sheet.formula import component_namer, entry_namer, formula, side_by_side, small, textbook
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries, of_matrix
 from derive.robot.robot import Robot

@@ -8,9 +8,9 @@ import sympy
 
 from derive.handouts.notation.derivation import derivation_lines, workspace_lines, workspace_parts
 from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import PlainPrinter, TextPrinter
 from derive.handouts.notation.singularities import aspects_parts, aspects_text, singularities_lines, singularities_parts
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
-from derive.handouts.notation.text import PlainPrinter, TextPrinter
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.reach import Reach
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics

@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 from sympy import Integer, Rational, Symbol, atan2, cos, pi, sign, sin, sqrt, symbols
 
 from derive.errors import TargetError
-from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.notation import Notation, distinct, natural
 from derive.handouts.notation.pieces import joined, magnitude
-from derive.handouts.notation.printer import DataPrinter, LatexPrinter
-from derive.handouts.notation.subscripts import distinct, natural
-from derive.handouts.notation.text import TextPrinter, loses_digits
+from derive.handouts.notation.printer import DataPrinter, LatexPrinter, TextPrinter, loses_digits
 from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 from tests.handouts.latex_runner import assert_widths

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import sympy
 
 from derive.lecture.sympy_conversion import expression_to_sympy
-from derive.mechanics.exact_kinematics import Reference
+from derive.mechanics.exact import Reference
 from derive.model.kinematic_model import KinematicModel
 from derive.model.singularities.determinant import ALL
 from derive.model.singularities.singularities import Condition, Outcome

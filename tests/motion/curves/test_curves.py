@@ -7,12 +7,10 @@ import pytest
 from sympy import Abs, DiracDelta, Float, Integer, Rational, cos, pi, sign, sin, sqrt, tan
 
 from derive.errors import DeriveError
-from derive.motion.curves.extremes import peak
-from derive.motion.curves.given import followed, read_recording
-from derive.motion.curves.limits import Limits, Violation, exceeded, nearby, proportions, rounded_up
-from derive.motion.curves.trajectory import Segment, Trajectory
+from derive.motion.curves.limits import Limits, Violation, exceeded, nearby, peak, proportions, rounded_up
+from derive.motion.curves.trajectory import Segment, Trajectory, followed, read_recording
 from derive.motion.motion import Motion
-from derive.motion.output.table import samples
+from derive.motion.output.printed import samples
 from derive.plans.hermite import TIME, Piece, joined
 from derive.plans.hermite import TIME as t
 from derive.plans.profile import CRUISE, Curve, spline, via_velocities
@@ -190,7 +188,7 @@ def test_long_files_are_read_to_their_end_or_refused(tmp_path: Path, monkeypatch
     assert (tmp_path / "walk.csv").stat().st_size > 262_144
     made = read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
     assert float(made.duration) == 5999
-    monkeypatch.setattr("derive.motion.curves.given.BYTES", 1000)
+    monkeypatch.setattr("derive.motion.curves.trajectory.BYTES", 1000)
     with pytest.raises(DeriveError, match="more than 1000 bytes"):
         read_recording(tmp_path / "walk.csv", Robot.load("planar-2r-perugia"))
 

@@ -13,8 +13,16 @@ from sympy import Abs, atan2, cos, pi, sign, sin, sqrt, tan
 from derive.motion.motion import Motion
 from derive.motion.output.film import Film, frames_of, motion_normal
 from derive.motion.output.page import OPERATIONS, motion_page, playback, tree
-from derive.motion.output.printed import summary
-from derive.motion.output.table import JOINT_HEADER, csv_bytes, joint_table, samples, simulated_table, table, violations
+from derive.motion.output.printed import (
+    JOINT_HEADER,
+    csv_bytes,
+    joint_table,
+    samples,
+    simulated_table,
+    summary,
+    table,
+    violations,
+)
 from derive.plans.hermite import TIME
 from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT, swing
 

@@ -7,7 +7,7 @@ import pytest
 
 from derive.errors import DeriveError
 from derive.motion.motion import Motion
-from derive.motion.output.table import diverged, samples
+from derive.motion.output.printed import diverged, samples
 from derive.motion.torques.functions import Functions
 from derive.plans.catalogue import new_plan_text
 from derive.robot.expression import number

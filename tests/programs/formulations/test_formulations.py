@@ -33,9 +33,8 @@ from derive.programs.formulations.trace import CLOSED_FORMS, ClosedForm, Trace, 
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.build import bake, cut, program_cost
 from derive.programs.tape.graph import Graph, Ref
-from derive.programs.tape.scalars import QD, QDD, Q
 from derive.programs.tape.tape import PARAMETER, Operations, evaluate
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import QD, QDD, Q, Value
 from derive.robot.evaluate import evaluate as number_in
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot

@@ -9,11 +9,11 @@ import pytest
 from derive import build
 from derive.inverse.loops.linkage import linkage, positions
 from derive.programs.build import build_program
-from derive.programs.formulations.loops import passive_joints
+from derive.programs.formulations.trace import passive_joints
 from derive.programs.tape.field import ClosingField, TapeField
 from derive.programs.tape.graph import Graph, node_of
-from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.tape import Op
+from derive.programs.tape.value import TapeDomain
 from derive.robot.load import robot_file_bytes
 from derive.robot.robot import Robot
 

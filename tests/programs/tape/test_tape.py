@@ -23,9 +23,8 @@ from derive.programs.optimise.improve import improve, improved_values
 from derive.programs.tape.build import bake, cut, program_cost, reachable
 from derive.programs.tape.derivative import derivative, gradient_columns
 from derive.programs.tape.graph import ONE, ZERO, Graph, ref_to
-from derive.programs.tape.scalars import TapeDomain
 from derive.programs.tape.tape import LEAVES, PARAMETER, Layer, Op, Operations, evaluate
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import TapeDomain, Value
 from derive.robot.robot import Robot
 from tests.programs.tape_programs import INPUTS, PARAMETERS, RATIONAL, RandomProgram, fractions, programs, variables
 from tests.rows import robot_of_rows
