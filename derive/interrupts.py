@@ -4,6 +4,8 @@ Python raises an interrupt wherever the main thread happens to be, and drops it 
 a foreign library or a hook of a fork; forking a large process takes long enough for that to happen now and then.
 """
 
+from __future__ import annotations
+
 import _thread
 import shutil
 import signal
