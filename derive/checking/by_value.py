@@ -13,6 +13,7 @@ from contextlib import suppress
 from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
+import sympy
 from mpmath import findroot
 
 from derive.checking.absolute import turning
@@ -161,7 +162,8 @@ class ByValue:
             starts = [("", 0, np.zeros((_POINTS, 3, 1))), *starts]
         else:
             seen_from[0] = ("0,", "", frames[0])
-        for k, body in enumerate(robot.links if is_dynamic else (), 1):
+        has_centres = is_dynamic or n <= MOST_ACCELERATED
+        for k, body in enumerate(robot.links if has_centres else (), 1):
             com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
             points = [*points, (f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:])]
         turn = np.array(turning(self._model), dtype=float)
@@ -299,6 +301,9 @@ class ByValue:
             yield from ((f"B{label}", inertia), (f"kinetic{label}", rates.swapaxes(1, 2) @ inertia @ rates / 2))
             yield from _entries(f"B{label}", inertia)
         yield from _entries("momentum", whole @ rates)
+        if self._robot.gravity:
+            energy = self._model.quantity("kinetic") + self._model.quantity("potential")
+            yield "kinetic + potential", self._numbers(sympy.Matrix([energy]))
         for name in ("g", "friction", "tau"):
             if REGISTRY[name].is_of(self._robot):
                 values = self._numbers(self._model.quantity(name))

@@ -19,24 +19,16 @@ from derive.checking.spelling import Spelled, from_plain_text, spelled
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {
-    ".tex": "LaTeX",
-    ".md": "Markdown",
-    ".rst": "reStructuredText",
-    ".markdown": "Markdown",
-    ".ipynb": "a notebook",
+    ".tex": "LaTeX", ".md": "Markdown", ".rst": "reStructuredText", ".markdown": "Markdown", ".ipynb": "a notebook",
     ".txt": "text",
-}
+}  # fmt: skip
 LARGEST = 10_000_000  # bytes of a document
 MAX_EXPANSIONS = 20_000  # calls of an author's macros that are written out in one document
 MAX_DEPTH = 20  # macros inside each other; what is deeper stays as it is, and its formula is not understood
 MAX_GROWTH = 4_000_000  # characters that macros may add
 
-_FOREIGN = {
-    b"%PDF": "a PDF",
-    b"PK\x03\x04": "an Office document or an archive",
-    b"\x89PNG": "a picture",
-    b"\xff\xd8\xff": "a picture",
-}
+_FOREIGN = {b"%PDF": "a PDF", b"PK\x03\x04": "an Office document or an archive"}
+_FOREIGN |= dict.fromkeys((b"\x89PNG", b"\xff\xd8\xff"), "a picture")
 
 
 @dataclass(frozen=True)
@@ -188,8 +180,11 @@ _UNREAD = re.compile(
     re.DOTALL,
 )
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
-# An equation in two formulas, $a$ = $b$.
-_PARTED = re.compile(r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*)\$(?=[^$\n]+\$(?!\$))")
+# An equation in two formulas, $a$ = $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
+_PARTED = re.compile(
+    r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*)\$(?=[^$\n]+\$(?!\$))"
+    r"|(?<!\$)(\$(?:\\(?:var)?theta|q|d)_\{?\w\}?)(\$:)[ \t]*\$(?=[^$=\n]*(?:cos|tan|sin)[^$=\n]*\$)"
+)
 # A row of a table, | $x$ | $l_1 \cos\theta_1$ |.
 _IN_CELLS = re.compile(
     r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*(?:\\(?:sin|cos|frac|sqrt)|[csCS]_)[^$|=\n]*\$[ \t]*\|)", re.M
@@ -216,7 +211,8 @@ def _markdown(text: str) -> str:
         return blank(match[0])
 
     text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))
-    text = _IN_CELLS.sub(lambda m: f"{m[1]} =".ljust(len(m[0])), _PARTED.sub(r"\1 \2 ", text))
+    text = _PARTED.sub(lambda m: (f"{m[1]} {m[2]} " if m[1] else f"{m[3]} = ").ljust(len(m[0])), text)
+    text = _IN_CELLS.sub(lambda m: f"{m[1]} =".ljust(len(m[0])), text)
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
     if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac
         text = re.sub(r"(?:\\\\)+", lambda m: (len(m[0]) // 2 * "\\").rjust(len(m[0])), text)

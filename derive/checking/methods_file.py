@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from importlib.resources import files
 from itertools import islice
 from typing import Any
 
@@ -164,24 +165,12 @@ def _arm(types: str, seed: int) -> Robot:
 
 
 MAX_LENGTH = 400  # characters; three times the longest equation of the books, and no tree of them is too deep
-GRAMMAR = """
-?start: sum
-?sum: first ((PLUS | MINUS) product)*
-?first: product | MINUS product -> negative
-?product: atom ((TIMES | AT) atom)*
-?atom: NAME -> name
-     | NUMBER -> number
-     | "cross" "(" sum "," sum ")" -> cross
-     | "(" sum ")"
-PLUS: "+"
-MINUS: "-"
-TIMES: "*"
-AT: "@"
-NAME: /(?!cross\\b)[A-Za-z][A-Za-z0-9_]*/
-NUMBER: /[0-9]+(\\.[0-9]+)?/
-%ignore /[ \\t\\r\\n]+/
-"""
-_parser = cache(partial(Lark, GRAMMAR, parser="lalr"))
+
+
+@cache
+def _parser() -> Lark:
+    grammar = files("derive.checking").joinpath("vector_equation.lark").read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr")
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,15 +238,14 @@ class _VectorBuilder(Transformer_NonRecursive[Token, Vector]):
 
 def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
     """The value of an equation whose names stand for numbers, vectors (3,) and matrices (3, 3)."""
-    if e.operation == "name":
-        return values[e.text]
-    if e.operation == "number":
-        return float(e.text)
     parts = [value_of(part, values) for part in e.parts]
+    shapes = {np.shape(part) for part in parts}
     match e.operation:
-        case "+":
-            if len({np.shape(part) for part in parts}) > 1:
-                raise ValueError("a sum of vectors and scalars")
+        case "name":
+            return values[e.text]
+        case "number":
+            return float(e.text)
+        case "+" if len(shapes) == 1:
             return sum(parts[1:], start=parts[0])
         case "-":
             return -parts[0]
@@ -265,10 +253,9 @@ def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
             return parts[0] * parts[1]
         case "@":
             return parts[0] @ parts[1]
-    a, b = parts
-    if np.shape(a) != (3,) or np.shape(b) != (3,):
-        raise ValueError("a cross product of something else than vectors")
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+        case "cross" if shapes == {(3,)}:
+            return np.cross(*parts)
+    raise ValueError("vectors beside scalars, or a cross product of something else than vectors")
 
 
 def names_in(e: Vector) -> Iterator[str]:

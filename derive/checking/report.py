@@ -104,32 +104,18 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
 
 def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
     """The report of one file as plain data."""
-    return {
-        "file": report.source,
-        "robot": report.robot,
-        "equal": report.equal,
-        "wrong": len(report.wrong),
-        "undecidable": len(report.undecidable),
-        "not_compared": list(report.unread),
-        "readings": list(report.readings),
-        "entries": [finding_dict(finding, printer) for finding in report.findings],
-    }
+    counts = {"equal": report.equal, "wrong": len(report.wrong), "undecidable": len(report.undecidable)}
+    told = {"not_compared": list(report.unread), "readings": list(report.readings)}
+    entries = [finding_dict(finding, printer) for finding in report.findings]
+    return {"file": report.source, "robot": report.robot, **counts, **told, "entries": entries}
 
 
 def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
     """One verdict as plain data."""
     verdict = judge(finding)
-    entry: dict[str, Any] = {
-        "quantity": finding.entry,
-        "role": finding.role.value,
-        "printed": finding.text,
-        "verdict": verdict.outcome.value,
-        "equal": finding.verdict.equal,
-        "exact": finding.verdict.exact,
-        "erratum": finding.erratum,
-        "line": finding.location.line,
-        "column": finding.location.column,
-    }
+    entry: dict[str, Any] = {"quantity": finding.entry, "role": finding.role.value, "printed": finding.text}
+    entry |= {"verdict": verdict.outcome.value, "equal": finding.verdict.equal, "exact": finding.verdict.exact}
+    entry |= {"erratum": finding.erratum, "line": finding.location.line, "column": finding.location.column}
     if finding.unknown is not None:
         return {**entry, "equal": None, "exact": None, "reason": str(finding.unknown)}
     if verdict.outcome is not Outcome.SAME_FORM:
@@ -137,11 +123,8 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
     if not finding.verdict.equal:
         entry["difference"] = [printer(term) for term in verdict.difference]
         repair = verdict.repair
-        entry["change"] = repair and {
-            "kinds": [kind.value for kind in repair.kinds],
-            "text": repair.text,
-            "formula": repaired_text(finding),
-        }
+        kinds = [kind.value for kind in repair.kinds] if repair else []
+        entry["change"] = repair and {"kinds": kinds, "text": repair.text, "formula": repaired_text(finding)}
     example = finding.verdict.counter_example
     if example is not None:
         values = {name: float(value) for name, value in example.values}

@@ -119,7 +119,7 @@ _OVER = re.compile(
 _SLOPE = re.compile(rf"(\\partial\s*{_ONE}(?:_{_ONE})?)\s*/\s*(\\partial\s*{_ONE}(?:_{_ONE})?)")
 # The square of a vector's length.
 _NORM = re.compile(
-    r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^)[^$])*?)(?:\^\{?0\}?)?\s*"
+    r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^\{?0)[^$])*?)(?:\^\{?0\}?)?\s*"
     r"(?:\\right\s*)?\\(?:\||[lr]?Vert)\s*\^\s*(?:2|\{\s*2\s*\})"
 )
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
@@ -130,6 +130,12 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_SLOPE, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
+    # pandoc's indices and exponents, a~1~^2^, and a display in dollar signs of a line
+    (re.compile(r"(?<=[A-Za-z0-9*^}])~([0-9]{1,3})~"), lambda m: f"_{{{m[1]}}}"),
+    (re.compile(r"(?<=[A-Za-z0-9*}\s])\^([0-9*])\^"), lambda m: f"^{{{m[1]}}}"),
+    (re.compile(r"(?<!\$)\$\s*(\\begin\{(equation|align)(\*?)\}[^$]*\\end\{\2\3\})\s*\$"), lambda m: m[1]),
+    # a point or its velocity by its coordinates, P_1(l_1 c_1, l_1 s_1)
+    (re.compile(r"\$([PV]_\{?\w\}?)(\((?=[^=$]*,)[^=$]*\\(?:sin|cos)[^=$]*\))\$"), lambda m: f"${m[1]} = {m[2]}$"),
     (_NORM, lambda m: f"{m[1]}^T {m[1]}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),

@@ -32,14 +32,11 @@ _GRAVITY = ("products", "factors", "g")
 
 # The options that decide how a dynamic quantity is written; kinematic ones depend on what they contain.
 OPTIONS_OF: Mapping[str, tuple[str, ...]] = {
-    "B": ("inertia", *_BODIES),
-    "B_link": ("inertia", *_BODIES),
+    **dict.fromkeys(("B", "B_link"), ("inertia", *_BODIES)),
     "kinetic": ("inertia", *_BODIES, "kinetic"),
     "potential": ("potential", *_GRAVITY),
     "christoffel": ("christoffel", *_BODIES),
-    "C": ("christoffel", *_BODIES, "coriolis"),
-    "N": ("christoffel", *_BODIES, "coriolis"),
-    "Bdot": ("christoffel", *_BODIES, "coriolis"),
+    **dict.fromkeys(("C", "N", "Bdot"), ("christoffel", *_BODIES, "coriolis")),
     "B_qdd": ("inertia", *_BODIES, "accelerations", "torques"),
     "Cqd": ("christoffel", *_BODIES, "velocities", "torques"),
     "g": ("gravity", *_GRAVITY),

@@ -59,6 +59,7 @@ class PoseNames:
         flat = {word: word.replace("_", "") for word in words}
         letters = {found[1] for word in flat.values() if (found := _COLUMN.fullmatch(word))}
         o_is_position = "s" in letters or not letters.intersection("npaP")
+        bob = "|p" if robot.n < 3 else ""  # x_p of a pendulum; of other arms p is any point
         entries: dict[str, tuple[int, int]] = {}
         wrist: dict[str, int] = {}
         for word, short in flat.items():
@@ -68,7 +69,7 @@ class PoseNames:
             elif found := _COLUMN.fullmatch(short):
                 column = 4 if found[1] == "o" and o_is_position else _COLUMNS[found[1].lower()]
                 entries[word] = "xyz".index(found[2]) + 1, column
-            elif found := re.fullmatch(rf"(?:EE|[pP]{_END})?([xyzXYZ])|([xyzXYZ])(?:{_END}|t|T)", short):
+            elif found := re.fullmatch(rf"(?:EE|[pP]{_END})?([xyzXYZ])|([xyzXYZ])(?:{_END}|t|T{bob})", short):
                 entries[word] = "xyz".index((found[1] or found[2]).lower()) + 1, 4
             elif found := re.fullmatch(rf"[pPoO]?{_WRIST}([xyzXYZ])|([xyzXYZ]){_WRIST}", short):
                 wrist[word] = "xyz".index((found[1] or found[2]).lower())

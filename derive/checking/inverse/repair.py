@@ -130,16 +130,14 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
     (u,) = spot.node.arguments
     # sin^2 + cos^2 = 1: the other argument is +-sqrt(1 - u^2); of a tangent only the quotient is known
     other = other_leg(u)
-    ways: list[tuple[Expression, Expression]] = []
+    ways = [(tree.multiply(MISSING, other), u), (other, u)]
     match spot.node.function:
         case "atan":
             above, below = _quotient(u)
             ways = [(above, below), (tree.negate(above), tree.negate(below))]
             ways += [(tree.multiply(MISSING, above), below), (above, tree.multiply(MISSING, below))]
-        case "acos":
-            ways = [(tree.multiply(MISSING, other), u), (other, u)]
         case "asin":
-            ways = [(u, tree.multiply(MISSING, other)), (u, other)]
+            ways = [(y, x) for x, y in ways]
     for y, x in ways:
         new = Call("atan2", (y, x))
         yield Edit(SlipKind.ATAN2, spot, new, spot.node, new)

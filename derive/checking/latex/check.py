@@ -249,7 +249,7 @@ class _Check(SideReading):
             self.around |= dict.fromkeys(entries, printed)
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
             right = [one for one in found if isinstance(one, Finding) and one.verdict.equal]
-            otherwise = self.otherwise(index, equation) if unknown is not None and len(found) == 1 else ()
+            otherwise = self.otherwise(index, equation) if unknown is not None and not right else ()
             if otherwise and self.document:
                 compared.add(index)
                 yield from otherwise
@@ -292,7 +292,8 @@ class _Check(SideReading):
             if (left := taken_apart(side.text)) is None:
                 continue
             text, where = self._typed(side), self.plain.location(side.start)
-            if left.is_point and (point := self._stands_for(left)) is not None:
+            is_speed = left.head != "v" or not self.rates.isdisjoint(names(meaning))  # v_{1,x} may be of any vector
+            if left.is_point and is_speed and (point := self._stands_for(left)) is not None:
                 yield Claim(point, meaning, name, text, where, is_open=True)
             kinds: tuple[str, ...] = ("kinetic[", "potential[")
             if left.head in "ku" and moving.isdisjoint(names(meaning)):
@@ -398,9 +399,13 @@ class _Check(SideReading):
                 side = replace(side, value=zeros)
             formula = side.value or ZERO
             table = formula if isinstance(formula, Table) else Table(((Entry(formula, text, start),),))
+            right = False  # of a name with indices, beside which a letter alone is the author's own: R_6^3 = [...] = M
             for name in named:
+                if right and name.left is not None and not name.left.sub + name.left.sup + name.left.before:
+                    continue
                 findings = self._at_home(table, tuple(self._compared(name, table, side.piece.start)))
-                if not all(finding.verdict.equal for finding in findings):
+                right = all(finding.verdict.equal for finding in findings)
+                if not right:
                     self._refuse_example(side, findings)
                     if name.left is not None and name.left.head in _VECTORS and is_open:
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"

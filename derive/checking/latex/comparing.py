@@ -99,6 +99,8 @@ class Comparing:
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
         known = self.joints.keys() | (self.rates | self._accelerations if self.robot.passive else set())
+        # and \dot\theta_1 by the momenta is one about these
+        known = known | (self.rates & {n for e in others for n in names(e)})
         is_parameter = isinstance(one, Name) and one.name not in known and not names_of_pose(one, *others)
         if is_parameter or (is_name and any(given)):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
@@ -323,7 +325,9 @@ class Comparing:
             least = VAGUE if len(table.entries) > len(AXES) else 1
             if all(right.likeness(fitting) < least for right, fitting in fits):
                 raise self._refused(name.piece, f"{quoted(self._typed(name.piece))} is no axis of ours at home")
-        if name.left is None or not (name.left.is_vague or is_flat) or not fits:
+        lefts = {equation[0].text.strip() for equation in self.scope.equations}
+        are_axes = name.left is not None and {name.left.flat, *"XY"} <= lefts & {*"XYZ"}  # coordinates, told together
+        if name.left is None or not (name.left.is_vague or is_flat) or not fits or are_axes:
             return
         # the angle of a planar arm has all joints
         is_angle = name.left.head in ANGLES and isinstance(table.entries[0].formula, Sum) and used == self.joints.keys()

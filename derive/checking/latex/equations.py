@@ -30,7 +30,9 @@ _SEPARATOR = re.compile(
 # The number of an equation that is typed behind it.
 _NUMBERED = re.compile(r"(?:\\q?quad|\v)[\s\v]*\(\s*[0-9]+(?:\.[0-9]+)*[a-z]?\s*\)[\s\v.,;]*$")
 # A condition behind a comma that is no equation, such as 0 < \theta_3 < \pi or e \in \{1, -1\}.
-_RANGE = re.compile(r"[,;][^=,;]*(?:<|>|\\(?:lt|gt|leq?|geq?|neq?|in|forall)(?![A-Za-z]))[^=]*$")
+_RANGE = re.compile(
+    r"(?:[,;][^=,;]*|(?=\\(not)?in))(?:<|>|\\(?:[lg](?:t|eq?)|neq?|(?:not)?in|forall)(?![A-Za-z]))[^=]*$"
+)
 # Words in brackets behind a formula, which may begin with what they are about.
 _REMARK = re.compile(
     r"(?:\(\s*%s\s*|\\q?quad\s*\([^()]*%s[^()=]*)\)\s*$" % ((r"\\(?:text|mathrm|mbox|textrm)\s*\{[^{}]*\}",) * 2)
@@ -257,7 +259,8 @@ def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
         if not complete and not (words and not done):
             continue
         left = text[stop : rest[0][0]].strip(" \v\n\r") if rest else ""
-        is_solution = ALTERNATIVE.fullmatch(text[first:stop]) and _SEPARATOR.search(left)  # of two, before another name
+        is_solution = ALTERNATIVE.fullmatch(text[first:stop]) and re.match(rf"(?!\s*{_SEPARATOR.pattern})", left)
+        is_solution = is_solution and _SEPARATOR.search(left)  # of two, before another name
         left = "" if is_solution else _SEPARATOR.sub(" ", left).strip(" \v\n\r")
         # behind a space or a comma a minus may begin another one as well: A = a \qquad -B = b
         if left and (not _OPERATOR.match(left) or (left[0] == "-" and text[first] != "\v")):

@@ -14,6 +14,7 @@ FONT = re.compile(
 _SPACE = re.compile(r"\s|~|\\(?:quad|qquad|enspace)(?![A-Za-z])")
 _SCRIPT = re.compile(r"(?P<mark>[_^])(?P<script>\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}|\\[A-Za-z]+|[A-Za-z0-9*])")
 _ARGUMENTS = re.compile(r"\((?:[^()]|\([^()]*\))*\)|\{\((?:[^()]|\([^()]*\))*\)\}")
+_OF_PRODUCT = re.compile(r"\\times|\{\}|\\ddot")  # in brackets that are a factor: R (v + omega x p)
 AXES = {"x": 1, "y": 2, "z": 3}
 # A product, such as k c_1, or a function of what stands behind it.
 _NO_NAME = re.compile(r"(?:^|[\s*+(-])[A-Za-z]\s+[A-Za-z]_|^\s*\\(?:arc)?(?:cos|sin|tan)\s+[\\A-Za-z]")
@@ -82,7 +83,7 @@ class Left:
     @property
     def is_point(self) -> bool:
         """Whether it is a coordinate of a point of some link, such as x_2, or its speed."""
-        is_component = self.head in ("p", "P", "v") and re.fullmatch(r"[cCgG]?[1-9][xyz]", self.sub)
+        is_component = self.head in ("p", "P", "v") and re.fullmatch(r"[cCgG]?[1-9],?[xyz]", self.sub)
         is_whole = self.head in (*AXES, "v") and self.sub.isdigit()
         return bool(is_component or is_whole) and not self.sup + self.before
 
@@ -113,7 +114,7 @@ class Left:
         """Whether it is a function of numbers and lengths, such as the T(alpha, a, d, theta) of a row of the table."""
         arguments = self.arguments.strip("{}").removeprefix("(").removesuffix(")").split(",")
         plain = re.compile(
-            r"|(?:\\d*dot)?[{]?(?:\\boldsymbol|\\mathbf|\\vec)?[{]?(?:q|\\(?:var)?[tT]heta|d|t)[}]?(?:_?[{]?[0-9a-z]+[}]?)?[}]?|\\[cl]?dots"
+            r"|(?:\\d*dot)?[{]?(?:\\boldsymbol|\\mathbf|\\vec)?[{]?(?:q|\\(?:var)?[tT]heta|\\omega|d|t)[}]?(?:_?[{]?[0-9a-z]+[}]?)?[}]?|\\[cl]?dots"
         )
         return len(arguments) > 1 and not all(plain.fullmatch(argument) for argument in arguments)
 
@@ -151,7 +152,7 @@ def taken_apart(text: str) -> Left | None:
             dots += 1 + bool(inner[1])
         rest = re.sub(r"^\\d?dot", "", match[1]) + rest[match.end() :]
     match = re.match(r"\\[A-Za-z]+|[A-Za-z\u0391-\u03c9]+", rest)
-    if match is None:
+    if match is None or match[0] in ("\\pm", "\\mp"):
         return None
     head = FLAT.get(match[0].removeprefix("\\"), match[0].removeprefix("\\"))
     rest = rest[match.end() :]
@@ -159,7 +160,7 @@ def taken_apart(text: str) -> Left | None:
         rest = "_{" + digits[0] + "}" + rest[digits.end() :]
     after, rest = _scripts(rest)
     arguments = ""
-    if (match := _ARGUMENTS.match(rest)) and not re.search(r"\\times|\{\}", match[0]):  # R (v + omega x p) is a product
+    if (match := _ARGUMENTS.match(rest)) and not _OF_PRODUCT.search(match[0]):
         arguments, rest = match[0], rest[match.end() :]
         more, rest = _scripts(rest)
         after = {mark: after.get(mark, "") + more.get(mark, "") for mark in "_^'"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial, reduce
@@ -12,6 +12,7 @@ from functools import partial, reduce
 import sympy
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.latex.formula import derivative
 from derive.checking.latex.left import AXES, FONT, Left, Reading, Turned, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Table
 from derive.checking.latex.names import ENERGY
@@ -24,7 +25,7 @@ from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import OF_ENDS, REGISTRY
 from derive.model.quantity_names import parse
-from derive.robot.expression import Expression, Name, names
+from derive.robot.expression import Expression, Name, is_constant, names
 from derive.robot.names import joint_label, velocity_name
 
 # Entries that may stand in formulas.
@@ -115,6 +116,8 @@ class Meanings:
         labels = [joint_label(joint.variable) for joint in self.robot.movers]
         self._first = int(labels[0]) if labels[0] and int(labels[-1] or 0) - int(labels[0]) == len(labels) - 1 else 1
         self._rights: dict[Target, Right | None] = {}
+        variables = [joint.variable for joint in self.robot.movers]  # the momentum p_{\theta_1} of each
+        self.momenta = {name: k for k, q in enumerate(variables, 1) for name in (q, f"theta{q[-1]}")}
 
     def targets(self, left: Left) -> tuple[Target, ...]:
         """The quantities that a left side may mean; without links there is no dynamics."""
@@ -132,7 +135,9 @@ class Meanings:
             kinds = [(joint_label(joint.variable), joint.is_revolute) for joint in self.robot.movers]
             own = (k for k, kind in enumerate(kinds, 1) if kind == (label, not is_slide))
             left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
-        if left.head in self.lent and left.is_plain and re.fullmatch("[1-9]{2}", left.sub):
+        # c_1 of Hamilton's equations is a short name
+        is_lent = left.head in self.lent and re.fullmatch("[1-9]{2}", left.sub)
+        if left.is_plain and (is_lent or (left.head == "c" and "1" in self.momenta)):
             return ()
         if left.head in self.columns and left.is_plain and left.sub in AXES:
             return (Target("T", (AXES[left.sub],), (self.columns[left.head],)),)
@@ -143,12 +148,15 @@ class Meanings:
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
             left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}
+        if left.head in "pP" and left.is_plain and left.sub in self.momenta and self.robot.has_dynamics:
+            found[Target("momentum", (self.momenta[left.sub],))] = None
         for target in candidates(left, self.robot.n, self._first, self.reading, tool=self.robot.tool is not None):
             name, _, place = target.quantity.partition("[")
             for kind in ("statics", "statics_end") if self.forces and name == "tau" and left.head in _TORQUES else ():
                 found[replace(target, quantity=f"{kind}[{','.join(sorted(self.forces))}]")] = None
             known_by = "Cqd" if name in OF_VELOCITIES else name
-            if known_by in OWN or REGISTRY[known_by].is_of(self.robot):
+            is_known = known_by in OWN or REGISTRY[known_by].is_of(self.robot)
+            if is_known and (name != "lagrangian" or self.robot.links):
                 if name == "christoffel" and place:  # ours have the index of the torque in front
                     order = place.removesuffix("]").split(",")
                     target = replace(target, quantity=f"{name}[{','.join([order.pop(self.torque), *order])}]")
@@ -289,7 +297,7 @@ class Meanings:
         yield from (right for target in parts if target.rows and (right := self.right(target)))
 
 
-_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE)?'|v([xyz])|omega([xyz])")  # of the end effector
+_RATE = re.compile(r"[pP]?([xyzXYZ])(?:e|E|ee|EE|p)?'|v([xyz])|omega([xyz])")  # of the end effector
 
 
 def is_rate(name: str) -> bool:
@@ -305,9 +313,12 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return expression_from_sympy(right.value[0, 0]) if right else None
     if (force := force_named(name)) in meanings.forces:
         return Name(force)
+    is_momentum = name[0] in "pP" and (len(name) > 2 or "1" in meanings.momenta)  # p_x of other pages is a place
+    if is_momentum and (momentum := meanings.formula(Left("p", name[1:]), ("momentum",))):
+        return momentum
     if poses is not None and (found := poses.placeholder(name)) is not None:
         return found
-    if name.endswith("'") and (entry := entry_named(meanings, None, name[:-1])):
+    if name.endswith("'") and name[1:-1] not in meanings.momenta and (entry := entry_named(meanings, None, name[:-1])):
         return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
     if name[0] == ENERGY:  # of the arm or of a link by its letter, L for their difference, or an entry of B
         left = Left(name[1:2], name[2:]) if name[2:].isdigit() or not name[2:] else Left(name[1:])
@@ -322,6 +333,16 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return expression_from_sympy(right.value[2, 0])
     own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
     return meanings.formula(own) if own is not None else None
+
+
+def entry_or_rate(
+    meanings: Meanings, poses: Poses | None, own: Mapping[str, Expression], name: str
+) -> Expression | None:
+    """The entry that a name is, or the rate of a name of the text's own."""
+    found, of = entry_named(meanings, poses, name), own.get(name.rstrip("'"))
+    if found is None and of is not None and not is_constant(of):
+        return reduce(lambda e, _: derivative(meanings.robot, e, "t"), range(name.count("'")), of)
+    return found
 
 
 def _from_world(left: Left) -> Left:

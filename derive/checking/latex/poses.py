@@ -6,6 +6,7 @@ effector's, or that of the wrist; rotations from the base, or from the third fra
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -112,7 +113,10 @@ class Claim:
 class Poses:
     """The names of a pose in one text."""
 
-    def __init__(self, model: Model, text: str, columns: Mapping[str, int]) -> None:
+    def __init__(
+        self, model: Model, text: str, columns: Mapping[str, int], letters: AbstractSet[str] = frozenset()
+    ) -> None:
+        self._letters = "|".join(letters)  # of entries, the author's own
         words = list(printed_words(text))
         found = PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         named = {word: re.fullmatch("([a-z])_?([xyz])", word) for word in words}
@@ -128,7 +132,8 @@ class Poses:
             for word, match in points.items()
             if has_centres or not (match[2] or match[5])
         }
-        self._labelled: dict[str, tuple[int, int, int]] = {}  # row, column and frame of each that the text has
+        # row and column of each that the text has, and the poses that may be meant: seen from a frame, or its own
+        self._labelled: dict[str, tuple[int, int, tuple[str, str]]] = {}
         self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
         last = model.n + (f"x{model.n + 1}" in axes)  # P_3 of two links, the end effector or the last centre of mass
         self._points = {w: at for w, at in axes.items() if at[1] <= last and w not in own_names(model.robot)}
@@ -141,8 +146,12 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose, (base, _, frame) = self._names, name.partition("^")
-        if base in pose.entries and frame and int(frame) < self._model.n:
-            self._labelled[name] = (*pose.entries[base], int(frame))
+        n = self._model.n
+        if self._letters and (own := re.fullmatch(f"({self._letters})([1-3])([1-3])", name)):
+            self._labelled[name] = (int(own[2]), int(own[3]), (f"T[{max(n - WRIST, 0)},{n}]", "T"))
+            return Name(MARK + name)
+        if base in pose.entries and frame and int(frame) < n:
+            self._labelled[name] = (*pose.entries[base], (f"T[{frame},{n}]", f"T[{frame}]"))
             return Name(MARK + name)
         known = name in pose.entries or name in pose.wrist or self.is_point(name) or MARK + name in self._angles
         return Name(MARK + name) if known else None
@@ -266,8 +275,8 @@ class Poses:
 
     def labels(self, is_of_frame: bool = False) -> dict[str, Expression]:
         """What entries with the number of a frame stand for: those of its pose, or of the end effector seen from it."""
-        pose, found = f"T[{{}}{'' if is_of_frame else f',{self._model.n}'}]", self._labelled.items()
-        return _placed({name: self._model.quantity(pose.format(k))[i - 1, j - 1] for name, (i, j, k) in found})
+        found = self._labelled.items()
+        return _placed({name: self._model.quantity(seen[is_of_frame])[i - 1, j - 1] for name, (i, j, seen) in found})
 
     def _wrists(self) -> list[int]:
         """The frames whose origins may be the wrist: that of the three last joints, or of the last one."""

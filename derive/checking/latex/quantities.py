@@ -26,7 +26,7 @@ OF_VELOCITIES = ("bias", "centrifugal", "coriolis")
 OWN = (
     *OF_LINK,
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
-    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end"),
+    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end", "momentum"),
     *OF_VELOCITIES,
 )
 _OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
@@ -55,8 +55,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     match kind, places:
         case "twist", _:
             return jacobian * rates
-        case "rates", _:
-            return rates
+        case (("rates" | "momentum"), _):  # of Hamilton's equations, the derivatives of L by the velocities
+            return rates if kind == "rates" else sympy.Matrix(model.quantity("B")) * rates
         case "accelerations", _:
             return sympy.Matrix(model.qdd)
         case (kind, [link, frame]) if kind in OF_LINK:

@@ -2,7 +2,7 @@ r"""What a LaTeX text says as a whole: its equations, the names that it defines,
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -15,7 +15,7 @@ from derive.checking.latex.equations import Sides, alternatives, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
-from derive.checking.latex.meanings import Meanings, Right, entry_named, is_rate
+from derive.checking.latex.meanings import Meanings, Right, entry_or_rate, is_rate
 from derive.checking.latex.names import LatexNames, Symbol, plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
@@ -76,14 +76,16 @@ class Scope:
         self._foreign = whole.other_capitals(self.robot, self.equations, words)
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         self.meanings.has_turns = _TURNS.match(plain) is not None
-        columns = whole.named_columns(self.equations) if document else {}
-        self.meanings.columns = columns
+        self.meanings.columns = columns = whole.named_columns(self.equations) if document else {}
         has_one_end = len(self.robot.ends) < 2  # of several, a pose without a name is none's
-        self.poses = Poses(model, plain, columns) if document and has_one_end else None
+        self.poses = (
+            Poses(model, plain, columns, whole.entry_letters(self.equations)) if document and has_one_end else None
+        )
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
         self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
+        self.meanings.momenta |= whole.momenta(text, self.robot.n) if document else {}
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None
         self.torques: dict[str, Expression] = {}
@@ -190,14 +192,14 @@ class Scope:
         of_products = votes.copy()
         for left, table in self._pairs(lambda left: left.scripts):
             readings = (frozenset[Scripts](), frozenset(Scripts))
-            usual, turned = (_best(self.rights_read(left, reading), table) for reading in readings)
+            usual, turned = (whole.best(self.rights_read(left, reading), table) for reading in readings)
             assert left.scripts is not None
             votes[left.scripts] += (turned > usual) - (turned < usual)
             seen[left.scripts] += turned != usual
         self.settled = frozenset(scripts for scripts, vote in votes.items() if vote != of_products[scripts])
         turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
         for scripts in turned_round:
-            agreeing = _of_all((votes[scripts] + seen[scripts]) // 2, seen[scripts])
+            agreeing = whole.of_all((votes[scripts] + seen[scripts]) // 2, seen[scripts])
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({agreeing})")
         return frozenset(turned_round)
 
@@ -207,11 +209,11 @@ class Scope:
         for left, table in self._pairs(lambda left: left.head in "TAH") if has_base else ():
             fits = []
             for self.meanings.counts_world in (False, True):
-                fits.append(_best(self.rights_read(left, self.meanings.reading), table))
+                fits.append(whole.best(self.rights_read(left, self.meanings.reading), table))
             votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
         self.meanings.counts_world = sum(votes) > 0
         if self.meanings.counts_world:
-            agreeing = _of_all(votes.count(1), len(votes))
+            agreeing = whole.of_all(votes.count(1), len(votes))
             self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
 
     def _settled_rows(self) -> bool:
@@ -221,7 +223,7 @@ class Scope:
             if table.shape[0] == 6:
                 wholes = [target for target in self.meanings.targets(left) if not target.rows]
                 orders = (wholes, [replace(target, rows=(4, 5, 6, 1, 2, 3)) for target in wholes])
-                usual, turned = (_best(filter(None, map(self.meanings.right, order)), table) for order in orders)
+                usual, turned = (whole.best(filter(None, map(self.meanings.right, order)), table) for order in orders)
                 vote += (turned > usual) - (turned < usual)
         if vote > 0:
             rows = "the rows of the angular velocity above those of the linear one"
@@ -359,7 +361,7 @@ class Scope:
         if any("\\ddot" in side.text for side in self.equations[index]):
             meanings |= self.torques
         meanings |= more or {}
-        entry = partial(entry_named, self.meanings, self.poses)
+        entry = partial(entry_or_rate, self.meanings, self.poses, meanings)
         order, foreign = self._cosine_first, self._foreign
         names = LatexNames(self.robot, meanings, entry, self._signs, cosine_first=order, foreign=foreign)
         return LatexReader(names, self.text, self.start)
@@ -397,6 +399,10 @@ class Scope:
             return ""
         if not left.is_point and self._is_pose(left):  # but z_w = p_{wz} - d_1
             return left.flat if self.poses and self.poses.is_other(left.flat, printed_words(rest)) else ""
+        if self.document and left.head == "omega" and not is_first:  # \dot\theta_1 = \omega_1, for equations of state
+            rate = taken_apart(self.equations[index][0].text)
+            if rate and rate.dots == 1 and self.is_own(replace(rate, dots=0)):
+                return left.flat
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
         is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian
@@ -440,11 +446,3 @@ class Scope:
     def is_own(self, left: Left) -> bool:
         """Whether a left side is a name of the robot itself, such as a_1 or c_{12}."""
         return left.is_plain and self.plain.names.knows(left.flat)
-
-
-def _best(rights: Iterable[Right], table: Table) -> float:
-    return max((right.fits(table) for right in rights), default=0.0)
-
-
-def _of_all(count: int, total: int) -> str:
-    return f"{count} of {total} matri{'ces' if total > 1 else 'x'}"

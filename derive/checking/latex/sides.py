@@ -13,7 +13,7 @@ from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
-from derive.checking.latex.equations import Sides
+from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, FONT, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
@@ -139,8 +139,10 @@ class SideReading(Comparing):
 
     def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values beside a name, or a matrix of names, of the author's own."""
-        for first, others in ((equation[0], equation[1:]), (equation[-1], equation[:-1])):
-            if not self._is_own_name(first, is_first=first is equation[0]):
+        for first, others in ((equation[0], equation[1:] or equation), (equation[-1], equation[:-1])):
+            # a matrix without a name, as words before it say what it is
+            is_lone = len(equation) == 1 and (first.text.strip(AROUND) == MATRIX_MARK or bool(listed(first)))
+            if not is_lone and (len(equation) == 1 or not self._is_own_name(first, is_first=first is equation[0])):
                 continue
             for side in others:
                 are_names = all(taken_apart(cell.text) for cell in side.cells or (side,))
@@ -149,7 +151,7 @@ class SideReading(Comparing):
                 with suppress(CheckError):
                     where = self.plain.location(side.start)
                     value = next(self._matrices.values(side), None) or self.reader.value(side)
-                    if found := self._by_value(value, first.text, self._typed(side), where):
+                    if found := self._by_value(value, "" if is_lone else first.text, self._typed(side), where):
                         yield found
             return
 

@@ -20,6 +20,7 @@ _END = frozenset((
     "hand", "Hand", "e.e.", "e.e", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
     "target", "goal", "desired", "des",
 ))  # fmt: skip
+_TARGETS = ("des", "desired", "target", "goal", "d")
 _BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
 _ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
@@ -67,9 +68,10 @@ def candidates(
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
-_VECTORS = frozenset(
-    ("g", "tau", "Cqd", "B_qdd", "p", "rpy", "euler_zyz", "friction", "centre", "statics", "statics_end", *OF_LINK)
-) | {"bias"}
+_VECTORS = frozenset((
+    "g", "tau", "Cqd", "B_qdd", "momentum", "p", "rpy", "euler_zyz", "friction", "centre", "statics", "statics_end",
+    *OF_LINK, "bias",
+))  # fmt: skip
 _SCALARS = ("christoffel", "manipulability", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
@@ -108,9 +110,9 @@ _DYNAMIC = {
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 _ENERGIES = {
-    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
+    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin", "KE"), "kinetic"),
     "L": "lagrangian",
-    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
+    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg", "PE"), "potential"),
 }
 
 
@@ -172,19 +174,13 @@ def _velocities(left: Left, n: int) -> Iterator[Target]:
 # Letters of Newton and Euler's recursion with their dots, of a frame and of a centre of mass; gravity counts as an
 # acceleration, or it does not.
 _RECURSION = {
-    ("omega", 0, False): ("omega",),
-    ("omega", 1, False): ("alpha",),
-    ("alpha", 0, False): ("alpha",),
-    ("v", 0, False): ("velocity",),
-    ("v", 1, False): ("acceleration", "still_acceleration"),
+    ("omega", 0, False): ("omega",), ("omega", 1, False): ("alpha",), ("alpha", 0, False): ("alpha",),
+    ("v", 0, False): ("velocity",), ("v", 1, False): ("acceleration", "still_acceleration"),
     ("v", 1, True): ("acceleration_com", "still_acceleration_com"),
     ("a", 0, False): ("acceleration", "still_acceleration"),
-    ("a", 0, True): ("acceleration_com", "still_acceleration_com"),
-    ("F", 0, False): ("inertial_force",),
-    ("N", 0, False): ("inertial_moment",),
-    ("f", 0, False): ("joint_force",),
-    ("n", 0, False): ("joint_moment",),
-}
+    ("a", 0, True): ("acceleration_com", "still_acceleration_com"), ("F", 0, False): ("inertial_force",),
+    ("N", 0, False): ("inertial_moment",), ("f", 0, False): ("joint_force",), ("n", 0, False): ("joint_moment",),
+}  # fmt: skip
 
 
 def _of_link(left: Left, n: int) -> Iterator[Target]:
@@ -315,7 +311,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     yield from _seen_from(left, n)
     # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
     of_vector = left.sub[:1] in AXES and left.sub[1:] in ("", *_END)
-    if of_vector or (head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *_END)):
+    is_axis = head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *_END) and not left.before_sub
+    if of_vector or is_axis:
         row = (AXES[left.sub[0] if of_vector else head.lower()],)
         columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
         if (not of_vector or head in ("p", "P", "o", "O", "x", "X", "r", "d")) and not left.labelled:
@@ -328,7 +325,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in (frame, frame + 1) if k <= n)
     if head in AXES and plain and left.sub.lower() in ("elbow", "wrist"):
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in range(1, n))
-    if head in _COLUMNS and plain and not left.sub:
+    if head in _COLUMNS and plain and left.sub in ("", *_END):
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
     if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
         yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
@@ -367,12 +364,15 @@ def _frames(left: Left, n: int, first: int) -> Iterator[str]:
     if chain and lower in "123456789" and int(lower[-1]) <= n and len(lower) > 2:  # A_{234} = A_2 A_3 A_4
         yield f"T[{int(lower[0]) - 1},{lower[-1]}]"
         return
+    if (not lower and upper in _TARGETS) or (lower == "d" and left.head in "RpPoOHT" and upper in ("", *_BASE)):
+        lower, upper = "target", ""  # R^{des}, O_d^0
     lower = re.sub("^0(?:to|rightarrow)", "", lower) if upper in ("", *_BASE) else lower  # P_{0 \\to 3}
     if lower in (str(n + 1), *_END) and upper == str(n):
         yield "tool"
     if lower == str(n + 1) and upper.isdigit() and int(upper) < n:
         yield f"end[{int(upper)}]"
-    if lower in ("w", "W", "wrist", "wc") and upper in ("", *_BASE) and n > 3:
+    wrists = ("w", "W", "wrist", "wc", "WC", *("cC" if left.head in "pPoO" else ""))
+    if lower in wrists and upper in ("", *_BASE) and n > 3:
         yield from (f"T[{k}]" for k in (n - 2, n - 1))
         yield from (f"T[{n - 3},{n}]",) if left.head == "R" else ()  # what the last three joints turn
     if lower == "0" and upper in _BASE and upper != "0":

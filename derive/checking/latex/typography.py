@@ -47,7 +47,7 @@ _STARRED = re.compile(
 )
 _STARS = re.compile(rf"(?P<kept>(?:(?P<letter>{_LETTER}){_SUB}?\s*)?){_STAR}")
 _BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
-_BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox)\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
+_BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox|(?:text)?color\s*\{{\w+\}})\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
 _D = r"(?:\\(?:mathrm|mathit|text|operatorname)\s*\{\s*d\s*\}|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
 _SQUARE = r"\s*\^\s*(?:2|\{\s*2\s*\})"
 _RATE = re.compile(
@@ -58,7 +58,7 @@ _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
     r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
     r"|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{(?:[^{}_^\\]|\\_)*(?:[_^]|\\[^_]))"
-    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])"
+    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])|\\(?:mathbf|boldsymbol|bm|mathit)(?=\s+[A-Za-hl-z](?![A-Za-z]))"
 )
 # Rates as letters behind an index, q_1p for "punto", and as primes, in a text that has accelerations of both kinds.
 _LETTERED = re.compile(
@@ -82,8 +82,20 @@ _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
     r"\((?P<kept>(?:[^()]|\([^()]*\))*?),\s*-\s*1\s*,\s*1\s*\)"
 )
-# What takes full turns off an angle.
-_WRAPPED = re.compile(r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}")
+# What takes full turns off an angle, a label of both branches, what a name may be, what an equation is for, as in
+# q_1: ... = 0, and what a formula is near to in an example.
+_ASIDE = re.compile(
+    r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}|\^\s*\{\s*\(\s*\\pm\s*\)\s*\}"
+    r"|\\?[A-Za-z]+(?:_\w)?\s*\\in\s*\\\{[^{}=$]*\\\}\s*,\s*(?=\\q?quad)"
+    r"|(?<=\$)\s*(?:\\(?:var)?theta|[qxy])(?:_\w|_\{\w+\})?\s*:(?!\s*=)(?=[^$:]*=)"
+    r"|\\(?:approx|simeq)\s*-?[0-9][0-9.]*(?=\s*(?:\$|\\\\|\\\]|\\end|\\quad|\\text|[,.;]?\s*$))",
+    re.MULTILINE,
+)
+_ONE = r"\s*[-+]?\s*1\s*"
+_SIGN = re.compile(
+    rf"(?P<name>\\?[A-Za-z]+(?:_\w)?)\s*\\in\s*\\?\{{(?:{_ONE},{_ONE}|\s*\\pm{_ONE})\\?\}}"
+)  # e in {1, -1}
+_OPENED = re.compile(r"(?<=[*&)\]] )\{((?:[^{}]|\{[^{}]*\})*[-+;]\s*(?:\\right\.)?\s*)\}")  # of a sum, as scans have it
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
 _WAY = re.compile(  # the way from one point to another
     r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"
@@ -91,7 +103,7 @@ _WAY = re.compile(  # the way from one point to another
 # A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
 _POINTED = re.compile(
     r"(?<=[A-Za-z0-9)}\]])(?<!\\left|right)\.(?=[A-Za-z(]|\\(?!q?quad|text|mathrm|mbox|end)[a-z])"
-    r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]))"
+    r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]|\{))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
 # A matrix whose rows end with one backslash, as they do where a page has lost every other one.
@@ -122,11 +134,12 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
-    text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ")
+    text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ").replace("\\&", " ,")
     text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = _POINTED.sub(_times, text)
-    text = re.sub(r"\^\s*\{\s*\(\s*\\pm\s*\)\s*\}", lambda m: blank(m[0]), text)  # of both branches
+    text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
+    text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
     text = _BAR.sub(lambda m: f" {m['in'] or m['bare']}'".ljust(len(m[0])), text)
     text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
@@ -134,7 +147,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
     text = re.sub(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)", lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
-    text = _WRAPPED.sub(lambda m: blank(m[0]), _CLAMPED.sub(_within, text))
+    text = _CLAMPED.sub(_within, text)
     first = int(all("0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
     text = _ENTRY.sub(partial(_entry, first=first), text)
     if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):

@@ -18,7 +18,7 @@ from derive.checking.latex.equations import Sides
 from derive.checking.latex.left import AXES, Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
-from derive.checking.latex.names import LatexNames
+from derive.checking.latex.names import PRIME, LatexNames
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.targets import Target
 from derive.errors import CheckError, Location
@@ -45,7 +45,7 @@ _BRACED = re.compile(
     rf"\{{\s*(?P<seen>[_^]{_INNER}[TAHR]{_INNER})\}}|(?<![A-Za-z_^])\{{\s*(?P<plain>{_LETTER}\s*[_^]{_INNER})\}}"
 )
 _FRAMES = re.compile(r"(?P<kind>[AT]|base|tool|end)(?:\[(?P<first>[0-9]+)(?:,(?P<second>[0-9]+))?\])?")
-_COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])")
+_COLUMN = re.compile(r"(?:[nosapP]|[rRtT])_?(?:[xyz]|[1-4][1-4])|[xyzXYZ]_?(?:target|des|goal|d)")
 _NAME = r"\\?[A-Za-z]+(?:_\{?[a-z]\}?)?"
 _LIST_OF_NAMES = re.compile(rf"[\[(]{_NAME}(?:,{_NAME})+[\])](?:\^.*)?")  # [x, y, \theta]^T
 _FONTS = re.compile(r"\\(?:mathbf|boldsymbol|bm|mathrm|vec|mathit|text)(?![A-Za-z])|[{}]|\\[,;:!]")
@@ -97,16 +97,44 @@ def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
     return {}
 
 
+def _named_cells(equation: Sides) -> tuple[list[Left], Counter[str]]:
+    """Names among the sides of an equation, and how many cells of its matrices are a letter with their own place."""
+    lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
+    grids = (side.matrices[0].rows for side in equation if side.text.strip(AROUND) == MATRIX_MARK)
+    rows = [(i, row) for grid in grids for i, row in enumerate(grid, 1)]
+    cells = [(f"{i}{j}", taken_apart(cell.text)) for i, row in rows for j, cell in enumerate(row, 1)]
+    own = (left for at, left in cells if left and replace(left, primes=0).is_plain and left.sub == at)
+    return lefts, Counter(left.head + PRIME * left.primes for left in own)
+
+
 def named_entries(equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]:
     r"""Letters for the entries of a matrix, from an equation on that names them: ``J^{-1} = [J_{11} ...]``."""
-    for index, equation in enumerate(equations):
-        lefts = [left for side in equation if not side.matrices and (left := taken_apart(side.text))]
-        rows = next((s.matrices[0].rows for s in equation if s.text.strip(AROUND) == MATRIX_MARK), ())
-        cells = [(f"{i}{j}", taken_apart(cell.text)) for i, row in enumerate(rows, 1) for j, cell in enumerate(row, 1)]
-        heads = Counter(left.head for place, left in cells if left and left.is_plain and left.sub == place)
+    for index, (lefts, heads) in enumerate(map(_named_cells, equations)):
         for head, count in heads.most_common(1):
             if lefts and count > 2 and lefts[0].head not in ("T", "A", "H", "R"):
                 yield index, head, lefts[0]
+
+
+def entry_letters(equations: Iterable[Sides]) -> frozenset[str]:
+    """Letters of the author's own for the entries of a rotation: ``R_6^3 = [m_{11} ...]``."""
+    known = (heads for lefts, heads in map(_named_cells, equations) if any(left.head in "RTHA" for left in lefts))
+    return frozenset(head for heads in known for head, count in heads.items() if count > 8) - {*"rRtT"}
+
+
+def momenta(text: str, n: int) -> dict[str, int]:
+    """Which momentum p_1 is, in a text with Hamilton's equations; none in another one."""
+    is_hamiltons = re.search("[Hh]amilton|mathcal *[{]? *H|\u54c8\u5bc6", text)
+    return {str(k): k for k in range(1, n + 1)} if is_hamiltons else {}
+
+
+def best(rights: Iterable[Right], table: Table) -> float:
+    """The likeness of a table to what it is most like."""
+    return max((right.fits(table) for right in rights), default=0.0)
+
+
+def of_all(count: int, total: int) -> str:
+    """How many matrices agree, in words."""
+    return f"{count} of {total} matri{'ces' if total > 1 else 'x'}"
 
 
 def are_sine_and_cosine(sine: Expression, cosine: Expression) -> bool:
