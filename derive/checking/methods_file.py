@@ -254,21 +254,15 @@ def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
     if e.operation == "number":
         return float(e.text)
     parts = [value_of(part, values) for part in e.parts]
-    match e.operation:
-        case "+":
-            if len({np.shape(part) for part in parts}) > 1:
-                raise ValueError("a sum of vectors and scalars")
-            return sum(parts[1:], start=parts[0])
-        case "-":
-            return -parts[0]
-        case "*":
-            return parts[0] * parts[1]
-        case "@":
-            return parts[0] @ parts[1]
-    a, b = parts
-    if np.shape(a) != (3,) or np.shape(b) != (3,):
+    shapes = {np.shape(part) for part in parts}
+    if len(shapes) > 1 and e.operation == "+":
+        raise ValueError("a sum of vectors and scalars")
+    if shapes != {(3,)} and e.operation == "cross":
         raise ValueError("a cross product of something else than vectors")
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    if e.operation in ("+", "-"):
+        return sum(parts[1:], start=parts[0]) if e.operation == "+" else -parts[0]
+    a, b = parts
+    return np.cross(a, b) if e.operation == "cross" else a * b if e.operation == "*" else a @ b
 
 
 def names_in(e: Vector) -> Iterator[str]:

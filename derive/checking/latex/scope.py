@@ -188,12 +188,16 @@ class Scope:
         seen: Counter[Scripts] = Counter()
         self._vote_by_products(votes, seen)
         of_products = votes.copy()
+        fits, alike = list[tuple[Scripts, float, float]](), set[Scripts]()
         for left, table in self._pairs(lambda left: left.scripts):
             readings = (frozenset[Scripts](), frozenset(Scripts))
             usual, turned = (_best(self.rights_read(left, reading), table) for reading in readings)
             assert left.scripts is not None
-            votes[left.scripts] += (turned > usual) - (turned < usual)
-            seen[left.scripts] += turned != usual
+            fits.append((left.scripts, usual, turned))
+            alike |= {left.scripts} if max(usual, turned) > 0.7 else set()  # of others the frames are not those of ours
+        for scripts, usual, turned in (fit for fit in fits if fit[0] in alike):
+            votes[scripts] += (turned > usual) - (turned < usual)
+            seen[scripts] += turned != usual
         self.settled = frozenset(scripts for scripts, vote in votes.items() if vote != of_products[scripts])
         turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
         for scripts in turned_round:
@@ -209,7 +213,7 @@ class Scope:
             for self.meanings.counts_world in (False, True):
                 fits.append(_best(self.rights_read(left, self.meanings.reading), table))
             votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
-        self.meanings.counts_world = sum(votes) > 0
+        self.meanings.counts_world = 2 * votes.count(1) >= max(len(votes), 1)
         if self.meanings.counts_world:
             agreeing = _of_all(votes.count(1), len(votes))
             self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
@@ -399,7 +403,7 @@ class Scope:
             return left.flat if self.poses and self.poses.is_other(left.flat, printed_words(rest)) else ""
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
-        is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian
+        is_length = left.flat == "L" and not re.search(r"dot|omega|['KTPUV]", rest)  # of the figure, not the Lagrangian
         is_lent = left.head in _LENT if left.sub else left.flat in "ku" or is_length
         if not is_first or not (is_angle or is_lent):
             return ""
