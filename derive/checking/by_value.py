@@ -1,9 +1,8 @@
 r"""What a formula is whose name is the author's own: the quantity of the robot that has its values.
 
-No list of names is long enough: ``p_\text{elbow}``, ``r_w``, ``K_1``, ``{}^T J_4``. At random points such a formula has
-the values of the way from one point to another in the axes of a frame, of an axis, a velocity, a column of a Jacobian
-or a part of an energy. This can only say that a formula is right: a wrong one has the values of nothing, or of
-another quantity, and is then named as that.
+No list of names is long enough: ``p_\text{elbow}``, ``r_w``, ``K_1``, ``{}^T J_4``. So values are compared at random
+points: of ways between points, axes, velocities, Jacobians, parts of an energy. This can only say that a formula is
+right: a wrong one has the values of nothing, or of another quantity, and is then named as that.
 """
 
 import random
@@ -90,17 +89,19 @@ class ByValue:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
         moving = self._rates if left is not None and left.dots else self._joints | self._rates
-        if not (names_of_pose(*formulas) or used & moving):
-            return ""
-        if all(map(_says_little, formulas)) and not self._turns_a_link(used, *formulas):
+        is_still = not (names_of_pose(*formulas) or used & moving)
+        if is_still or (all(map(_says_little, formulas)) and not self._turns_a_link(used, *formulas)):
             return ""
         of_bodies = {n for link in self._robot.links for e in (link.mass, *link.com) for n in names(e)} - self._lengths
         is_dynamic = bool(used & (self._rates | of_bodies))
-        for reading in readings:
+        # a centre of mass may be at half a length of the table; x_e is that of the end effector
+        has_centres = left is not None and left.sub.lower() not in ("", "e", "ee", "end", "tip") and not is_dynamic
+        has_centres &= self._robot.has_dynamics and self._model.n <= MOST_ACCELERATED
+        for reading, dynamic in product(readings, (is_dynamic, True)[: 1 + has_centres]):
             with suppress(*NO_VALUE):
                 read = [substitute(e, reading) for e in formulas] if reading else formulas
                 values = [[float_value(e, at) for e in read] for at in (() if names_of_pose(*read) else self._at)]
-                labels = self._like(np.array(values).reshape(-1, *table.shape), is_dynamic)
+                labels = self._like(np.array(values).reshape(-1, *table.shape), dynamic)
                 # one term with the other sign is a slip as well
                 may_turn = len(formulas) > 1 or isinstance(formulas[0], Sum)
                 is_free = left is None or len(formulas) > 1
@@ -296,9 +297,17 @@ class ByValue:
         """Inertias, torques and energies of the arm and of each link."""
         rates = self._of_joints(velocity_name)
         whole = self._numbers(self._model.quantity("B"))
-        parts = [(f"[{k}]", self._numbers(self._model.quantity(f"B_link[{k}]"))) for k in range(1, self._model.n + 1)]
-        for label, inertia in (("", whole), *parts):
-            yield from ((f"B{label}", inertia), (f"kinetic{label}", rates.swapaxes(1, 2) @ inertia @ rates / 2))
+        parts, moved = [], 0 * whole
+        for k, body in enumerate(self._robot.links, 1):
+            linear = self._numbers(self._model.quantity(f"Jv_com[{k}]"))
+            mass = np.array([float_value(body.mass, at) for at in self._at])[:, None, None]
+            own = mass * linear.swapaxes(1, 2) @ linear
+            parts.append((f"[{k}]", self._numbers(self._model.quantity(f"B_link[{k}]")), own))
+            moved = moved + own
+        for label, inertia, shifted in (("", whole, moved), *parts):
+            kinds = (("kinetic", inertia), ("translation", shifted), ("rotation", inertia - shifted))
+            yield f"B{label}", inertia
+            yield from ((f"{kind}{label}", rates.swapaxes(1, 2) @ matrix @ rates / 2) for kind, matrix in kinds)
             yield from _entries(f"B{label}", inertia)
         yield from _entries("momentum", whole @ rates)
         if self._robot.gravity:

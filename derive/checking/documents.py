@@ -1,7 +1,6 @@
 r"""Documents as people write them: LaTeX, Markdown, notebooks and plain text, brought into one form that is read.
 
-What is no mathematics (code, comments, HTML) becomes blank, ``$`` marks that belong to nothing too, and an author's own
-macros are written out. Every character knows where it stands in the file, so that a message names that place.
+What is no mathematics becomes blank, and an author's own macros are written out; every character knows its place.
 """
 
 from __future__ import annotations

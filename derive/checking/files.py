@@ -1,8 +1,7 @@
 """Files that `derive check` understands, told apart by their keys.
 
 Corpus files have a block ``robot:`` and the list ``expected:`` of what some notes print about it. Every formula is read
-here, so that a text that cannot be read is reported with its line and column. One with an unknown name is kept: nothing
-can be said about it, but about the others.
+here, so that an error has its line and column; one with an unknown name is kept, for the others can be compared.
 """
 
 import re

@@ -1,12 +1,9 @@
 """Files of printed frames: products of elementary rotations and translations, factor by factor and multiplied out.
 
 ``items:`` holds one mapping for each product: ``factors`` such as ``Trans(l1, 0, 0)``, ``Rot(z, pi/2)``, ``Rot3(x, a)``
-(3x3), ``Vec(x, y, z)`` (a point) and ``Ref(id)`` (an earlier item), and the printed ``matrix``.
-
-It is what lectures draw before any table: Rot(z, pi/2), Trans(4, -3, 7), and a chain of them (Siciliano, Sciavicco,
-Villani, Oriolo, Robotics, sections 2.2 and 2.7). `rotation`, `translation` and `compose` give exact 4x4 matrices whose
-entries are plain SymPy; products are reduced by sin^2 + cos^2 = 1. Nothing is rounded: a float stands for the decimal
-that it prints.
+(3x3), ``Vec(x, y, z)`` (a point) and ``Ref(id)`` (an earlier item), and the printed ``matrix`` (Siciliano, Sciavicco,
+Villani, Oriolo, Robotics, sections 2.2 and 2.7). Products are exact, reduced by sin^2 + cos^2 = 1; a float stands for
+the decimal that it prints.
 """
 
 import re

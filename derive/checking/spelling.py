@@ -122,10 +122,16 @@ _NORM = re.compile(
     r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^\{?0)[^$])*?)(?:\^\{?0\}?)?\s*"
     r"(?:\\right\s*)?\\(?:\||[lr]?Vert)\s*\^\s*(?:2|\{\s*2\s*\})"
 )
+_INNER = r"\{((?:[^{}]|\{[^{}]*\})*)\}"
+_BEFORE = re.compile(rf"\\(?:sideset\s*{_INNER}\s*{_INNER}|prescript\s*{_INNER}\s*{_INNER})")  # scripts before a letter
+_NESTED = r"(?:[^()$]|\((?:[^()$]|\([^()$]*\))*\))*"
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))"), lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
+    (re.compile(rf"\\sqrt\s*\(({_NESTED})\)"), lambda m: f"\\sqrt{{{m[1]}}}"),
     (_FRACTION, _fraction),
+    (_BEFORE, lambda m: "{}" + re.sub(r"[_^]\{\}", "", m[1] + m[2] if m[4] is None else f"^{{{m[3]}}}_{{{m[4]}}}")),
+    (re.compile(r"\\langle((?:(?!\\[lr]angle|\|)[^$])*,(?:(?!\\[lr]angle|\|)[^$])*)\\rangle"), lambda m: f"({m[1]})"),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),

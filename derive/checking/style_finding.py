@@ -1,10 +1,8 @@
 """The style of a book from some of its formulas: which options write most of them as they are printed.
 
-Every printed formula is cut into parts that are written independently of each other: an equation of motion into what
-multiplies accelerations, what multiplies velocities, gravity and friction; any other formula is one part. A part
-depends on few options (`Style`), so every style is judged from a few trials. From each named set the
-options are changed, one or two at a time, as long as more formulas come out in the printed form; what no formula
-decides stays as in the set that fits best.
+Every printed formula is cut into parts that are written independently of each other, an equation of motion into what
+multiplies accelerations and velocities, gravity and friction. A part depends on few options (`Style`). From each named
+set the options are changed, one or two at a time, as long as more formulas come out in the printed form.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Places in a printed formula, and the single changes there that undo slips of typists, scanners and tired authors.
 
-A place knows what stands there, and what the whole becomes if something else stood there. Values are floats at one
-point: a change is tried by carrying the new value of one place up to the root, without evaluating the rest again. Each
-change has a kind, and is said in words: ``sign of the 2nd term, -a2*c12``.
+A place knows what stands there, and what the whole becomes if something else stood there: at one point the new value
+is carried up to the root, without evaluating the rest. Changes are said in words: ``sign of the 2nd term, -a2*c12``.
 """
 
 from __future__ import annotations

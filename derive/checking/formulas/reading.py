@@ -1,7 +1,4 @@
-"""Reading of files around printed formulas: mappings with known keys, lists, texts, words, remarks and formulas.
-
-A printed formula with an unknown name is kept as such, what is no formula is refused.
-"""
+"""Reading of files around printed formulas; one with an unknown name is kept as such, what is no formula is refused."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
 """Printed solutions of the inverse kinematics against the arm: right, some branches, or wrong and what repairs it.
 
-A line is tried at random configurations of arms with random geometry: put the true values of everything that it names
-into it, and some choice of its plus-minus signs must give what it is about. So each line is judged by itself, although
-it stands on others; lines that share a choice are judged together. That all configurations of all poses are met by such
-ones means that no branch is missing, without any solver; the derived solutions only give the branches their names.
+At random configurations of arms with random geometry some choice of a line's plus-minus signs must give what it is
+about, with the true values of all that it names; lines that share a choice are judged together. That all configurations
+of all poses are met means that no branch is missing; the derived solutions only give the branches their names.
 """
 
 import math

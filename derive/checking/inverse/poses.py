@@ -1,8 +1,7 @@
 """What printed solutions call the entries of a pose, and configurations at which they are tried.
 
-Books write the pose by its entries, r11 or T14, by its columns n, s (or o) and a with p, or a planar one by x, y and
-phi; of a wrist they name the centre, p_w or x_c. An o is the position where nothing else is, as in [R o], else the
-second column, as in [n o a p].
+Books write the pose by its entries, r11 or T14, by its columns n, s (or o) and a with p, or by x, y and phi; of a wrist
+the centre, p_w or x_c. An o is the position where nothing else is, as in [R o], else the second column.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """A printed solution of the inverse kinematics: what its lines say, in which order they can be used, their values.
 
-A line gives a joint variable, a sum of them, or a cosine, sine or tangent of one; other lines name quantities, such as
-D. A plus-minus is a name of its own wherever it stands, and its values are 1 and -1: `Choice`. So a line has a value
-for every choice, and it is right if for every configuration some choice gives what the line is about.
+A line gives a joint variable, a sum of them, or a function of one; other lines name quantities, such as D. A plus-minus
+is a name of its own, 1 or -1: `Choice`. A line is right if for every configuration some choice gives what it is about.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What the lines of a printed solution are about: which give joints, which only name quantities.
 
 Common to plain text and LaTeX are the names that may occur, and how ``alpha = theta1 + theta2 = atan2(r12, r11)``
-becomes lines. Plain text has one quantity a line, the order free. What its grammar does not have is rewritten before it
-is parsed, and places are those of the text as it was typed. LaTeX is split into equations at the end of this module.
+becomes lines. Plain text has one quantity a line, the order free; it is rewritten for the grammar of formulas.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The smallest change that makes a line of a printed solution right.
 
-The changes are those of `edits` at every place of the line and of the quantities that it needs, and some that only
-solutions have: a plus-minus that is missing, an atan2 for an arc function. A change is tried at one configuration at
-which the line fails, and kept if the line is right at all others too.
+The changes are those of `edits` in the line and the quantities that it needs, and a plus-minus that is missing, or an
+atan2 for an arc function. One is tried where the line fails, and kept if it is right at all other configurations too.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,8 +1,7 @@
 r"""LaTeX against a robot: every equation of a text, matrices entry by entry, each with a verdict of its own.
 
-Of an equation such as ``\mathbf{T}_2^0 = \mathbf{A}_1 \mathbf{A}_2 = [...]`` the sides that name quantities are
-compared with those that are formulas or matrices. A name that the robot does not know and that a side defines
-(``h = -m_2 a_1 l_2 s_2``) may stand in all others.
+Of ``\mathbf{T}_2^0 = \mathbf{A}_1 \mathbf{A}_2 = [...]`` the sides that name quantities are compared with those that
+are formulas or matrices. A new name that a side defines (``h = -m_2 a_1 l_2 s_2``) may stand in all others.
 """
 
 import re
@@ -292,6 +291,10 @@ class _Check(SideReading):
             if (left := taken_apart(side.text)) is None:
                 continue
             text, where = self._typed(side), self.plain.location(side.start)
+            claim = Claim(self._branch_of(left) or ZERO, meaning, name, text, where, is_branch=True)  # theta_{2,I}
+            if claim.first != ZERO and (names_of_pose(meaning) or claim.read(self.robot).verdict.equal):
+                yield claim if names_of_pose(meaning) else claim.read(self.robot)
+                continue
             is_speed = left.head != "v" or not self.rates.isdisjoint(names(meaning))  # v_{1,x} may be of any vector
             if left.is_point and is_speed and (point := self._stands_for(left)) is not None:
                 yield Claim(point, meaning, name, text, where, is_open=True)

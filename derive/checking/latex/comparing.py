@@ -34,6 +34,7 @@ DIGITS = 5  # units of the last printed digit by which numbers may differ: autho
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
 _DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
+_VELOCITY = re.compile(r"\\dot\s*\{?\s*(?:p_\{?\s*)?[xyz](?![A-Za-z])|(?<![A-Za-z\\])[vV]_\{?\s*[xyz]")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 
 
@@ -98,11 +99,16 @@ class Comparing:
         others = [side.value for side in said[1:] if side.value and not isinstance(side.value, Table)]
         given = (self.parameters.issuperset(n for n in names(e) if n[0] != SIGN) for e in others)
         one = first.value  # d_4 = s_1 p_x - c_1 p_y is a claim about the pose
-        known = self.joints.keys() | (self.rates | self._accelerations if self.robot.passive else set())
+        # by the velocity of the end effector the rates of the joints are claims as well
+        has_rates = self.robot.passive or any(_VELOCITY.search(side.piece.text) for side in said[1:])
+        known = self.joints.keys() | (self.rates | self._accelerations if has_rates else set())
         # and \dot\theta_1 by the momenta is one about these
         known = known | (self.rates & {n for e in others for n in names(e)})
         is_parameter = isinstance(one, Name) and one.name not in known and not names_of_pose(one, *others)
-        if is_parameter or (is_name and any(given)):
+        poses = self.scope.poses  # x_1 = 0 and z_1 = d_1 say where a point is
+        is_point = poses and any(map(poses.is_point, names_of_pose(one) if isinstance(one, Name) else ()))
+        is_point = is_point and all(e == ZERO or not is_constant(e) for e in others)
+        if is_parameter or (is_name and any(given) and not is_point):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
             values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
             self._states(first.piece, " = ".join(self._typed(side.piece) for side in said), ways(values))
@@ -351,7 +357,7 @@ class Comparing:
 
     def _posed(self, poses: Poses, known: set[str], name: Side, table: Table, offset: int) -> Iterator[Finding]:
         """The findings with the usual meaning of names of the pose, and the meaning of points that makes all right."""
-        readings = poses.point_readings if any(map(poses.is_point, known)) else [poses.readings[0].values]
+        readings = poses.point_readings(known) if any(map(poses.is_point, known)) else [poses.readings[0].values]
         for values in ({**values, **poses.labels()} for values in readings):
             posed = tuple(tuple(replace(e, formula=substitute(e.formula, values)) for e in row) for row in table.rows)
             if names_of_pose(*(entry.formula for row in posed for entry in row)):

@@ -1,11 +1,8 @@
 r"""Whether a difference is a slip: conditions such as ``\theta_2 = 0``, ``J(\theta_2=0) =``, what a formula is near to.
 
-A formula that is wrong in general may be meant under such a condition. It is right under it where it belongs to the
-sentence that states the condition, and nothing is left in it, or in the matrix around it, that the condition replaces.
-Otherwise it is not certain.
-
-A verdict "wrong" needs certainty of what is meant, too. Two things give it: the formula is near to ours, one small
-change away, or it stands among formulas of its kind that are right.
+What is wrong in general may be meant under a condition: it is right where it belongs to the sentence that states it,
+and nothing that it replaces is left in it or in the matrix around it. A verdict "wrong" needs a formula that is near to
+ours, one small change away, or that stands among right ones of its kind, in frames that are those of the table.
 """
 
 import re
@@ -120,12 +117,18 @@ def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tu
     right = [f for f in findings if f.verdict.equal and not (f.question and tree.is_constant(f.question.right))]
     matrices, kinds = Counter(map(matrix, right)), Counter(map(_kind, right))
     far_matrices, far_kinds = Counter(map(matrix, far)), Counter(map(_kind, far))
-    doubted = [
+    # the frames of a text of which no transform is right are others than those of the table
+    entries = [f for f in findings if re.match(r"[TA]\[", f.quantity) and f.question and f.row]
+    moving = [f for f in entries if not (f.verdict.equal and f.right in (0, 1))]
+    slipped = {matrix(f) for f in moving if not f.verdict.equal}
+    strange = slipped if len(slipped) >= AMONG and slipped.issuperset(map(matrix, moving)) else frozenset()
+    doubted = [f for f in findings if matrix(f) in strange and not f.verdict.equal] + [
         f
         for f in far
         if kinds[_kind(f)] < AMONG * far_kinds[_kind(f)]
         and not (f.row and matrices[matrix(f)] >= far_matrices[matrix(f)])
         and not (f.role is Role.IDENTITY and far_kinds[_kind(f)] == 1)
+        and matrix(f) not in strange
     ]
     firsts = [next(group) for _, group in groupby(doubted, key=matrix)]
     reasons = (_SIDES_DIFFER if f.role is Role.IDENTITY else _FAR.format(f.entry) for f in firsts)

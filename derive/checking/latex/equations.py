@@ -1,8 +1,7 @@
 r"""LaTeX as people have it, taken apart: displays, their rows and equations, and the sides of each.
 
-Nothing is understood here but structure. Every side of an equation is a piece of the text with its place. Lines broken
-inside a sum are joined, ``x = a, \quad y = b`` and the columns of ``align`` are separate equations, and ``a = b = c``
-has three sides.
+Nothing is understood here but structure: lines broken inside a sum are joined, ``x = a, \quad y = b`` and the columns
+of ``align`` are separate equations, and ``a = b = c`` has three sides, pieces of the text with their places.
 """
 
 import re
@@ -22,7 +21,7 @@ _WORDS = (
 )
 _SEPARATOR = re.compile(
     r"\\(?:qquad|quad|enspace|Rightarrow|Longrightarrow|implies|rightarrow|Leftrightarrow|iff|therefore|land)(?![A-Za-z])"
-    r"|\\(?:text|textrm|mathrm|mbox|intertext|shortintertext|textnormal)\s*"
+    r"|(?<![_^]\{)\\(?:text|textrm|mathrm|mbox|intertext|shortintertext|textnormal)\s*"
     rf"\{{(?:\s*[,;.]?\s*(?:{_WORDS})\s*[:,]?\s*|[^{{}}A-Za-z]*|[^{{}}]*,|\s[^{{}}]*|[^{{}}]*\s|[^{{}}]+\s[^{{}}]+)\}}"
     r"|(?<![A-Za-z\\_^{])(?:where|with|then|and)(?![A-Za-z_^}])"
     r"|(?P<mark>[,;])"
@@ -127,7 +126,7 @@ def _equations(display: LatexPiece) -> Iterator[Sides]:
         text = text.replace("{", " ", 1)
         text = " ".join(text.rsplit("}", 1))
     if text.count("\\{") != text.count("\\}"):
-        text = text.replace("\\{", "  ")
+        text = re.sub(r"\\[{}]", "  ", text)
     text = _unbraced(text)
     # rows and what stands side by side in them, then lines of one equation together again
     spans = _joined(text, [span for row in re.finditer("[^\f]+", text) for span in _row_parts(text, row.span())])

@@ -1,8 +1,6 @@
 r"""Formulas in the LaTeX of lecture notes as expression trees: ``c_1 \left(a_2 c_2 + a_3 c_{23}\right)``.
 
-Understood are fractions, roots, powers, subscripts, dots, Greek letters, cosines and sines with or without brackets,
-juxtaposition as product, matrices with factors and sums, and everything that only moves ink (``\left``, ``\,``).
-Whatever else occurs is refused at its place, in words; nothing is ever guessed from a macro that is not known.
+What is not understood is refused at its place, in words; nothing is ever guessed from a macro that is not known.
 """
 
 import re
@@ -13,13 +11,13 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from derive.checking.latex.grammar import MisplacedError, parsed
 from derive.checking.latex.left import taken_apart
 from derive.checking.latex.matrices import Entry, Table, joined_blocks
-from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames
+from derive.checking.latex.names import ENERGY, FLAT, PRIME, LatexNames, Symbol
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece, PrintedMatrix
 from derive.checking.latex.quantities import slope
 from derive.checking.latex.typography import ALTERNATIVE, PRIMED
 from derive.errors import CheckError, DeriveError, Location, UnknownNameError, near_miss, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
-from derive.robot.expression import ZERO, Expression, Name, expanded_terms, names
+from derive.robot.expression import ZERO, Expression, Name, expanded_terms, names, power
 from derive.robot.names import acceleration_name, own_names, velocity_name
 from derive.robot.parser import place
 from derive.robot.reading.size_limits import FORMULA_LIMITS
@@ -100,6 +98,7 @@ class LatexReader:
                 if ALTERNATIVE.search(text):
                     raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
                 text = _BARS.sub("\\1\ue003\\2\ue004\\3", text.replace("\\vert", "|    "))
+                text = _OF_MATRIX.sub(self._of_matrix, text)
                 text = _ARGUMENTS.sub(lambda m: m[1].ljust(len(m[0])), text)
                 text = _SEEN_FROM.sub(self._seen_from, text)
                 text = _PRIMED_NAME.sub(self._primed, text)
@@ -170,6 +169,16 @@ class LatexReader:
         name, frames = re.sub("[^A-Za-z0-9]", "", part), re.findall("[0-9]", match[0].replace(part, ""))
         entry = self.names.entry(f"{name}^{frames[0]}") if len(frames) == 1 else None
         return (self.names.standing_for(entry) if entry else match["column"] or match[0]).ljust(len(match[0]))
+
+    def _of_matrix(self, match: re.Match[str]) -> str:
+        """One sign for the determinant of a matrix that is derived, or for the square of a velocity: v_1^T v_1."""
+        left = taken_apart(match["in"] or match["bare"] or match["name"])
+        flat, known = left.flat if left is not None else "", None
+        if match["name"]:
+            known = power(self.names.meaning(Symbol(flat, 0)), 2) if self.names.knows(flat) else None
+        elif flat:
+            known = self.names.entry(f"det{flat}")
+        return (self.names.standing_for(known) if known else match[0]).ljust(len(match[0]))
 
     def _primed(self, match: re.Match[str]) -> str:
         """One sign for a letter with primes."""
@@ -260,6 +269,11 @@ _BRANCH = re.compile(
 _JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|q)\}?(?:\s*_\s*\{?[0-9]\}?)?"
 _ARGUMENTS = re.compile(
     rf"((?<![A-Za-z\\])[MBDCGgJNH]\s*_\s*(?:\{{[0-9, ]+\}}|[0-9]))\s*\(\s*{_JOINT}(?:\s*,\s*{_JOINT})*\s*\)"
+)
+_OF_MATRIX = re.compile(
+    r"\\det(?![a-z])\s*(?:\((?P<in>(?:[^()]|\(\\?\w+\))*)\)|(?P<bare>\\[a-z]+\s*\{[A-Z]\}|[A-Z]))"
+    r"|(?<![\\A-Za-z])(?P<name>(?:\\[a-z]+\s*)?(?:\{[A-Za-z]\}|[A-Za-z])\s*_\s*(?:\{\w+\}|\w))"
+    r"\s*\^\s*(?:T|\\top|\{\s*(?:T|\\top)\s*\})\s*(?:\\cdot)?\s*(?P=name)(?![\s{}]*[\^_'])"
 )
 _RAISED = r"\^\s*(?:[0-9]|\{\s*[0-9]\s*\})"
 _ENTRY = r"(?:r\s*_\s*\{\s*[1-3]\s*,?\s*[1-3]\s*\}|[nsoapP]\s*_\s*(?:[xyz]|\{\s*[xyz]\s*\}))"

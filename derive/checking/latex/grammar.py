@@ -1,7 +1,4 @@
-r"""The grammar of formulas, and what each of its rules makes of its parts: an expression, a matrix, a name, a script.
-
-A name stays a `Symbol` until all its scripts are known; a script is its text with its offset.
-"""
+"""The grammar of formulas, and what each rule makes of its parts; a name is a `Symbol` until its scripts are known."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -207,6 +204,9 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         function, exponent, divide = "", 1, False
         before: object = None
         for child in children:
+            if isinstance(child, Token) and child.type == "MINUS":  # a \cdot -b
+                factors.append(tree.number(-1))
+                continue
             if isinstance(child, Token):
                 divide, before = child.type == "SLASH", None
                 continue

@@ -1,8 +1,4 @@
-"""Matrices of printed formulas: sums, products, transposes and determinants of tables of expression trees.
-
-An entry that is printed as it stands keeps its text and its place; one that a factor in front of the matrix or a sum of
-matrices has changed has none of its own.
-"""
+"""Matrices of printed formulas: sums, products, transposes and determinants of tables of expression trees."""
 
 from __future__ import annotations
 

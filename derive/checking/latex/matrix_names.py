@@ -21,6 +21,7 @@ from derive.checking.latex.meanings import ALIKE, Meanings, at_a_point
 from derive.checking.latex.names import Symbol
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import names_of_pose
+from derive.checking.latex.quantities import WRENCH
 from derive.checking.latex.targets import Target
 from derive.errors import CheckError
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -30,7 +31,7 @@ MAX_WAYS = 32  # values of one formula that are tried, of each size
 MAX_NAMES = 8  # names of matrices in one formula
 _SCRIPT = r"[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\[a-z]+|\w)"
 _FONTS = r"\\(?:hat|widehat|mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
-_PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?<![A-Za-z\\])[A-Za-z](?![A-Za-z])"
+_PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?:(?<![A-Za-z\\])|(?<=\^T))[A-Za-z](?![A-Za-z])"
 _LETTER = rf"(?:{_FONTS}\s*\{{\s*[A-Za-z]\s*\}}|{_FONTS}\s+[A-Za-z]|{_PLAIN})"
 _DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
 _BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
@@ -42,7 +43,7 @@ _NAME = re.compile(rf"[\[(]\s*{_ONE}\s*[\])]\s*\^\s*(?:\{{[^{{}}]*\}}|T)|{_ONE}"
 # A turn or a shift along one axis, or a shift by three numbers: R_z(\theta_1), Rot(x, \alpha), Trans(a, 0, 0), T_{z,d}.
 _ELEMENTARY = re.compile(
     r"(?<![A-Za-z\\])(?:\\(?:text|mathrm|operatorname|mathbf|mathit|boldsymbol)\s*\{\s*)?(?:(?P<turn>R(?:ot)?|rot)|T(?:r(?:ans(?:l)?)?)?|trans|D)\s*\}?"
-    rf"\s*(?:_\s*(?:\{{\s*)?\\?(?:hat\s*\{{)?(?P<axis>[xyzXYZ])\}}?(?:\s*,\s*(?P<below>[^{{}}]+|[^{{}}]*\{{[^{{}}]*\}}))?\s*\}}?)?"
+    rf"\s*(?:_\s*(?:\{{\s*)?\\?(?:hat\s*\{{)?(?P<axis>[xyzXYZ])\}}?(?:\s*,\s*(?P<below>(?:[^{{}}]|\{{[^{{}}]*\}})+))?\s*\}}?)?"
     rf"\s*(?P<arguments>{_BRACKETS})?"
 )
 _BRACED = re.compile(r"(?<![_^\w])\{(\s*\^(?:[^{}]|\{[^{}]*\})*)\}")
@@ -157,6 +158,9 @@ class MatrixNames:
             return [_table([[number(int(i == AXES[left.head.lower()]))] for i in (1, 2, 3)])]  # in its own frame
         if left is None:
             return []
+        if left.is_plain and left.head in ("F", "f", "W") and not left.sub and self._meanings.forces:
+            forces = [Name(force) if force in self._meanings.forces else ZERO for force in WRENCH]
+            return [_table([[e] for e in part]) for part in (forces, forces[:3], forces[:2])]
         # a name that stands for one formula is no matrix; a coordinate of some point may be an axis as well
         known = self._reader.names
         meaning = known.meaning(Symbol(left.flat, 0)) if known.knows(left.flat) else None

@@ -152,8 +152,11 @@ class Meanings:
             found[Target("momentum", (self.momenta[left.sub],))] = None
         for target in candidates(left, self.robot.n, self._first, self.reading, tool=self.robot.tool is not None):
             name, _, place = target.quantity.partition("[")
-            for kind in ("statics", "statics_end") if self.forces and name == "tau" and left.head in _TORQUES else ():
-                found[replace(target, quantity=f"{kind}[{','.join(sorted(self.forces))}]")] = None
+            is_static = name.startswith("joint_") or (name == "tau" and left.head in _TORQUES)
+            for axes in ("", "_end") if self.forces and is_static else ():
+                kind = f"statics{re.sub('^(?:tau|joint)', '', name)}{axes}"
+                inside = ",".join(filter(None, (place.removesuffix("]"), *sorted(self.forces))))
+                found[replace(target, quantity=f"{kind}[{inside}]")] = None
             known_by = "Cqd" if name in OF_VELOCITIES else name
             is_known = known_by in OWN or REGISTRY[known_by].is_of(self.robot)
             if is_known and (name != "lagrangian" or self.robot.links):
@@ -320,6 +323,8 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
         return found
     if name.endswith("'") and name[1:-1] not in meanings.momenta and (entry := entry_named(meanings, None, name[:-1])):
         return expression_from_sympy(slope(meanings.robot, expression_to_sympy(entry), "t"))
+    if name.startswith("det") and (whole := taken_apart(name[3:])):
+        return meanings.formula(replace(whole, is_determinant=True))
     if name[0] == ENERGY:  # of the arm or of a link by its letter, L for their difference, or an entry of B
         left = Left(name[1:2], name[2:]) if name[2:].isdigit() or not name[2:] else Left(name[1:])
         return meanings.formula(left, ("kinetic", "potential", "lagrangian", "B"))

@@ -1,7 +1,6 @@
 """Names of a document for entries of a pose, ``x``, ``p_x``, ``r_{13}``: which pose they mean is settled for all of it.
 
-A name stays a name while the document is read. Afterwards the pose is chosen with which most equations hold: the end
-effector's, or that of the wrist; rotations from the base, or from the third frame.
+Afterwards the pose is chosen with which most equations hold, the end effector's or that of the wrist.
 """
 
 import re
@@ -291,10 +290,10 @@ class Poses:
         """Whether a name is that of a coordinate of a point of a link, its derivative or its speed."""
         return name.rstrip("'") in self._points
 
-    @cached_property
-    def point_readings(self) -> list[Mapping[str, Expression]]:
-        """What names stand for with each meaning of points."""
-        return [{**self.readings[0].values, **self._values(kind)} for kind in self._kinds]
+    def point_readings(self, known: set[str]) -> list[Mapping[str, Expression]]:
+        """What names stand for with each meaning of the points among them."""
+        found = ({**self.readings[0].values, **self._values(kind)} for kind in self._kinds)
+        return [*{tuple(reading.get(MARK + name) for name in sorted(known)): reading for reading in found}.values()]
 
     @property
     def _kinds(self) -> list[Points]:

@@ -26,11 +26,12 @@ OF_VELOCITIES = ("bias", "centrifugal", "coriolis")
 OWN = (
     *OF_LINK,
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
-    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "statics", "statics_end", "momentum"),
+    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "momentum"),
+    *(STATICS := tuple(f"statics{kind}{axes}" for kind in ("", "_force", "_moment") for axes in ("", "_end"))),
     *OF_VELOCITIES,
 )
 _OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
-_WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
+WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
 
 def force_named(word: str) -> str:
@@ -71,9 +72,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
             columns = [jacobian[:3, k] + end.cross(jacobian[3:, k]) for k in range(model.n)]
             linear = sympy.Matrix.hstack(*columns).applyfunc(lambda e: written(model, e))
             return linear.col_join(jacobian[3:, :])
-        case (("statics" | "statics_end"), _):  # J^T F, of the forces and moments that the text names
-            whole = sympy.Matrix(model.quantity("J_end")) if "end" in name else jacobian
-            return whole.T * sympy.Matrix([sympy.Symbol(force) if force in name else 0 for force in _WRENCH])
+        case (kind, _) if kind in STATICS:
+            return _held(model, name, *places)
         case (("screw" | "body_screw"), [joint]):  # of a joint in the home position
             whole = own_quantity(model, "J_space") if name[0] == "s" else model.quantity("J_end")
             return sympy.Matrix(whole)[:, joint - 1].subs(dict.fromkeys(model.q, 0))
@@ -173,6 +173,19 @@ def _force_on_link(model: Model, kind: str, link: int) -> Matrix:
         arm = sympy.Matrix(own_quantity(model, f"centre[{k}]")) - joint
         total += force if kind == "joint_force" else _force_on_link(model, "inertial_moment", k) + arm.cross(force)
     return total
+
+
+def _held(model: Model, name: str, link: int = 0, frame: int = 0) -> Matrix:
+    """J^T F of what the text names, or how the link before holds one, in the axes of a frame (Craig, section 5.9)."""
+    wrench = sympy.Matrix([sympy.Symbol(force) if force in name else 0 for force in WRENCH])
+    if not link:
+        return sympy.Matrix(model.quantity("J_end" if "_end" in name else "J")).T * wrench
+    end, joint = sympy.Matrix(model.quantity("T")), link - (model.robot.convention is not Convention.MODIFIED)
+    axes = end[:3, :3] if "_end" in name else sympy.eye(3)
+    push, turn = axes * wrench[:3, :], axes * wrench[3:, :]
+    arm = end[:3, 3] - (model.frame(joint)[:3, 3] if link <= model.n else end[:3, 3])
+    value = push if "force" in name else turn + arm.cross(push)
+    return (end if frame > model.n else sympy.Matrix(model.frame(frame)))[:3, :3].T * value
 
 
 def _centre(robot: Robot, link: int) -> Matrix:

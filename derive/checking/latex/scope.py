@@ -46,6 +46,7 @@ _OF_PLACE = re.compile(r"(?<![A-Za-z])(?:p\s*_\s*\{?\s*)?[xy](?![A-Za-z])")
 _SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
 # An angular velocity of a link, squared in an energy; \omega_1 + \omega_2 are rates of joints.
 _TURNS = re.compile(r"(?s)(?!.*omega_\{?\d\}? ?\+ ?\\omega).*(?:omega_\{?[2-9]|theta\}?_\{c\s*[1-9]\s*)\}?\s*\^\s*\{?2")
+_READINGS = (frozenset[Scripts](), frozenset(Scripts))
 _TRIPLE = re.compile(r"(?:c|C|Gamma)[0-9]{3}")
 
 
@@ -190,12 +191,14 @@ class Scope:
         seen: Counter[Scripts] = Counter()
         self._vote_by_products(votes, seen)
         of_products = votes.copy()
+        fits = list[tuple[Scripts, float, float]]()
         for left, table in self._pairs(lambda left: left.scripts):
-            readings = (frozenset[Scripts](), frozenset(Scripts))
-            usual, turned = (whole.best(self.rights_read(left, reading), table) for reading in readings)
-            assert left.scripts is not None
-            votes[left.scripts] += (turned > usual) - (turned < usual)
-            seen[left.scripts] += turned != usual
+            usual, turned = (whole.best(self.rights_read(left, reading), table) for reading in _READINGS)
+            fits += [(left.scripts, usual, turned)] if left.scripts else []
+        alike = {scripts for scripts, *both in fits if max(both) > 0.7}  # of others the frames are not those of ours
+        for scripts, usual, turned in (fit for fit in fits if fit[0] in alike):
+            votes[scripts] += (turned > usual) - (turned < usual)
+            seen[scripts] += turned != usual
         self.settled = frozenset(scripts for scripts, vote in votes.items() if vote != of_products[scripts])
         turned_round = [scripts for scripts, vote in votes.items() if vote > 0]
         for scripts in turned_round:
@@ -207,11 +210,10 @@ class Scope:
         """Whether frame 0 of the text is the world before a base: what most of its matrices need."""
         has_base, votes = self.robot.base != IDENTITY and self.document, list[int]()
         for left, table in self._pairs(lambda left: left.head in "TAH") if has_base else ():
-            fits = []
-            for self.meanings.counts_world in (False, True):
-                fits.append(whole.best(self.rights_read(left, self.meanings.reading), table))
+            rights = (self.rights_read(left, self.meanings.reading) for self.meanings.counts_world in (False, True))
+            fits = [whole.best(some, table) for some in rights]
             votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
-        self.meanings.counts_world = sum(votes) > 0
+        self.meanings.counts_world = 2 * votes.count(1) >= max(len(votes), 1)
         if self.meanings.counts_world:
             agreeing = whole.of_all(votes.count(1), len(votes))
             self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
@@ -268,9 +270,7 @@ class Scope:
             scripts, *others = {left.scripts for left in lefts}
             if others or scripts is None:
                 continue
-            fits = []
-            for self.meanings.reading in (frozenset[Scripts](), frozenset(Scripts)):
-                fits.append(whole.chained(self.meanings, lefts) is not None)
+            fits = [whole.chained(self.meanings, lefts) is not None for self.meanings.reading in _READINGS]
             votes[scripts] += fits[1] - fits[0]
             seen[scripts] += fits[1] != fits[0]
         self.meanings.reading = usual
@@ -405,7 +405,7 @@ class Scope:
                 return left.flat
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
-        is_length = left.flat == "L" and not re.search(r"dot|['KTPUV]", rest)  # of the figure, not the Lagrangian
+        is_length = left.flat == "L" and not re.search(r"dot|omega|['KTPUV]", rest)  # of the figure, not the Lagrangian
         is_lent = left.head in _LENT if left.sub else left.flat in "ku" or is_length
         if not is_first or not (is_angle or is_lent):
             return ""

@@ -34,7 +34,9 @@ _MARKUP = re.compile(r"\\(?:math[a-z]+|boldsymbol|bm|vec)|[\s{}()\[\]]")
 _LAGRANGE = re.compile(
     r"\\dot\\[dt]?frac\\partial(\w)\\partial\\dotq-\\[dt]?frac\\partial\1\\partialq"
 )  # of all joints
-_SINGULAR = re.compile("[sS]ing[uo]la|\u5947\u5f02|\u5947\u7570|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431")
+_SINGULAR = re.compile(
+    r"(?i)\\det\b|sing[uo]la|\u5947[\u5f02\u7570]|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431"
+)
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
 _EXPONENTIAL = r"e\^\{\[?\{?(?:S|\\xi)\}?_\{?K\}?\]?\\theta_\{?K\}?\}"  # e^{[S_K] theta_K}, of a screw axis
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
@@ -104,7 +106,7 @@ class SideReading(Comparing):
         """That the arm is singular where an equation holds, as the sentence around it says."""
         first, *others = equation
         around = self.text[max(first.start - 200, 0) : equation[-1].end + 200]
-        if len(others) == 1 and _SINGULAR.search(around):
+        if len(others) == 1 and _SINGULAR.search(around) and "det" not in first.text:
             with suppress(CheckError):
                 zero = add(self.reader.formula(first), negate(self.reader.formula(others[0])))
                 if not names_of_pose(zero) and self._values.is_singular(zero):
@@ -162,7 +164,9 @@ class SideReading(Comparing):
             if not isinstance(value, Table) or not any(entry.unknown for entry in value.entries):
                 return False
         if side.matrices:  # v_x is that of the end effector
-            return all((left := taken_apart(cell.text)) and left.sub not in AXES for cell in side.cells)
+            return all(
+                (left := taken_apart(cell.text)) and (left.head == "Q" or left.sub not in AXES) for cell in side.cells
+            )
         # beside a sum that cannot be read, the value of the other side says nothing
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None

@@ -1,8 +1,7 @@
 r"""What left sides of printed equations may mean: ``\mathbf{T}^0_6``, ``b_{11}``, ``\tau_1``, ``p_x`` as quantities.
 
-Books agree on no letter, and one letter means several things: T is a transform or the kinetic energy, C_{12} an entry
-of C or the cosine of a sum. So a left side has candidates, the likeliest first; the shape of what is printed on the
-right and, last, which of them it equals decide.
+Books agree on no letter, and one letter means several things: T is a transform or the kinetic energy. So a left side
+has candidates, the likeliest first; the shape of what is printed and, last, which of them it equals decide.
 """
 
 import re
@@ -10,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, Turned
-from derive.checking.latex.quantities import OF_LINK
+from derive.checking.latex.quantities import OF_LINK, STATICS
 from derive.model.quantities import REGISTRY
 
 Indices = tuple[int, ...]
@@ -68,10 +67,9 @@ def candidates(
     return tuple(dict.fromkeys(replace(target, turned=left.turned) for target in found))
 
 
-_VECTORS = frozenset((
-    "g", "tau", "Cqd", "B_qdd", "momentum", "p", "rpy", "euler_zyz", "friction", "centre", "statics", "statics_end",
-    *OF_LINK, "bias",
-))  # fmt: skip
+_VECTORS = frozenset(
+    ("g", "tau", "Cqd", "B_qdd", "momentum", "p", "rpy", "euler_zyz", "friction", "centre", "bias", *STATICS, *OF_LINK)
+)
 _SCALARS = ("christoffel", "manipulability", "kinetic", "potential", "lagrangian", "detJ", "singularities")
 
 
@@ -110,9 +108,9 @@ _DYNAMIC = {
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
 _ENERGIES = {
-    **dict.fromkeys(("T", "K", "Ek", "Ec", "EK", "Ekin", "Tkin", "KE"), "kinetic"),
+    **dict.fromkeys(("T", "K", "KE", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
     "L": "lagrangian",
-    **dict.fromkeys(("U", "V", "P", "Ep", "EP", "Epot", "Upot", "Eg", "PE"), "potential"),
+    **dict.fromkeys(("U", "V", "P", "PE", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
 }
 
 
@@ -265,6 +263,8 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield Target("J_zyz")
     if sub in ("11", "12", "21", "22"):
         yield Target(f"J_{sub}")
+        rows, columns = ((1, 2, 3) if k == "1" else (4, 5, 6) for k in sub)
+        yield from (Target(f"J_at[{k}]", rows, columns) for k in (4, 5) if n == 6)  # of the wrist
     yield from _jacobian_parts(sub, n, indices)
 
 

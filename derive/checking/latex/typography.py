@@ -1,8 +1,7 @@
 r"""What only moves ink in LaTeX is blanked, and the many ways to write one thing become one; every offset stays.
 
-Comments, spaces, sizes, colours, labels and boxes mean nothing. ``\frac{d}{dt} q_1`` becomes ``\dot q_1``, and the
-argument of ``q_1(t)`` goes, as SymPy, MATLAB and Mathematica write them. Nothing is shifted: an error in the result is
-an error at the same place of the text as it was typed.
+``\frac{d}{dt} q_1`` becomes ``\dot q_1``, and the argument of ``q_1(t)`` goes, as SymPy, MATLAB and Mathematica write
+them. Nothing is shifted: an error in the result is one at the same place of the text as it was typed.
 """
 
 import re
@@ -48,7 +47,7 @@ _STARRED = re.compile(
 _STARS = re.compile(rf"(?P<kept>(?:(?P<letter>{_LETTER}){_SUB}?\s*)?){_STAR}")
 _BRACE = re.compile(rf"\\(?:underbrace|overbrace)\s*(?P<kept>{_GROUP})\s*(?:[_^]\s*(?:{_GROUP}|[A-Za-z0-9]))?")
 _BOXED = re.compile(rf"\\(?:boxed|ensuremath|fbox|(?:text)?color\s*\{{\w+\}})\s*\{{(?P<kept>(?:[^{{}}]|{_GROUP})*)\}}")
-_D = r"(?:\\(?:mathrm|mathit|text|operatorname)\s*\{\s*d\s*\}|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
+_D = r"(?:\\(?:mathrm|mathit|text|operatorname)(?:\s*\{\s*d\s*\}|\s+d)|\\partial(?![A-Za-z])|\\dd(?![A-Za-z])|d(?!_))"
 _SQUARE = r"\s*\^\s*(?:2|\{\s*2\s*\})"
 _RATE = re.compile(
     rf"\\[dtc]?frac\s*\{{\s*{_D}(?P<second>{_SQUARE})?(?P<what>(?:[^{{}}]|{_GROUP})*)\}}\s*\{{\s*{_D}\s*t(?:{_SQUARE})?\s*\}}"
@@ -58,7 +57,7 @@ _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
     r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
     r"|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{(?:[^{}_^\\]|\\_)*(?:[_^]|\\[^_]))"
-    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])|\\(?:mathbf|boldsymbol|bm|mathit)(?=\s+[A-Za-hl-z](?![A-Za-z]))"
+    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])|\\(?:mathbf|bm|mathrm|mathit|mathsf|boldsymbol|vec)(?=\s+(?![ijkxyz])\\?[A-Za-z])"
 )
 # Rates as letters behind an index, q_1p for "punto", and as primes, in a text that has accelerations of both kinds.
 _LETTERED = re.compile(
@@ -71,12 +70,13 @@ _PRIMES = re.compile(
 # The centre of mass of a link by its abbreviation, x_{com_1}, and a font of an index.
 _CENTRE = re.compile(r"_\{\s*(?:com|CoM|COM|cm|CM|cog|CoG)\s*,?_?\{?(?P<link>[1-9])\}?\s*\}")
 _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m m, a name of which a scan makes letters
-# An entry in brackets behind a rotation, R_{36}(2,3), R_6^3[2,3] or _6^3R[1,2], which programs count from zero, and a
-# bound of cosines, clamp(c_3, -1, 1).
+# An entry in brackets behind a rotation, R_{36}(2,3), R_6^3[2,3] or _6^3R[1,2], which programs count from zero, or
+# {}^3_6r_{23}, and a bound of cosines, clamp(c_3, -1, 1).
+_SUPER, _LOWER = r"\^\s*\{?[0-9]\}?\s*", r"_\s*\{?[0-9]\}?\s*"
 _ENTRY = re.compile(
-    r"(?:(?<![A-Za-z\\])R\s*_\s*(?:\{(?P<pair>[0-9]{2})\}|\{?(?P<frame>[0-9])\}?\s*\^\s*\{?(?P<seen>[0-9])\}?)"
-    r"|(?:\{\s*\}\s*)?_\s*\{?(?P<to>[0-9])\}?\s*\^\s*\{?(?P<from>[0-9])\}?\s*R)"
-    r"\s*(?:\(|\[)\s*(?P<row>[0-3])\s*(?:,|\]\s*\[)\s*(?P<column>[0-3])\s*(?:\)|\])"
+    rf"(?:(?<![A-Za-z\\])R\s*(?:_\s*\{{(?P<pair>[0-9]{{2}})\}}\s*|{_LOWER}{_SUPER}|{_SUPER}{_LOWER})"
+    rf"|(?:\{{\s*\}}\s*|(?<![\w}})\]]))(?:{_LOWER}{_SUPER}|{_SUPER}{_LOWER})(?:R\s*|(?P<small>r\s*_\s*)(?=\{{)))"
+    r"[(\[{]\s*(?P<row>[0-3])\s*(?(small),?|(?:,|\]\s*\[))\s*(?P<column>[0-3])\s*[)\]}]"
 )
 _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
@@ -147,8 +147,9 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
     text = re.sub(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)", lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
+    text = re.sub(r"(?<=[_^]\{)\\[a-z]+\{[^{}$\\]*\}", lambda m: re.sub("[,-]", " ", m[0]), text)  # {\text{a-b}}
     text = _CLAMPED.sub(_within, text)
-    first = int(all("0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
+    first = int(all(m["small"] or "0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
     text = _ENTRY.sub(partial(_entry, first=first), text)
     if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):
         entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
@@ -192,7 +193,7 @@ def _marked(match: re.Match[str], name: str, dots: int, behind: str | None = Non
 
 def _entry(match: re.Match[str], first: int) -> str:
     """An entry of a rotation; first is the number of the first row."""
-    frames = match["pair"] or (match["seen"] or match["from"]) + (match["frame"] or match["to"])
+    frames = match["pair"] or "".join(re.findall(rf"\{mark}\s*\{{?([0-9])", match[0])[0] for mark in "^_")
     row, column = (int(match[name]) + 1 - first for name in ("row", "column"))
     return f"R_{{{frames},{row}{column}}}".ljust(len(match[0]))
 
