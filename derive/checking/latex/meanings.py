@@ -337,7 +337,8 @@ def entry_named(meanings: Meanings, poses: Poses | None, name: str) -> Expressio
     if turn and (right := meanings.right(Target(f"omega[{turn[1] or turn[2]},0]"))) and not any(right.value[:2, 0]):
         return expression_from_sympy(right.value[2, 0])
     own = taken_apart(f"{match[1]}_{{{match[2]}}}") if (match := _ENTRY.fullmatch(name)) else None
-    return meanings.formula(own) if own is not None else None
+    kinds = ("B",) if own and own.head == "b" else ("",)  # b_2 of books is friction, or a width, as often as B qd + g
+    return meanings.formula(own, kinds) if own is not None else None
 
 
 def entry_or_rate(

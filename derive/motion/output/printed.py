@@ -18,7 +18,6 @@ from derive.arrays import Array
 from derive.errors import QuantityError
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.mechanics.vectors import dot
-from derive.model.kinematic_model import KinematicModel
 from derive.motion.curves.limits import ROUNDING, Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
@@ -31,7 +30,7 @@ from derive.robot.tree import ends
 from derive.targets.escape import latex_text
 
 if TYPE_CHECKING:
-    from derive.motion.simulation.simulation import Run
+    from derive.model.kinematic_model import KinematicModel
 
 AXES = ("x", "y", "z")
 
@@ -156,9 +155,15 @@ class HandCurve:
         return Functions(robot, frozenset({"forward_kinematics", "jacobian"}), self._motion.values)
 
     @cached_property
+    def _model(self) -> KinematicModel:
+        from derive.model.kinematic_model import KinematicModel  # the table of a motion needs no formulas
+
+        return KinematicModel(self.robot)
+
+    @cached_property
     def position(self) -> tuple[Expr, Expr, Expr]:
         """x, y, z of the end effector in the joint variables and the symbols of the robot, the base moving."""
-        p = Matrix([*KinematicModel(self.robot).p, 1])
+        p = Matrix([*self._model.p, 1])
         if self._motion.base is not None:
             p = self._motion.base.transform * p
         x, y, z = p[:3]
@@ -178,7 +183,7 @@ class HandCurve:
     @cached_property
     def weights(self) -> tuple[Expr, ...]:
         """How far the hand goes when a joint alone moves by one: the length of each column of J (slide 27)."""
-        model = KinematicModel(self.robot)
+        model = self._model
         columns, _ = model.jacobian_columns
         squares = (model.form.kinematic(dot(column, column)) for column in columns)
         return tuple(powdenest(sqrt(square), force=True) for square in squares)  # symbols of lengths are positive
