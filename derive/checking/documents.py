@@ -179,9 +179,9 @@ _UNREAD = re.compile(
     re.DOTALL,
 )
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
-# An equation in two formulas, $a$ = $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
+# An equation in two formulas, $a$ = $b$ or **$a =$** $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
 _PARTED = re.compile(
-    r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*)\$(?=[^$\n]+\$(?!\$))"
+    r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*|(?<==\$)[ \t*]*)\$(?=[^$\n]+\$(?!\$))"
     r"|(?<!\$)(\$(?:\\(?:var)?theta|q|d)_\{?\w\}?)(\$:)[ \t]*\$(?=[^$=\n]*(?:cos|tan|sin)[^$=\n]*\$)"
 )
 # A row of a table, | $x$ | $l_1 \cos\theta_1$ |.
@@ -210,7 +210,7 @@ def _markdown(text: str) -> str:
         return blank(match[0])
 
     text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))
-    text = _PARTED.sub(lambda m: (f"{m[1]} {m[2]} " if m[1] else f"{m[3]} = ").ljust(len(m[0])), text)
+    text = _PARTED.sub(lambda m: (f"{m[1]} {m[2].replace('*', ' ')} " if m[1] else f"{m[3]} = ").ljust(len(m[0])), text)
     text = _IN_CELLS.sub(lambda m: f"{m[1]} =".ljust(len(m[0])), text)
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
     if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac

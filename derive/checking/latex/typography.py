@@ -17,7 +17,7 @@ _IDLE = (
     "nonumber|notag|displaystyle|textstyle|scriptstyle|scriptscriptstyle|hline|toprule|midrule|bottomrule|limits|nolimits|"
     "strut|mathstrut|space|allowbreak|nobreak|break|null|relax|protect|noindent|centering|par|medskip|bigskip|smallskip|hfill|"
     "normalsize|small|footnotesize|scriptsize|tiny|large|Large|boldmath|thinspace|medspace|thickspace|negthinspace|"
-    "negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold|cal|it"
+    "ldotp|negmedspace|negthickspace|begingroup|endgroup|bf|rm|bold|cal|it"
 )
 _INK = re.compile(
     r"(?P<kept>\\\\)"
