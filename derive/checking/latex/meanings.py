@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial, reduce
+from functools import cached_property, partial, reduce
 
 import sympy
 
@@ -25,6 +25,7 @@ from derive.model.equality import scalar_quantity
 from derive.model.model import Model
 from derive.model.quantities import OF_ENDS, REGISTRY
 from derive.model.quantity_names import parse
+from derive.robot import tree
 from derive.robot.expression import Expression, Name, is_constant, names
 from derive.robot.names import joint_label, velocity_name
 
@@ -107,6 +108,7 @@ class Meanings:
         self.bases: frozenset[str] = frozenset()  # letters of the text for the frame that all else is seen from
         self.entries: dict[str, Left] = {}  # letters for entries of a matrix, and that matrix
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
+        self.counts_rows = False  # whether rows without motion are counted as frames, in the order of the table
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_turns = False  # whether omega_2 is the angular velocity of link 2, not the rate of joint 2
@@ -150,7 +152,10 @@ class Meanings:
         found: dict[Target, None] = {}
         if left.head in "pP" and left.is_plain and left.sub in self.momenta and self.robot.has_dynamics:
             found[Target("momentum", (self.momenta[left.sub],))] = None
-        for target in candidates(left, self.robot.n, self._first, self.reading, tool=self.robot.tool is not None):
+        count = len(self._rows) - 1 if self.counts_rows else self.robot.n
+        for target in candidates(left, count, self._first, self.reading, tool=self.robot.tool is not None):
+            if self.counts_rows:
+                target = replace(target, quantity=self._between_rows(target.quantity))
             name, _, place = target.quantity.partition("[")
             is_static = name.startswith("joint_") or (name == "tau" and left.head in _TORQUES)
             for axes in ("", "_end") if self.forces and is_static else ():
@@ -166,6 +171,20 @@ class Meanings:
                 found[target] = None
         columns = [target for target in found if target.columns == (2,)]
         return tuple(columns if self.has_o_columns and left.head == "o" and columns else found)
+
+    @cached_property
+    def _rows(self) -> tuple[int, ...]:
+        """Frames by the rows from base to end, as they are numbered here: those that move first."""
+        labels = tree.labels(self.robot)
+        return (0, *(labels.index(label) for label in tree.rows_to(self.robot, tree.ends(self.robot)[0].after)))
+
+    def _between_rows(self, quantity: str) -> str:
+        """A transform between frames that are counted by rows."""
+        if (frames := re.fullmatch(r"(?P<kind>[TA])\[(?:(?P<first>[0-9]+),)?(?P<last>[0-9]+)\]", quantity)) is None:
+            return quantity
+        last = int(frames["last"])
+        first = last - 1 if frames["kind"] == "A" else int(frames["first"] or 0)
+        return f"T[{self._rows[first]},{self._rows[last]}]"
 
     def right(self, target: Target) -> Right | None:
         """What a target stands for, derived once; None where the robot has no such quantity or entry."""

@@ -97,7 +97,7 @@ class Scope:
             self._define()
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0
         self.meanings.reading = self._settled_reading()
-        self._settle_world()
+        self._settle_frames()
         self.meanings.is_angular_first = self._settled_rows()
         self.meanings.has_gravity_opposed = any(map(whole.opposes_gravity, typed))
         if self.meanings.has_gravity_opposed:
@@ -206,17 +206,20 @@ class Scope:
             self.readings.append(f"transforms are read as {scripts.value} = pose of frame i in frame j ({agreeing})")
         return frozenset(turned_round)
 
-    def _settle_world(self) -> None:
-        """Whether frame 0 of the text is the world before a base: what most of its matrices need."""
-        has_base, votes = self.robot.base != IDENTITY and self.document, list[int]()
-        for left, table in self._pairs(lambda left: left.head in "TAH") if has_base else ():
-            rights = (self.rights_read(left, self.meanings.reading) for self.meanings.counts_world in (False, True))
-            fits = [whole.best(some, table) for some in rights]
-            votes.append((fits[1] > fits[0]) - (fits[1] < fits[0]))
-        self.meanings.counts_world = 2 * votes.count(1) >= max(len(votes), 1)
-        if self.meanings.counts_world:
-            agreeing = whole.of_all(votes.count(1), len(votes))
-            self.readings.append(f"frame 0 is read as the world, frame 1 as the base of the robot ({agreeing})")
+    def _settle_frames(self) -> None:
+        """Whether frame 0 of the text is the world before a base, or rows without motion count: what most need."""
+        possible = (self.robot.base != IDENTITY, self.robot.fixed and self.poses)
+        for (way, said), is_possible in zip(whole.COUNTED.items(), possible, strict=True) if self.document else ():
+            votes = list[int]()
+            for left, table in self._pairs(lambda left: left.head in "TAH") if is_possible else ():
+                setattr(self.meanings, way, False)
+                usual = whole.best(self.rights_read(left, self.meanings.reading), table)
+                setattr(self.meanings, way, True)
+                other = whole.best(self.rights_read(left, self.meanings.reading), table)
+                votes.append((other > usual) - (other < usual))
+            setattr(self.meanings, way, 2 * votes.count(1) >= max(len(votes), 1))
+            if getattr(self.meanings, way):
+                self.readings.append(f"{said} ({whole.of_all(votes.count(1), len(votes))})")
 
     def _settled_rows(self) -> bool:
         """Whether whole Jacobians have the angular velocity above the linear one: what most of them need."""
@@ -228,8 +231,7 @@ class Scope:
                 usual, turned = (whole.best(filter(None, map(self.meanings.right, order)), table) for order in orders)
                 vote += (turned > usual) - (turned < usual)
         if vote > 0:
-            rows = "the rows of the angular velocity above those of the linear one"
-            self.readings.append(f"Jacobians are read with {rows}")
+            self.readings.append("Jacobians are read with the rows of the angular velocity above the others")
         return vote > 0
 
     def _settle_jacobian(self) -> None:

@@ -127,6 +127,13 @@ def momenta(text: str, n: int) -> dict[str, int]:
     return {str(k): k for k in range(1, n + 1)} if is_hamiltons else {}
 
 
+# Other ways to count frames, as `Meanings` has them, and what the report says of each.
+COUNTED = {
+    "counts_world": "frame 0 is read as the world, frame 1 as the base of the robot",
+    "counts_rows": "frames are counted by the rows of the table",
+}
+
+
 def best(rights: Iterable[Right], table: Table) -> float:
     """The likeness of a table to what it is most like."""
     return max((right.fits(table) for right in rights), default=0.0)
