@@ -38,11 +38,12 @@ def assert_true(file: dict[str, Any], page: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("page", FILE["pages"], ids=lambda page: page["id"])
+@pytest.mark.first(150)
 def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 
 
-@pytest.mark.first(16)
+@pytest.mark.first(4)
 @pytest.mark.parametrize(("file", "page"), PUBLISHED, ids=[page["id"] for _, page in PUBLISHED])
 def test_a_page_that_other_people_published_gets_them_too(file: dict[str, Any], page: dict[str, Any]) -> None:
     assert_true(file, page)

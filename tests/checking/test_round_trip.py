@@ -48,6 +48,7 @@ def checked(robot: str, text: str, latex: bool = False) -> tuple[Finding, ...]:
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=[item["book"] for item in ITEMS])
+@pytest.mark.first(8)
 def test_what_books_print_is_right(item: dict[str, Any]) -> None:
     found = checked(item["robot"], item.get("text") or item["latex"], "latex" in item)
     assert [finding.text for finding in found if not finding.verdict.equal] == []

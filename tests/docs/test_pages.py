@@ -199,6 +199,7 @@ def executed(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return execution(TOUR, tmp_path_factory.mktemp("tour"))
 
 
+@pytest.mark.sweep
 def test_the_tour_and_the_log_show_what_they_store_as_formulas_or_tables(tmp_path: Path, executed: Any) -> None:
     assert outputs(execution(LOG_TO_MODEL, tmp_path)) == outputs(nbformat.read(LOG_TO_MODEL, as_version=4))
     assert (tmp_path / "identified.yaml").exists()

@@ -33,6 +33,7 @@ def loaded(name: str) -> ModuleType:
 
 
 @pytest.mark.parametrize("name", SAID)
+@pytest.mark.first(4)
 def test_an_example_reaches_its_own_figures(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert loaded(name).main() == 0
     assert SAID[name] in capsys.readouterr().out

@@ -44,6 +44,7 @@ def drawn(robot: Robot) -> tuple[Robot, RobotPoses, Oracle]:
 
 
 @pytest.mark.parametrize("name", COUPLED)
+@pytest.mark.first(3)
 def test_formulas_are_those_of_the_model_and_the_example_those_of_the_oracle(name: str) -> None:
     robot, poses, oracle = drawn(Robot.load(name))
     sheet, model = sections(robot), Model(robot)
@@ -63,6 +64,7 @@ def formulas(blocks: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.first(2)
 def test_printed_derivatives_are_the_rates_of_the_passive_joints(name: str) -> None:
     robot, poses, _ = drawn(Robot.load(name))
     q, names = np.array(poses.zero), [joint.variable for joint in robot.joints]
@@ -80,6 +82,7 @@ def test_printed_derivatives_are_the_rates_of_the_passive_joints(name: str) -> N
 
 
 @pytest.mark.parametrize("text", [*COUPLED, STIFF, NAMELESS], ids=[*COUPLED, "stiff", "nameless"])
+@pytest.mark.first(3)
 def test_figures_are_where_the_oracle_is_and_closed(text: str) -> None:
     robot, poses, oracle = drawn(Robot.from_text(text) if "\n" in text else Robot.load(text))
     frames = np.array(poses.frames(poses.zero))

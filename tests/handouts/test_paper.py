@@ -76,7 +76,7 @@ def test_nothing_is_abbreviated_where_functions_are_in_full() -> None:
     assert r"\cos (\vartheta_{1} + \vartheta_{2})" in text
 
 
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seed", seeds(RANDOM_ROBOTS, usual=8))
 def test_random_robots_in_any_notation(seed: int, tmp_path: Path) -> None:
     robot = Robot.from_text(robot_text(random.Random(7000 + seed), 1 + seed % 7))

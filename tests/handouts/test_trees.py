@@ -56,6 +56,7 @@ def assert_same(found: dict[tuple[int, int], sympy.Expr], wanted: Any, *, symmet
 
 
 @pytest.mark.parametrize("name", TREES)
+@pytest.mark.first(1)
 def test_formulas_of_every_end_are_those_of_the_model(name: str) -> None:
     robot = Robot.load(name)
     sheet, model = sections(robot), Model(robot)

@@ -75,7 +75,7 @@ def test_the_plan_keeps_to_all_limits_and_begins_and_ends_at_rest(criterion: str
     assert (stacked(motion) @ beta)[1:] == pytest.approx(motion.torques(motion.times[1:-1]), abs=1e-9)
 
 
-@pytest.mark.parametrize("criterion", [*Criterion])
+@CRITERIA
 def test_condition_and_deviations_are_those_of_least_squares(criterion: str) -> None:
     excitation = found(criterion)
     regressors = stacked(Motion.from_text(excitation.text))

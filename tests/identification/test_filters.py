@@ -25,6 +25,7 @@ def gathered(preparation: Preparation) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("decimate", [1, 5])
+@pytest.mark.first(1)
 def test_blocks_give_what_the_whole_log_gives(decimate: int, monkeypatch: pytest.MonkeyPatch) -> None:
     found = []
     for size in (1 << 30, 700):

@@ -56,6 +56,7 @@ def cases() -> list[Robot]:
 
 
 @pytest.mark.parametrize("robot", cases(), ids=lambda robot: robot.name)
+@pytest.mark.first(5)
 def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) -> None:
     unknowns = Unknowns(robot, ("viscous", "coulomb", "armature"))
     base, oracle = unknowns.base.parameters, Oracle.of(unknowns.wide, base=unknowns.base.parameters)

@@ -46,6 +46,7 @@ CASES += some_swept(4, len(CLASSES), [partial(random_arm, kind, number) for numb
 
 
 @pytest.mark.parametrize(("make", "count"), CASES)
+@pytest.mark.first(2)
 def test_an_arm_has_every_solution_and_nothing_else(make, count):
     """Arms of books, arms on which solvers stumble, and random ones."""
     case = make()

@@ -39,6 +39,7 @@ def robot_of(name: str) -> Robot:
 
 
 @pytest.mark.parametrize("name", TREES)
+@pytest.mark.first(2)
 def test_operations_beside_those_of_symoro(name: str) -> None:
     wanted = {function: TREES[name][function]["derive"] for function in ("inverse_dynamics", "inertia_matrix")}
     counts = {f.name: f.operations for f in build_program(robot_of(name), names={*wanted})}

@@ -63,6 +63,7 @@ write_map(Robot.from_text(sys.argv[2]), sys.argv[1], grid=0.1, orientations=9, p
 """
 
 
+@pytest.mark.sweep
 def test_a_killed_map_goes_on_to_the_same_bytes(tmp_path: Path, whole: dict[str, bytes]) -> None:
     path, text = tmp_path / "killed.zarr", SCARA.text
     done = subprocess.run([sys.executable, "-c", KILLED, str(path), text], cwd=ROOT, timeout=300)

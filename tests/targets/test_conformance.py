@@ -53,6 +53,7 @@ def assert_right(language: str, robot: Robot, program: Program) -> None:
 
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("seed", seeds(10, usual=1))
+@pytest.mark.first(3)
 def test_functions_of_random_robots_are_those_of_the_oracle(language: str, seed: int) -> None:
     robot = Robot.from_text(random_robot(random.Random(900 + seed), 1 + seed % 5).text)
     assert_right(language, robot, full_program(robot))
@@ -67,6 +68,7 @@ def test_functions_of_random_trees_are_those_of_the_oracle(language: str, seed: 
 
 @pytest.mark.parametrize("language", languages("octave", "javascript"))
 @pytest.mark.parametrize("name", sampled(catalogue_names(), BUILT_IN))
+@pytest.mark.first(3)
 def test_functions_of_built_in_robots_are_those_of_the_oracle(language: str, name: str) -> None:
     """Those in Python and C are verified where they are committed."""
     robot = without_parallelograms(Robot.load(name))
@@ -140,6 +142,7 @@ def solver(request: pytest.FixtureRequest) -> Iterator[Solver]:
         yield Solver(model, numpy, q, numpy.call("forward_kinematics", [q], parameters), places, parameters)
 
 
+@pytest.mark.first(5)
 def test_branches_are_those_of_numpy_and_lead_to_their_poses(solver: Solver) -> None:
     """CasADi's functions do not look elsewhere where joints are free; whatever they find leads there."""
     poses, given = solver.poses, solver.q[:, solver.places]
@@ -193,6 +196,7 @@ def test_no_branch_exists_at_what_is_no_number_or_out_of_any_reach(language: str
 
 
 @pytest.mark.parametrize("language", languages("numpy", "native", "c", "octave", "javascript"))
+@pytest.mark.first(2)
 def test_solutions_that_stand_alone_beside_infinitely_many_are_listed(language: str) -> None:
     case = random_arm("5dof", 17)
     robot = case.robot()

@@ -169,6 +169,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize(("words", "fault"), FAULTS.items())
+@pytest.mark.first(5)
 def test_every_fault_is_found_and_named(tmp_path: Path, words: str, fault: str) -> None:
     assert re.search(words if "." in words else re.escape(words), failure(tmp_path, fault))
 

@@ -36,6 +36,7 @@ def figure(robot: Robot, text: Text | None = None) -> Viewer:
 
 
 @pytest.mark.parametrize("seed", seeds(12, usual=4))
+@pytest.mark.first(2)
 def test_any_robot_gets_a_figure_that_starts_within_its_limits(seed: int) -> None:
     robot = Robot.from_text(random_robot(random.Random(4000 + seed)).text)
     made = figure(robot)

@@ -189,6 +189,7 @@ def test_long_conditions_and_equations_stay_within_the_margins(seed: int, tmp_pa
 
 
 @pytest.mark.parametrize("case", [c for c in PUBLISHED if c.name in ("scara-wrist", "crx-10ia")], ids=lambda c: c.name)
+@pytest.mark.first(1)
 def test_arms_of_books_have_the_part(case: ArmCase) -> None:
     """With three parallel axes first; with an offset wrist, whose joints are those of an eigenvalue problem."""
     said = words(part(case.robot(), "inverse"))

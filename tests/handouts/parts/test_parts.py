@@ -185,6 +185,7 @@ SAID: list[tuple[str, str, tuple[str, ...], tuple[str, ...]]] = [
 
 
 @pytest.mark.parametrize(("robot", "name", "said", "unsaid"), SAID)
+@pytest.mark.first(8)
 def test_what_a_reader_must_know_is_said(robot: str, name: str, said: tuple[str, ...], unsaid: tuple[str, ...]) -> None:
     found = part(robot, name, steps=True)
     text = "\n".join((words(found), *lines(blocks_of(found)), ""))
@@ -210,6 +211,7 @@ def test_the_texts_are_translated() -> None:
 
 
 @pytest.mark.parametrize("key", [*chains(), *range(20)])
+@pytest.mark.first(8)
 def test_every_robot_has_the_part(key: str | int) -> None:
     robot = key if isinstance(key, str) else random_robot(random.Random(key), dynamics=False).text
     for block in blocks_of(part(robot, "singularities", steps=True)):

@@ -123,6 +123,7 @@ control: {law: computed-torque, kp: 100, kd: 20}
         ("{x: t**2}", 9.81, 2),
     ],
 )
+@pytest.mark.first(2)
 def test_joints_and_base_do_the_work_of_lifting_a_kilogram_on_a_slide(base: str, work: float, given: float) -> None:
     motion = Motion.from_text(SLIDE + f"base: {base}\n")
     run, planned = motion.simulate(), motion.peaks[0]
@@ -165,6 +166,7 @@ RIDDEN += [
 
 
 @pytest.mark.parametrize(("law", "dry", "friction", "base", "extra"), RIDDEN)
+@pytest.mark.first(2)
 def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
     law: str, dry: float, friction: str, base: str, extra: str
 ) -> None:

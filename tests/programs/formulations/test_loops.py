@@ -44,6 +44,7 @@ def test_a_root_is_taken_as_it_is_so_that_an_open_loop_has_no_numbers() -> None:
 
 
 @pytest.mark.parametrize("branch", "+-")
+@pytest.mark.first(1)
 def test_generated_positions_are_those_of_the_solution_and_no_numbers_where_the_loop_is_open(
     branch: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -29,6 +29,7 @@ def validator() -> jsonschema.Draft202012Validator:
 
 
 @pytest.mark.parametrize("name", catalogue_names())
+@pytest.mark.first(15)
 def test_the_catalogue_satisfies_the_schema(name: str) -> None:
     validator().validate(yaml.safe_load(robot_file_bytes(name)))
 
@@ -39,6 +40,7 @@ def test_a_robot_in_its_own_block_and_a_new_robot_satisfy_the_schema() -> None:
 
 
 @pytest.mark.parametrize("name", STRUCTURAL.split())
+@pytest.mark.first(15)
 def test_what_the_loader_refuses_for_its_structure_the_schema_refuses_too(name: str) -> None:
     data = HOSTILE[name][0]
     assert not validator().is_valid(yaml.safe_load(data))

@@ -33,6 +33,7 @@ def places(value: Any) -> list[tuple[Any, Any]]:
 
 
 @pytest.mark.parametrize(("block", "text"), ALL)
+@pytest.mark.first(16)
 def test_what_fits_is_what_pydantic_accepts(block: type[Strict], text: bytes) -> None:
     tree = yaml.load(text, yaml.BaseLoader)
     assert fits(block, tree)
