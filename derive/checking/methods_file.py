@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from importlib.resources import files
 from itertools import islice
 from typing import Any
 
 import numpy as np
-from lark import Lark, Token
+from lark import Token
 from lark.exceptions import UnexpectedInput
 from lark.visitors import Transformer_NonRecursive
 
@@ -25,6 +24,7 @@ from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import FileReport, Finding, Role
 from derive.checking.formulas.reading import required_text
+from derive.checking.latex.grammar import parser
 from derive.errors import CheckError, Location, listed, near_miss, quoted
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.printed_newton_euler import LinkStep, PrintedRecursion, printed_newton_euler
@@ -167,12 +167,6 @@ def _arm(types: str, seed: int) -> Robot:
 MAX_LENGTH = 400  # characters; three times the longest equation of the books, and no tree of them is too deep
 
 
-@cache
-def _parser() -> Lark:
-    grammar = files("derive.checking").joinpath("vector_equation.lark").read_text(encoding="utf-8")
-    return Lark(grammar, parser="lalr")
-
-
 @dataclass(frozen=True, slots=True)
 class Vector:
     """A node: a name, a number, or an operation on the nodes below."""
@@ -207,7 +201,7 @@ def read_vector(text: str, where: Location) -> Vector:
         allowed = f"allowed: at most {MAX_LENGTH} characters"
         raise CheckError("vector equation too long", allowed=allowed, location=where)
     try:
-        return _VectorBuilder().transform(_parser().parse(text))
+        return _VectorBuilder().transform(parser("vector_equation.lark").parse(text))
     except UnexpectedInput as error:
         at = min(getattr(error, "pos_in_stream", None) or 0, len(text))
         found, there = f"vector equation {quoted(text, 80)}", place(text, at, where)

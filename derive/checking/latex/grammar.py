@@ -54,14 +54,14 @@ def _refused(offset: int | None, found: str, allowed: str = "", remedy: str = ""
 
 def parsed(text: str, names: LatexNames, tables: Mapping[int, Expression | Table]) -> Expression | Table:
     """What a formula says."""
-    found: Expression | Table = FormulaBuilder(names, tables).transform(_parser().parse(text))
+    found: Expression | Table = FormulaBuilder(names, tables).transform(parser("latex_formula.lark").parse(text))
     return found
 
 
 @cache
-def _parser() -> Lark:
-    grammar = files("derive.checking").joinpath("latex_formula.lark").read_text(encoding="utf-8")
-    return Lark(grammar, parser="lalr")
+def parser(grammar: str) -> Lark:
+    """What reads the language of a grammar beside this package, by the name of its file."""
+    return Lark(files("derive.checking").joinpath(grammar).read_text(encoding="utf-8"), parser="lalr")
 
 
 class FormulaBuilder(Transformer_NonRecursive[Token, Any]):

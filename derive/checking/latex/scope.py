@@ -217,7 +217,7 @@ class Scope:
                 setattr(self.meanings, way, True)
                 other = whole.best(self.rights_read(left, self.meanings.reading), table)
                 votes.append((other > usual) - (other < usual))
-            setattr(self.meanings, way, 2 * votes.count(1) >= max(len(votes), 1))
+            setattr(self.meanings, way, sum(votes) > 0 and 2 * votes.count(1) >= len(votes))
             if getattr(self.meanings, way):
                 self.readings.append(f"{said} ({whole.of_all(votes.count(1), len(votes))})")
 
