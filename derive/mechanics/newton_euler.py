@@ -169,9 +169,13 @@ def inverse_dynamics(
     qdd: Sequence[S],
     choices: Sequence[FrameChoice] = (),
     base: LinkMotion[S] | None = None,
+    tip: Wrench[S] | None = None,
 ) -> list[S]:
-    """B qdd + C qd + g without friction, n entries [N m or N]; ``base`` as `link_motions` takes it."""
-    return torques_and_wrench(chain, qd, qdd, choices, base)[0]
+    """B qdd + C qd + g without friction, n entries [N m or N]; ``base`` as `link_motions` takes it.
+
+    ``tip`` is the wrench of the last link on what is beyond it, in its joint frame, about its origin.
+    """
+    return torques_and_wrench(chain, qd, qdd, choices, base, tip)[0]
 
 
 def torques_and_wrench(
@@ -180,12 +184,13 @@ def torques_and_wrench(
     qdd: Sequence[S],
     choices: Sequence[FrameChoice] = (),
     base: LinkMotion[S] | None = None,
+    tip: Wrench[S] | None = None,
 ) -> tuple[list[S], Wrench[S]]:
     """The same, and force and moment (at the origin of frame 0, in its axes) by which the base moves the arm."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices, base)
     torques: list[S] = []
-    for i, wrench in carried_wrenches(chain, motions, rates, accelerations, choices):
+    for i, wrench in carried_wrenches(chain, motions, rates, accelerations, choices, tip):
         if i >= 0:
             joint = chain.joints[i]
             alpha = motions[joint.parent + 1].alpha
@@ -201,9 +206,11 @@ def carried_wrenches(
     rates: Sequence[S],
     accelerations: Sequence[S],
     choices: Sequence[FrameChoice],
+    tip: Wrench[S] | None = None,
 ) -> Iterator[tuple[int, Wrench[S]]]:
     """From the tip inward, by joint (from 0) the wrench that moves all that it carries; at -1 that on the base."""
     carried: list[Wrench[S]] = [(chain.null, chain.null)] * (chain.n + 1)  # by the base and each link for those beyond
+    carried[-1] = tip or carried[-1]
     for i in range(chain.n - 1, -1, -1):
         joint, motion = chain.joints[i], motions[i + 1]
         own_force, own_moment = body_wrench(chain.bodies[i], motion, (choices[i] if choices else PLAIN).second_moments)

@@ -30,6 +30,11 @@ def _has_regressor(robot: Robot) -> bool:
     return robot.has_dynamics and has_regressor(robot)
 
 
+def _takes(frame: str, robot: Robot) -> bool:
+    """Whether the robot's file asks for dynamics under a wrench in such axes."""
+    return frame in robot.wrench
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRow:
     """A generated function."""
@@ -284,6 +289,35 @@ ROWS = (
         search=False,
         most_improved=POLICY.most_eliminated,
         without_value=dynamics.no_task_inertia,
+    ),
+    *(
+        row
+        for frame, suffix, axes in ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
+        for row in (
+            _row(
+                (f"tau = inverse_dynamics_wrench{suffix}(q, qd, qdd, h)", ("n",)),
+                f"Joint torques and forces of a motion under a wrench in the axes of the {axes}.",
+                "B qdd + C qd + g + viscous*qd + coulomb*sign(qd) - J^T h",
+                partial(dynamics.torques_under_wrench, frame),
+                exists=partial(_takes, frame),
+                margin=POLICY.dynamics_margin,
+            ),
+            _row(
+                (f"qdd = forward_dynamics_wrench{suffix}(q, qd, tau, h)", ("n",)),
+                f"Joint accelerations under given torques, forces and a wrench in the axes of the {axes}.",
+                "solution of tau = B qdd + C qd + g + friction - J^T h",
+                partial(dynamics.accelerations_under_wrench, frame),
+                exists=partial(_takes, frame),
+                without_value=dynamics.no_accelerations,
+            ),
+            _row(
+                (f"dtau/dq = inverse_dynamics_wrench{suffix}_dq(q, qd, qdd, h)", ("n", "n")),
+                f"Derivatives of inverse_dynamics_wrench{suffix} with respect to q.",
+                f"row i, column j: d tau_i / d q_j at constant qd, qdd and h, h in the axes of the {axes}",
+                partial(dynamics.slopes_under_wrench, frame),
+                exists=lambda robot, frame=frame: _takes(frame, robot) and robot.n <= POLICY.most_derivatives,
+            ),
+        )
     ),
     _row(
         ("q_p = passive_positions(q)", ("u",)),

@@ -318,6 +318,7 @@ class Description:
     # Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
     parameters: tuple[tuple[str, Expression], ...] = ()
     runtime: tuple[str, ...] = ()  # names that stay free in generated code though they have a number
+    wrench: tuple[str, ...] = ()  # axes, "world" or "end", of a wrench that generated dynamics take as an argument
     style: Style = field(default_factory=Style)  # how expressions are grouped in print
     handout: HandoutOptions = field(default_factory=HandoutOptions)  # what the handout shows and how
     figure: FigureOptions = field(default_factory=FigureOptions)  # which configuration is drawn

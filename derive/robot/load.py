@@ -107,6 +107,7 @@ def description_from_bytes(data: bytes, source: str) -> Description:
         title=inert_text(document, ("title",), "\n\t") or name,
         parameters=parameters,
         runtime=runtime,
+        wrench=tuple(document.text("wrench", index) for index in range(document.length(("wrench",)))),
         style=read_style(document),
         handout=read_handout(document),
         figure=read_figure(document, cells, table.variables, parameters),

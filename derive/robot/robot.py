@@ -30,6 +30,7 @@ class Robot(Description):
         links: Masses, centres of mass, inertias, motors and friction, one per joint; empty without dynamics.
         parameters: Symbols with their exact numbers.
         runtime: Names that stay arguments of generated functions though they have a number.
+        wrench: Axes (world, end) of a wrench on the end effector that generated dynamics take as an argument.
         style: How printed expressions are grouped.
         handout: What the handout shows and how.
         figure: Which configuration is drawn.

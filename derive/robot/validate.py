@@ -214,6 +214,7 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
             found = f"joint variable '{moving[0]}'"
             raise document.error(path, found, "allowed: numbers and parameters", "use another name")
     _check_symbols(document, cells, robot)
+    _check_wrench(document, robot)
     values: dict[str, float] = {}
     for name, expression in robot.parameters:
         number = _number(document, ("parameters", name), expression, {})
@@ -315,6 +316,17 @@ def _check_symbols(document: Document, cells: Cells, robot: Description) -> None
         if name not in symbols:
             found, allowed = f"unknown symbol '{name}'", "allowed: symbols that a cell uses"
             raise document.error(path, found, allowed, near_miss(name, symbols))
+
+
+def _check_wrench(document: Document, robot: Description) -> None:
+    """Functions under a wrench need bodies, and one end effector that no loop holds."""
+    if len(set(robot.wrench)) < len(robot.wrench):
+        raise document.error(("wrench", 1), f"'{robot.wrench[0]}' twice", remedy="remove one")
+    if robot.wrench and (robot.is_tree or not robot.links):
+        lacks, remedy = ("one chain of joints", "remove it; wrench_torques_END is there for each end")
+        if not robot.links:
+            lacks, remedy = "links", "add links, or remove it; wrench_torques needs none"
+        raise document.error(("wrench",), f"dynamics under a wrench are only of robots with {lacks}", remedy=remedy)
 
 
 def _value(expression: Expression, values: Mapping[str, float]) -> float | None:

@@ -67,6 +67,7 @@ def robot_text(robot: description.Description, comments: Sequence[str] = ()) -> 
     numbers = {name: cell_text(in_symbol_units(robot, name, value)) for name, value in robot.parameters}
     lines += _block("parameters", numbers)
     lines += [f"runtime: [{', '.join(robot.runtime)}]"] if robot.runtime else []
+    lines += [f"wrench: [{', '.join(robot.wrench)}]"] if robot.wrench else []
     return "\n".join([*lines, *_options(robot)]) + "\n"
 
 

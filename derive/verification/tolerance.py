@@ -129,7 +129,7 @@ class Bounds:
         by its defect. A base whose defect is rounding of floats leaves nothing undetermined.
         """
         of_eight = ("jacobian_end", "jacobian_dot", "jacobian_hessian", *ANGLES)
-        of_eight += tuple(f"wrench_torques{kind}" for kind in ("", "_dq", "_end", "_end_dq"))
+        of_eight += tuple(name for name in FUNCTIONS if "wrench" in name)
         steps = {"jacobian": 4.0, **dict.fromkeys(of_eight, 8.0)}
         return steps.get(stem(function), 0.0) * self.base_defect if self.base_defect > ROUNDING else 0.0
 
@@ -152,6 +152,14 @@ _SIZES: Mapping[str, Callable[..., Any]] = {
     "potential_energy": lambda bounds: bounds.potential,
     "inverse_dynamics": Bounds.torque,
     "inverse_dynamics_dq": lambda bounds, qd, qdd: np.outer(bounds.rigid(qd, qdd), bounds.steepness),
+    **dict.fromkeys(
+        ("inverse_dynamics_wrench", "inverse_dynamics_wrench_end"),
+        lambda bounds, qd, qdd, h: bounds.torque(qd, qdd) + h @ bounds.jacobian,
+    ),
+    **dict.fromkeys(
+        ("inverse_dynamics_wrench_dq", "inverse_dynamics_wrench_end_dq"),
+        lambda bounds, qd, qdd, h: np.outer(bounds.rigid(qd, qdd) + h @ bounds.jacobian, bounds.steepness),
+    ),
     "inverse_dynamics_dqd": lambda bounds, qd: 2.0 * bounds.coriolis_matrix(qd) + np.diag(bounds.friction[0]),
 }
 
@@ -257,12 +265,13 @@ class AccelerationExpectation(Expectation):
     of Numerical Algorithms, section 10.1). Configurations where B is singular determine no accelerations.
     """
 
+    tau: Array  # (..., n) the torques, with what joints feel of a wrench
     bias: Array  # (..., n) C qd + g + friction
     root: Array  # (..., n) square roots of the diagonal of B, where that vanishes of its natural size
 
     def errors(self, got: Array) -> Array:
         """How far off accelerations are."""
-        q, qd, tau = self.arguments
+        (q, qd, *_), tau = self.arguments, self.tau
         finite = np.where(np.isfinite(got), got, 0.0)
         left = self.oracle.evaluate("inverse_dynamics", q, qd, finite) - tau
         inertial = self.root * (self.root * np.abs(finite)).sum(axis=-1, keepdims=True)
@@ -301,8 +310,8 @@ def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ..
         return _base_parameters(oracle)
     of_joints, known = oracle.of_joints(function, arguments), stem(function)
     limits = Bounds(oracle, of_joints[0], function)
-    if function == "forward_dynamics":
-        return _accelerations(oracle, arguments, limits)
+    if function.startswith("forward_dynamics"):
+        return _accelerations(oracle, function, arguments, limits)
     value = oracle.evaluate(function, *arguments)
     if function == "task_inertia":  # whose entries are those of unit directions times the roots of the diagonal
         root = np.sqrt(np.maximum(np.diagonal(value, axis1=-2, axis2=-1), TINY))
@@ -348,9 +357,13 @@ def _eigenvalues(matrix: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(matrix / (unit[..., :, None] * unit[..., None, :])))
 
 
-def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds) -> AccelerationExpectation:
+def _accelerations(
+    oracle: Oracle, function: str, arguments: tuple[Array, ...], limits: Bounds
+) -> AccelerationExpectation:
     """Accelerations by solving with B, where it is regular."""
-    q, qd, tau = arguments
+    q, qd, tau, *wrench = arguments
+    if wrench:
+        tau = tau + oracle.evaluate(function.replace("forward_dynamics_wrench", "wrench_torques"), q, *wrench)
     matrix, s = oracle.evaluate("inertia_matrix", q), None if oracle.arm.coupling is None else oracle.shares(q)
     inertia = limits.inertia if s is None else (np.sqrt(limits.inertia) @ s) ** 2
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
@@ -363,7 +376,7 @@ def _accelerations(oracle: Oracle, arguments: tuple[Array, ...], limits: Bounds)
     rate = largest(oracle.of_joints("coriolis_vector", (q, qd))[1])
     torque = limits.torque(rate, np.zeros_like(rate))
     scale = FLOOR * (torque if s is None else torque @ s)
-    return AccelerationExpectation(oracle, arguments, value, scale, regular, bias, root)
+    return AccelerationExpectation(oracle, arguments, value, scale, regular, tau, bias, root)
 
 
 def _base_parameters(oracle: Oracle) -> BaseExpectation:

@@ -224,7 +224,9 @@ BLOCK_ROWS = 8231
 # Samples times n^4 that may be spent on Christoffel symbols: all samples up to 14 joints, a few beyond.
 CHRISTOFFEL_BUDGET = 1_000_000
 # Functions without a value in some configurations: where B, J or the angles are singular.
-UNDETERMINED = frozenset({"forward_dynamics", "manipulability_dq", *ANGLES})
+UNDETERMINED = frozenset(
+    {"forward_dynamics", "forward_dynamics_wrench", "forward_dynamics_wrench_end", "manipulability_dq", *ANGLES}
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -106,6 +106,22 @@ def test_generated_code_of_a_long_chain_agrees_with_pinocchio(
     check_with_pinocchio(robot, generate(Robot.from_text(robot.text), tmp_path, effort))
 
 
+@pytest.mark.parametrize("seed", seeds(100, usual=8))
+def test_dynamics_under_a_wrench_are_those_of_pinocchio(seed: int) -> None:
+    drawn = random_robot(random.Random(seed), 1 + seed % 7)
+    robot, outside = Robot.from_text(f"{drawn.text}\nwrench: [world, end]"), reference(drawn)
+    names = [name for name, each in FUNCTIONS.items() if each.wrench]
+    model = numpy_model(robot, build_program(robot, Effort.QUICK, names=names))
+    q, qd, last = configurations(random.Random(seed), robot.n, 3)
+    h = 10 * configurations(random.Random(seed), 6, 1)[0]
+    for name in names:
+        found, wanted = (
+            getattr(model, name)(q, qd, last, h, params=drawn.values),
+            getattr(outside, name)(q, qd, last, h),
+        )
+        assert np.abs(found - wanted).max() < 1e-10 * max(1.0, np.abs(wanted).max()), name
+
+
 @pytest.mark.parametrize("seed", seeds(100, usual=12))
 def test_the_inertia_of_the_task_is_that_of_pinocchio_where_its_rows_are_independent(seed: int) -> None:
     drawn = random_robot(random.Random(seed), 1 + seed % 7)

@@ -3,7 +3,9 @@
 Multiplications, additions and divisions; signs are free, sines and cosines apart, work on parameters alone apart.
 """
 
+from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import pytest
 
@@ -73,3 +75,15 @@ def test_what_follows_from_others_needs_less_than_these_and_the_rest_by_hand(nam
     assert cost["manipulability_dq"] < by_hand
     by_hand = cost["jacobian"] + cost["inertia_matrix"] + 2 * n**3 // 3 + 2 * n * n * m + square + 2 * m**3
     assert cost["task_inertia"] < by_hand
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.sweep] * (n not in USUAL)) for n in COUNTED])
+def test_dynamics_under_a_wrench_need_less_than_without_and_what_joints_feel_of_it(name: str) -> None:
+    plain = ("inverse_dynamics", "forward_dynamics", "inverse_dynamics_dq")
+    names = {f"{stem}{suffix}" for stem in ("wrench_torques", *plain) for suffix in ("", "_dq", "_end", "_end_dq")}
+    names |= {f"{stem}_wrench{suffix}" for stem in plain[:2] for suffix in ("", "_dq", "_end", "_end_dq")}
+    robot = replace(load(name).robot, wrench=("world", "end"))
+    cost = {function.name: function.operations.cost for function in build_program(robot, names=names)}
+    for function, axes in product(plain, ("", "_end")):
+        order, stem = "_dq" * function.endswith("_dq"), function.removesuffix("_dq")
+        assert cost[f"{stem}_wrench{axes}{order}"] < cost[function] + cost[f"wrench_torques{axes}{order}"]

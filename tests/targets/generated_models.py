@@ -39,6 +39,7 @@ links:
   - {mass: m2, com: [-0.2, 0.1, 0], inertia: {zz: 0.03, xx: 0.01}, motor: {mass: 0.3, inertia: 0.001, ratio: 50}}
 parameters: {a1: 0.5, a2: 0.4}
 inverse: {task: [z, phi]}
+wrench: [world, end]
 """
 PARAMETERS = {"m1": 2.0, "m2": 1.5}
 ONE_JOINT = text_of_rows("R a: 0.5", name="one")

@@ -123,7 +123,7 @@ def test_names_are_given_once_and_used_afterwards(language: Language) -> None:
         kernel = write_kernel(function.tape, language, program.parameters)
         known = {*kernel.constants, *(f"p_{name}" for name in program.parameters), "const"}
         known |= {"sin", "cos", "sqrt", "sign", "less"}
-        known |= {f"{kind}{i}" for kind in ("q", "qd", "qdd", "tau") for i in (1, 2)}
+        known |= {f"{kind}{i}" for kind in ("q", "qd", "qdd", "tau") for i in (1, 2)} | {f"h{i}" for i in range(1, 7)}
         for line in (*kernel.hoisted, *kernel.body):
             name, value = line.removeprefix("const ").rstrip(";").split(" = ")
             assert name not in known, function.name

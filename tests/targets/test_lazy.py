@@ -35,7 +35,7 @@ def inputs(module: ModuleType, name: str) -> list[np.ndarray]:
     """Random arguments of a function, as its signature says; the first has the batch, others a part of it."""
     rng = np.random.default_rng(len(name))
     cores = re.findall(r"\(([\d,]*)\)", module.SIGNATURES[name].partition("->")[0])
-    batches = (BATCH, BATCH[1:], (BATCH[0], 1))
+    batches = (BATCH, BATCH[1:], (BATCH[0], 1), (1,))
     found = [
         rng.uniform(0.3, 1.3, (*batch, int(core))) for batch, core in zip(batches, cores, strict=False) if core != "4,4"
     ]

@@ -37,6 +37,8 @@ SHAPES = {
     **dict.fromkeys(("gravity_vector", "inverse_dynamics", "forward_dynamics", "coriolis_vector"), (2,)),
     **dict.fromkeys(("manipulability_dq", "wrench_torques", "wrench_torques_end"), (2,)),
     **dict.fromkeys(("wrench_torques_dq", "wrench_torques_end_dq"), (2, 2)),
+    **{f"{name}_wrench{axes}": (2,) for name in ("inverse_dynamics", "forward_dynamics") for axes in ("", "_end")},
+    **dict.fromkeys(("inverse_dynamics_wrench_dq", "inverse_dynamics_wrench_end_dq"), (2, 2)),
     **dict.fromkeys(("inverse_dynamics_dq", "inverse_dynamics_dqd"), (2, 2)),
     "base_regressor": (2, 8),
 }

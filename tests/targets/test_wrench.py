@@ -47,6 +47,16 @@ def test_derivatives_are_at_a_constant_wrench(model: ModuleType, frame: str) -> 
     same(found, (forth - back).T / (2 * step), 1e-5)
 
 
+@pytest.mark.parametrize("frame", JACOBIANS)
+def test_a_file_may_ask_for_dynamics_that_take_the_wrench_as_an_argument(model: ModuleType, frame: str) -> None:
+    a, suffix = arguments(3), "_end" * (frame == "end")
+    for name, order in (("inverse_dynamics", ""), ("forward_dynamics", ""), ("inverse_dynamics", "_dq")):
+        motion = (a["q"], a["qd"], a["tau" if name == "forward_dynamics" else "qdd"])
+        found = getattr(model, f"{name}_wrench{suffix}{order}")(*motion, a["h"], params=PARAMETERS)
+        plain = getattr(model, f"{name}{order}")
+        same(found, plain(*motion, params=PARAMETERS, wrench=a["h"], wrench_frame=frame), 1e-10)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

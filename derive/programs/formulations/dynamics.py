@@ -21,6 +21,7 @@ from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_set
 from derive.model.identification.parameter_values import base_formulas, base_values, standard_formulas
+from derive.programs.formulations import kinematics
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices
 from derive.programs.formulations.trace import Trace, flat
@@ -99,6 +100,21 @@ def torques(trace: Trace) -> Iterator[Formulation]:
     yield from _closed(trace, "inverse_dynamics", trace.with_friction)
 
 
+def torques_under_wrench(frame: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of tau - J^T h, with h in the axes of the world or of the end effector."""
+    words, starts = f"Newton-Euler with the wrench on the last link {_BASE}", _torque_choices(trace)
+    recursion = _newton_euler(trace, QDD, frame)
+    yield from _searched(trace, f"torques, {frame} wrench", words, recursion, ALL_CHOICES, starts)
+    yield from _less(frame, trace, torques(trace))
+
+
+def _less(frame: str, trace: Trace, plain: Iterator[Formulation], order: int = 0) -> Iterator[Formulation]:
+    """Formulations less what joints feel of a wrench."""
+    for each in plain:
+        for found in kinematics.with_wrench_torques(frame, trace, each.trace(), -1, order=order):
+            yield Formulation(f"{each.words}, less J^T h", partial(list, found))
+
+
 def coriolis_vectors(trace: Trace) -> Iterator[Formulation]:
     """Formulations of C qd."""
     zero, rates, still = trace.chain.zero, trace.arguments(QD), trace.still()
@@ -133,9 +149,27 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
             return forward_dynamics(_cheapest_inertia(trace), bias(_torque_choices(trace)[0]), trace.arguments(TAU))
 
         yield Formulation("inertia matrix and Newton-Euler, factorised without roots", _factorised)
-    if n >= POLICY.fewest_articulated:
+    yield from _articulated(trace, trace.arguments(TAU))
+
+
+def accelerations_under_wrench(frame: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of qdd under given torques and a wrench in the axes of the world or of the end effector."""
+    given, choices, inertia = trace.arguments(TAU), _torque_choices(trace)[0], _cheapest_inertia(trace)
+    bias = _newton_euler(trace, None)(choices)
+    if trace.n <= POLICY.most_factorised:
+        words = "inertia matrix and Newton-Euler under the wrench, factorised without roots"
+        less = kinematics.with_wrench_torques(frame, trace, bias, -1)
+        for load in (_newton_euler(trace, None, frame)(choices), *less):
+            yield Formulation(words, partial(forward_dynamics, inertia, load, given))
+    pushed, *_ = kinematics.with_wrench_torques(frame, trace, given, 1, beside=bias)
+    yield from _articulated(trace, pushed)
+
+
+def _articulated(trace: Trace, torques: Sequence[Value]) -> Iterator[Formulation]:
+    """Accelerations of arms with many joints."""
+    if trace.n >= POLICY.fewest_articulated:
         friction = trace.with_friction(trace.zeros())
-        push = [torque - loss for torque, loss in zip(trace.arguments(TAU), friction, strict=True)]
+        push = [torque - loss for torque, loss in zip(torques, friction, strict=True)]
         yield from _searched(
             trace,
             "articulated",
@@ -195,6 +229,15 @@ def torque_position_derivatives(trace: Trace) -> Iterator[Formulation]:
         yield Formulation(words, lambda: flat(gradient_columns(found(choices), trace.arguments(Q))))
 
 
+def slopes_under_wrench(frame: str, trace: Trace) -> Iterator[Formulation]:
+    """Formulations of d (tau - J^T h) / dq."""
+    if trace.n <= POLICY.most_differentiated:
+        found, choices = _newton_euler(trace, QDD, frame), _torque_choices(trace)[0]
+        words = f"Newton-Euler with the wrench on the last link {_BASE}, its operations differentiated"
+        yield Formulation(words, lambda: flat(gradient_columns(found(choices), trace.arguments(Q))))
+    yield from _less(frame, trace, torque_position_derivatives(trace), 1)
+
+
 def torque_velocity_derivatives(trace: Trace) -> Iterator[Formulation]:
     """Formulations of d tau / d qd."""
 
@@ -246,13 +289,18 @@ def _coriolis_choices(trace: Trace) -> tuple[FrameChoices, ...]:
     return trace.cheapest_choices("coriolis", _coriolis(trace))
 
 
-def _newton_euler(trace: Trace, accelerations: str | None) -> Recursion:
-    """Torques with friction; without accelerations they are the bias."""
+def _newton_euler(trace: Trace, accelerations: str | None, wrench: str = "") -> Recursion:
+    """Torques with friction, under a wrench in some axes; without accelerations they are the bias."""
     rates = trace.arguments(QD)
     given = trace.still() if accelerations is None else trace.arguments(accelerations)
 
     def _values(choices: FrameChoices) -> list[Value]:
-        return trace.with_friction(inverse_dynamics(trace.arranged(choices, axial=True), rates, given, choices))
+        if not wrench:
+            return trace.with_friction(inverse_dynamics(trace.arranged(choices, axial=True), rates, given, choices))
+        turning = (*choices[:-1], replace(choices[-1], held=False))  # the wrench turns with the last link
+        arranged = trace.arranged(turning, axial=True)
+        tip = kinematics.wrench_at_tip(wrench, trace, arranged)
+        return trace.with_friction(inverse_dynamics(arranged, rates, given, turning, tip=tip))
 
     return _values
 

@@ -6,9 +6,11 @@ from itertools import combinations
 
 from derive.algebra.ring import determinant
 from derive.mechanics import forward_kinematics as recursion
+from derive.mechanics.chain import Chain
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_hessian, jacobian_rate
+from derive.mechanics.inertia_matrix import Wrench
 from derive.mechanics.joint_motion import to_child, to_parent
-from derive.mechanics.vectors import Frame, Vector, column, multiply, transpose
+from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, subtract, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.trace import Trace, flat
@@ -130,14 +132,47 @@ def wrench_torques(frame: str, trace: Trace) -> Iterator[Formulation]:
     yield from _in_own_and_best_axes(frame, trace, recursion.wrench_torques)
 
 
+def with_wrench_torques(
+    frame: str, trace: Trace, values: Sequence[Value], sign: int, *, order: int = 0, beside: Sequence[Value] = ()
+) -> list[list[Value]]:
+    """Joints' values with J^T h (or its derivatives) times a sign, in the axes where all costs least beside others."""
+    torques = partial(_slopes, frame) if order else recursion.wrench_torques
+    ways = (
+        [value + sign * felt for value, felt in zip(values, torques(jacobian, force, moment), strict=True)]
+        for _, jacobian, force, moment in _seen(frame, trace)
+    )
+    return sorted(ways, key=lambda found: trace.choice.price([v.ref for v in (*found, *beside)]).body)[:2]
+
+
+def wrench_at_tip(frame: str, trace: Trace, arranged: Chain[Value]) -> Wrench[Value]:
+    """What the last link carries of -h: force and moment in its joint frame, not held, about its origin there."""
+    f, m = _wrench(trace)
+    if frame == WORLD:
+        back = transpose(arranged.base.rotation)
+        f, m = multiply(back, f), multiply(back, m)
+        for joint in arranged.joints:
+            f, m = to_child(joint, f), to_child(joint, m)
+    else:
+        f, m = multiply(arranged.tool.rotation, f), multiply(arranged.tool.rotation, m)
+    # The origin may have gone back along the axis (`Place.BEFORE`).
+    ahead = trace.chain.joints[-1].offset - arranged.joints[-1].offset
+    lever = add(arranged.tool.position, (arranged.zero, arranged.zero, ahead))
+    return subtract(arranged.null, f), subtract(arranged.null, add(m, cross(lever, f)))
+
+
+def _wrench(trace: Trace) -> Wrench[Value]:
+    fx, fy, fz, *moments = (trace.domain.argument(WRENCH, i) for i in range(6))
+    return (fx, fy, fz), (moments[0], moments[1], moments[2])
+
+
 def wrench_torque_derivatives(frame: str, trace: Trace) -> Iterator[Formulation]:
     """Formulations of d J^T h / dq."""
+    yield from _in_own_and_best_axes(frame, trace, partial(_slopes, frame))
 
-    def _values(jacobian: Matrix, force: Vector[Value], moment: Vector[Value]) -> list[Value]:
-        zero, turning = trace.chain.zero, frame == END
-        return flat(recursion.wrench_torque_derivatives(jacobian, force, moment, zero, turning=turning))
 
-    yield from _in_own_and_best_axes(frame, trace, _values)
+def _slopes(frame: str, jacobian: Matrix, force: Vector[Value], moment: Vector[Value]) -> list[Value]:
+    zero = 0 * jacobian[0][0]
+    return flat(recursion.wrench_torque_derivatives(jacobian, force, moment, zero, turning=frame == END))
 
 
 def _in_own_and_best_axes(
@@ -155,8 +190,7 @@ def _in_own_and_best_axes(
 def _seen(frame: str, trace: Trace) -> Iterator[tuple[str, Matrix, Vector[Value], Vector[Value]]]:
     """J, force and moment in the wrench's own axes, if these are exact, and in those of joint frames."""
     chain, n = trace.chain, trace.n
-    fx, fy, fz, *moments = (trace.domain.argument(WRENCH, i) for i in range(6))
-    wrench = (fx, fy, fz), (moments[0], moments[1], moments[2])
+    wrench = _wrench(trace)
     if frame == WORLD:
         yield "the world", trace.shortest_jacobian or recursion.jacobian(chain), *wrench
     elif trace.end_stations is not None:

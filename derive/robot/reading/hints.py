@@ -106,8 +106,8 @@ def shape_hint(key: str, value: Any) -> str:
         return "name the cells, for instance {type: revolute, theta: q1, d: 0, a: 1, alpha: 0}"
     if key == "join":
         return "name two rows, or a row and base; a third one is joined by a loop of its own"
-    if key == "runtime" and isinstance(value, str):
-        return f"write runtime: [{value}]"
+    if key in ("runtime", "wrench") and isinstance(value, str):
+        return f"write {key}: [{value}]"
     if key in ("com", "gravity") and isinstance(value, list) and len(value) < 3:
         return "write zeros where nothing else is"
     if key in ("com", "gravity") and isinstance(value, dict) and value.keys() <= {"x", "y", "z"}:

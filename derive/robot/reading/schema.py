@@ -244,6 +244,11 @@ class RobotFile(Strict):
     links: list[LinkRow] | None = usually(None, "One row for each of joints: dynamics.")
     parameters: dict[str, Cell] = usually({}, "Numbers of symbols, in SI units and radians unless units say otherwise.")
     runtime: list[Symbol] = usually([], "Symbols that stay arguments though they have a number.")
+    wrench: list[Literal["world", "end"]] = usually(
+        [],
+        "Axes of a wrench on the end effector that generated dynamics take.",
+        json_schema_extra={"uniqueItems": True},
+    )
     style: Annotated[Annotated[StyleName, Tag(_NAME)] | Annotated[StyleRow, Tag(_BLOCK)], _block_if(dict)] = usually(
         DEFAULT_STYLE, "How printed expressions are grouped: a name, or a block of options."
     )

@@ -32,6 +32,7 @@ class Definition:
     most: float = inf  # joints up to which arms have it
     # Whether it needs to know which parameters are base parameters: its first argument is then an `Identification`.
     identifies: bool = False
+    wrench: str = ""  # axes of the wrench under which it is, where a robot's file asks for it
     joints: tuple[int, ...] = ()  # axes of its value, from the last, that have an entry for each joint
 
 
@@ -45,6 +46,15 @@ def coriolis_vector(oracle: Oracle, q: Array, qd: Array) -> Array:
     """C qd: the torques of a motion without acceleration, gravity and friction."""
     weightless = replace(oracle, arm=rates.weightless(oracle.arm))
     return weightless.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+
+
+def under_wrench(oracle: Oracle, *arguments: Array, function: str, axes: str) -> Array:
+    """Dynamics under a wrench h: forward_dynamics of tau + J^T h, or the torques, or their slopes, less those of h."""
+    *motion, h = arguments
+    felt = oracle.evaluate(f"wrench_torques{axes}{'_dq' * function.endswith('_dq')}", motion[0], h)
+    if function == "forward_dynamics":
+        return oracle.evaluate(function, *motion[:-1], motion[-1] + felt)
+    return oracle.evaluate(function, *motion) - felt
 
 
 def by_variables(value: Array, matrix: Array, axes: Sequence[int]) -> Array:
@@ -99,6 +109,22 @@ FUNCTIONS: Mapping[str, Definition] = {
         ("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16, joints=BOTH
     ),
     "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
+    **{
+        f"{name}_wrench{suffix}{order}": Definition(
+            ("q", "qd", last, "h"),
+            True,
+            partial(under_wrench, function=f"{name}{order}", axes=suffix),
+            axes=2 if order else 1,
+            most=16 if order else inf,
+            wrench=axes,
+        )
+        for axes, suffix in (("world", ""), ("end", "_end"))
+        for name, last, order in (
+            ("inverse_dynamics", "qdd", ""),
+            ("forward_dynamics", "tau", ""),
+            ("inverse_dynamics", "qdd", "_dq"),
+        )
+    },
 }
 
 # What the derivatives of W add to a rate: Jdot W + J Wdot, and W^T (C W + B Wdot).
@@ -126,6 +152,7 @@ class Oracle:
     is_tree: bool = False  # whether it is more than one chain of rows
     # Which parameters the regressors' columns belong to; None without regressors.
     identification: Identification | None = None
+    wrenches: tuple[str, ...] = ()  # axes of a wrench that its dynamics take
     guess: Guess | None = None  # of the passive joints, where loops close; None without loops
 
     @classmethod
@@ -135,7 +162,7 @@ class Oracle:
         """The oracle of ``robot``."""
         arm = numeric_arm(robot, parameters)
         known = None if base is None else Identification(arm, standard_parameters(robot), base)
-        return cls(arm, robot.has_dynamics, robot.is_tree, known)
+        return cls(arm, robot.has_dynamics, robot.is_tree, known, robot.wrench)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -170,6 +197,7 @@ class Oracle:
                 present = self.identification is not None
             else:
                 present = (self.dynamic or not definition.dynamic) and self.arm.n <= definition.most
+                present &= definition.wrench in ("", *self.wrenches)
                 present &= self.arm.coupling is None or not function.startswith("manipulability")
                 present &= not self.arm.loops or not function.startswith(OPEN)
                 present &= function != "passive_positions" or bool(self.arm.loops)
@@ -183,7 +211,7 @@ class Oracle:
         arrays = together([np.asarray(argument, dtype=float) for argument in arguments])
         definition = FUNCTIONS[stem(name)]
         of = self.identification if definition.identifies else self.seen(name)
-        if definition.function in (forward_dynamics, coriolis_vector):
+        if definition.wrench or definition.function in (forward_dynamics, coriolis_vector):
             return definition.function(self, *arrays)
         if self.arm.coupling is None:
             return definition.function(of, *arrays)

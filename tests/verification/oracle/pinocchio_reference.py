@@ -201,8 +201,7 @@ class Reference:
         return np.array(slopes[0] - slopes[1])
 
     def wrench_torques(self, q: Array, h: Array) -> Array:
-        turn = self.forward_kinematics(q)[:3, :3]
-        return self.wrench_torques_end(q, np.concatenate([h[:3] @ turn, h[3:] @ turn]))
+        return self.wrench_torques_end(q, self.at_end(q, h))
 
     def wrench_torques_dq(self, q: Array, h: Array) -> Array:
         return np.array(np.einsum("rij,r->ij", self.jacobian_hessian(q), h))
@@ -216,6 +215,34 @@ class Reference:
     def forward_dynamics(self, q: Array, qd: Array, tau: Array) -> Array:
         bias = self.inverse_dynamics(q, qd, np.zeros_like(q))
         return np.array(np.linalg.solve(self.inertia_matrix(q), tau - bias))
+
+    def inverse_dynamics_wrench_end(self, q: Array, qd: Array, qdd: Array, h: Array) -> Array:
+        rates = (self.map @ each for each in (q, qd, qdd))
+        rigid = np.array(self.map.T @ pin.rnea(self.model, self.data, *rates, self.forces(h)))
+        return rigid + self.viscous * qd + self.coulomb * np.sign(qd)
+
+    def inverse_dynamics_wrench(self, q: Array, qd: Array, qdd: Array, h: Array) -> Array:
+        return self.inverse_dynamics_wrench_end(q, qd, qdd, self.at_end(q, h))
+
+    def forward_dynamics_wrench_end(self, q: Array, qd: Array, tau: Array, h: Array) -> Array:
+        bias = self.inverse_dynamics_wrench_end(q, qd, np.zeros_like(q), h)
+        return np.array(np.linalg.solve(self.inertia_matrix(q), tau - bias))
+
+    def forward_dynamics_wrench(self, q: Array, qd: Array, tau: Array, h: Array) -> Array:
+        return self.forward_dynamics_wrench_end(q, qd, tau, self.at_end(q, h))
+
+    def inverse_dynamics_wrench_end_dq(self, q: Array, qd: Array, qdd: Array, h: Array) -> Array:
+        data, rates = self.data, (self.map @ each for each in (q, qd, qdd))
+        pin.computeRNEADerivatives(self.model, data, *rates, self.forces(h))
+        return np.array(self.map.T @ data.dtau_dq @ self.map)
+
+    def inverse_dynamics_wrench_dq(self, q: Array, qd: Array, qdd: Array, h: Array) -> Array:
+        return self.inverse_dynamics_dq(q, qd, qdd) - self.wrench_torques_dq(q, h)
+
+    def at_end(self, q: Array, h: Array) -> Array:
+        """A wrench in the axes of the world, in those of the end effector."""
+        turn = self.forward_kinematics(q)[:3, :3]
+        return np.concatenate([h[:3] @ turn, h[3:] @ turn])
 
 
 def reference(robot: RandomRobot) -> Reference:
