@@ -13,7 +13,7 @@ from derive.handouts.figure.workspace_plot import workspace_bytes
 from derive.handouts.figure.writers import SUFFIXES, drawing_bytes, require_matplotlib
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
-from derive.model.ends import without_parallelograms
+from derive.inverse.loops import without_parallelograms
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.cells import joint_values
 from derive.robot.tree import require_chain

@@ -16,7 +16,7 @@ from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, re
 from derive.checking.frames_file import NO_ROBOT, check_frames
 from derive.checking.methods_file import SETS, check_methods
 from derive.errors import CheckError, DeriveError, Location, quoted
-from derive.model.ends import without_parallelograms
+from derive.inverse.loops import without_parallelograms
 from derive.robot.expression import Name
 from derive.robot.load import file_bytes
 from derive.robot.names import own_names

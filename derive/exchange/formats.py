@@ -15,8 +15,8 @@ from derive.exchange.reading.elements import SLIDE
 from derive.exchange.scripts import csv_text, script_text
 from derive.exchange.ties import in_words, untied
 from derive.exchange.to_xml import DENSITY, LEAST, coupled_by_tendon, is_too_thin, mjcf_text, urdf_text, written_bodies
+from derive.inverse.loops import without_parallelograms
 from derive.mechanics.space import NOTHING, WORLD, Frame, Real, decimal, exactly
-from derive.model.ends import without_parallelograms
 from derive.model.identification.possible import possible, wants_possible, with_chosen_bodies
 from derive.model.identification.witness import NoSuchBodies
 from derive.robot.description import IDENTITY, Link, RootType

@@ -18,15 +18,6 @@ from derive.robot.robot import Robot
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
-def without_parallelograms(robot: Robot) -> Robot:
-    """The robot with loops that equal lengths make linear written as coupled joints."""
-    if not robot.loops:
-        return robot
-    from derive.inverse.loops.parallelogram import reduced  # NumPy, which models without loops do not need
-
-    return reduced(robot)
-
-
 class TreeModel:
     """What a model knows of the tree that its robot may be."""
 

@@ -14,11 +14,12 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial, determinant
 from derive.errors import QuantityError
+from derive.inverse.loops import without_parallelograms
 from derive.lecture.form import MOST_SHORT_TERMS, LectureForm, SymbolRoles
 from derive.lecture.sympy_conversion import Expr, Matrix, columns_matrix, frame_matrix
 from derive.mechanics.exact import Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import Vector, multiply, transpose
-from derive.model.ends import OfEnds, TreeModel, of_each_end, of_each_end_by_joints, without_parallelograms
+from derive.model.ends import OfEnds, TreeModel, of_each_end, of_each_end_by_joints
 from derive.model.long_chain import LongChain
 from derive.robot.description import Convention
 from derive.robot.names import acceleration_name, velocity_name

@@ -14,7 +14,7 @@ from typing import ParamSpec, TypeVar, cast
 from derive.errors import QuantityError, TargetError
 from derive.interrupts import uninterrupted
 from derive.inverse.closed.solve import solve
-from derive.model.ends import without_parallelograms
+from derive.inverse.loops import without_parallelograms
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program

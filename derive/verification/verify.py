@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from derive.errors import VerificationError
-from derive.model.ends import without_parallelograms
+from derive.inverse.loops import without_parallelograms
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 from derive.targets.compiler import Command, compiling_meanwhile, find_compiler

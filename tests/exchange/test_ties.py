@@ -15,9 +15,9 @@ from derive.exchange.numeric import with_numbers
 from derive.exchange.reading.mjcf import read_mjcf
 from derive.exchange.reading.urdf import read_urdf
 from derive.exchange.ties import untied
+from derive.inverse.loops import without_parallelograms
 from derive.inverse.loops.linkage import linkage, positions
 from derive.mechanics.space import exactly
-from derive.model.ends import without_parallelograms
 from derive.robot.expression import number
 from derive.robot.names import file_symbols
 from derive.robot.robot import Robot

@@ -15,7 +15,7 @@ from derive.handouts.figure.scene import arm_scene
 from derive.handouts.parts.closure import closure
 from derive.handouts.parts.example import configuration
 from derive.handouts.sheet.document import Figure, SheetFormula
-from derive.model.ends import without_parallelograms
+from derive.inverse.loops import without_parallelograms
 from derive.model.model import Model
 from derive.robot.load import robot_file_bytes
 from derive.robot.names import free_symbols

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from math import inf
 
 import numpy as np
@@ -138,6 +138,7 @@ ANGLES: Mapping[str, str] = {f"analytic_jacobian_{kind}": kind for kind in rates
 SINGULAR = 1e-9  # distance from singular angles that is rounding
 
 
+@cache
 def stem(name: str) -> str:
     """The function of a name, without the end of a tree: ``jacobian_end`` of ``jacobian_end_left``."""
     return max((known for known in FUNCTIONS if f"{name}_".startswith(f"{known}_")), key=len, default=name)
