@@ -44,6 +44,7 @@ def test_reductions_are_those_of_the_oracle_at_all_configurations() -> None:
             np.testing.assert_allclose(found.where[kind][name], values[place], atol=1e-14)
 
 
+@pytest.mark.sweep
 def test_neither_workers_nor_chunks_nor_a_scheduler_change_a_bit() -> None:
     usual = tau()
     ways: list[dict[str, object]] = [{"workers": 1}, {"workers": 4, "chunk": 1}, {"chunk": 2 * BLOCK}, {"chunk": 10**9}]

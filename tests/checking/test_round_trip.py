@@ -113,6 +113,7 @@ def caught(robot: str, text: str) -> bool | None:
 SWEPT = [pytest.param(*slip, marks=pytest.mark.sweep) for slip in slips(200, 9)]
 
 
+@pytest.mark.first(8)
 @pytest.mark.parametrize(("robot", "kind", "text"), [*slips(14, 5), *SWEPT])
 def test_every_slip_is_found_and_repaired(robot: str, kind: str, text: str) -> None:
     assert caught(robot, text) is not False, kind

@@ -89,6 +89,7 @@ def test_degrees_that_are_typed_are_remarked_on_like_those_of_a_file(tmp_path: P
     assert derive("show", "puma560-corke", "p", "--at", "90,0,0,0,0,0", folder=tmp_path).stderr == ""
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", ["scara-matlab", "my-scara.yaml"])
 def test_bodies_that_do_not_exist_are_told_where_dynamics_are_made(name: str, tmp_path: Path) -> None:
     assert derive("new", "my-scara", "--from", "scara-matlab", folder=tmp_path).stderr == ""

@@ -51,6 +51,7 @@ def asked(whole: Document) -> Iterator[SheetFormula]:
             yield block
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_question_has_a_number_a_sentence_points_and_room(name: str) -> None:
     _, _, sheet, _ = sheets_of(name)

@@ -44,7 +44,7 @@ def drawn(robot: Robot) -> tuple[Robot, RobotPoses, Oracle]:
 
 
 @pytest.mark.parametrize("name", COUPLED)
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 def test_formulas_are_those_of_the_model_and_the_example_those_of_the_oracle(name: str) -> None:
     robot, poses, oracle = drawn(Robot.load(name))
     sheet, model = sections(robot), Model(robot)

@@ -88,6 +88,7 @@ def test_condition_and_deviations_are_those_of_least_squares(criterion: str) -> 
                                 "fm2", "m3", "mx3", "my3", "mz3", "b3", "f3")  # fmt: skip
 
 
+@pytest.mark.sweep
 @CRITERIA
 def test_it_is_better_than_the_best_of_many_random_motions(criterion: str) -> None:
     search = design(criterion)

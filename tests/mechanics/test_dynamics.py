@@ -149,6 +149,7 @@ def test_random_robots_with_four_joints(seed: int) -> None:
 STANDARD = [without_rotors(robot) for robot in SMALL if robot.convention is Convention.STANDARD]
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("base", [True, False])
 @pytest.mark.parametrize("robot", [*arms()[:2], *STANDARD], ids=lambda robot: robot.name)
 def test_the_recursions_of_lectures_are_lagrange_s_identically(robot: Robot, base: bool) -> None:

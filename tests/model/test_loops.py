@@ -86,6 +86,7 @@ def test_closed_forms_are_derivatives_along_the_loop(name: str) -> None:
     assert np.allclose(at(name, "g", q), np.vstack(slopes_of(name, "potential")), atol=1e-6)
 
 
+@pytest.mark.first(2)
 @every
 def test_what_is_printed_is_the_quotient_of_the_determinants(name: str) -> None:
     model = model_of(name)
@@ -130,6 +131,7 @@ def test_what_only_some_robots_have_is_refused_or_means_what_books_say() -> None
         model.at("B", [0.7], values={"l1": 9})
 
 
+@pytest.mark.sweep
 def test_lengths_without_numbers_and_rates_without_poles_are_built_and_told(tmp_path: Path) -> None:
     rows = f"{BARS}{ROCKER}loops: [{{join: [coupler, rocker], by: revolute}}]\nends: {{pin: coupler}}\n"
     (tmp_path / "bars.yaml").write_text(f"name: bars\nconvention: standard\njoints:\n{rows}")

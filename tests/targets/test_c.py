@@ -50,6 +50,7 @@ def compiled(folder: Path, *options: str) -> Path:
     return library
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("case", CASES)
 def test_no_compiler_warns_and_nothing_is_allocated(tmp_path: Path, case: str) -> None:
     made, options = CASES[case]

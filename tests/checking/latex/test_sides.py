@@ -38,6 +38,7 @@ links:
 RPR = robot_of_rows("R d: d1 | P alpha: pi/3, a: a1 | R alpha: -pi/2, a: a2", BODIES, convention="modified")
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("robot", [Robot.load("scara-perugia"), RPR], ids=["scara", "rpr"])
 def test_the_moment_on_a_link_along_its_joint_is_the_torque_of_the_joint(robot: Robot) -> None:
     bodies = tuple(replace(link, motor=None, armature=ZERO, viscous=ZERO, coulomb=ZERO) for link in robot.links)

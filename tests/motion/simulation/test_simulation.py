@@ -166,7 +166,7 @@ RIDDEN += [
 
 
 @pytest.mark.parametrize(("law", "dry", "friction", "base", "extra"), RIDDEN)
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 def test_work_is_the_integral_of_torque_by_velocity_and_the_ledger_closes(
     law: str, dry: float, friction: str, base: str, extra: str
 ) -> None:

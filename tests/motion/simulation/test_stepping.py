@@ -261,6 +261,7 @@ def test_where_the_reaction_is_more_than_breakaway_both_slide() -> None:
     assert run.energy_error < 1e-10
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("least", [3, 0, *swept(6)])
 def test_friction_is_complementary_at_every_sample(least: float) -> None:
     """What stands needs less than breakaway, by an oracle's dynamics, and what slips loses energy."""

@@ -149,6 +149,7 @@ def test_all_joints_accelerate_as_under_pinocchios_constraints(name: str, seed: 
             assert relative_error(xdd, outside.accelerations(x, xd, t)) < 1e-8
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", seeds(40, 1, 20))
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_functions_are_derivatives_of_poses_and_energies(name: str, seed: int) -> None:
