@@ -70,6 +70,7 @@ class LatexReader:
 
     def __init__(self, names: LatexNames, text: str, start: Location) -> None:
         self.names, self._text, self._start = names, text, start
+        self._read: dict[LatexPiece, Expression | Table] = {}  # a text is gone through several times
 
     def location(self, offset: int) -> Location:
         """The place of a character."""
@@ -87,6 +88,8 @@ class LatexReader:
 
     def value(self, piece: LatexPiece, known: Mapping[int, Table] | None = None) -> Expression | Table:
         """What a piece says; known are the matrices at some of its marks."""
+        if not known and piece in self._read:
+            return self._read[piece]
         self._check_size(piece)
         tables: dict[int, Expression | Table] = {**(known or {})}
         marks = [i for i, letter in enumerate(piece.text) if letter == MATRIX_MARK and i not in tables]
@@ -116,6 +119,7 @@ class LatexReader:
         formulas = [found] if not isinstance(found, Table) else [entry.formula for entry in found.entries]
         if any(expanded_terms(formula, MAX_EXPANDED_TERMS) > MAX_EXPANDED_TERMS for formula in formulas):
             raise self._refused(piece.start, "formula has too many terms when multiplied out")
+        self._read |= {} if known else {piece: found}
         return found
 
     def without_derivatives(self, text: str) -> str:

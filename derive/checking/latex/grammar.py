@@ -74,6 +74,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
 
     def __default__(self, data: str, children: Children, meta: object) -> Any:
         """What a rule makes of what its parts have become."""
+        data = str(data)  # Lark's names of rules are tokens, which are compared slowly
         match data, children:
             case "start", (value,):
                 return self._settled(value)

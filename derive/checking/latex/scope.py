@@ -251,8 +251,8 @@ class Scope:
         for equation in self.equations:
             lefts = [left for side in equation if (left := taken_apart(side.text)) and _TRIPLE.fullmatch(left.flat)]
             with suppress(CheckError):
-                formula = self._reads.formula(equation[-1])
-                printed += [(left, Table(((Entry(formula),),))) for left in lefts]
+                table = Table(((Entry(self._reads.formula(equation[-1])),),)) if lefts else None
+                printed += [(left, table) for left in lefts if table]
         votes = []
         for self.meanings.torque in range(3):
             targets = [(target, table) for left, table in printed for target in self.meanings.targets(left)[:1]]
