@@ -53,6 +53,10 @@ class AbsoluteModel(Model):
         value = value if quantity.shape else value.expand()
         return value if entry is None else value[tuple(index - 1 for index in entry)]
 
+    def moves(self, value: Expr) -> bool:
+        """Whether a formula of the pose has joint variables that are others than the angles of the text."""
+        return any(self._meanings.get(symbol, symbol) != symbol for symbol in sympy.sympify(value).free_symbols)
+
     def frame(self, i: int | str) -> Matrix:
         """DH frame i in the world."""
         return self._relative.frame(i).xreplace(self._meanings)

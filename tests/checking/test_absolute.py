@@ -99,3 +99,10 @@ def test_a_slip_of_an_index_does_not_change_the_reading() -> None:
         PENDULUM, r"$$x = l_1 \sin\theta_1 + l_2 \sin\theta_2$$ $$y = -l_1 \cos\theta_1 - l_2 \cos\theta_2$$"
     )
     assert ([finding.entry for finding in report.wrong], report.readings) == (["p[1]", "p[2]"], ())
+
+
+def test_a_page_with_right_poses_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(AbsoluteModel, "quantity", lambda *_: pytest.fail("read again"))
+    place = r"$$x = l_1 \sin\theta_1 + l_2 \sin(\theta_1 + \theta_2)$$"
+    report = checked(PENDULUM, place + r"$$w = m_2 l_1 \cos(\theta_1 - \theta_2)$$")
+    assert (report.equal, report.wrong, report.readings) == (1, (), ())

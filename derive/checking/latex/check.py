@@ -69,8 +69,10 @@ def check_latex(
         if (gain := _count(other[1], right=True) - _count(findings, right=True)) > 0:
             order, (check, findings) = True, other
             check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
-    if document and may_count_from_one_direction(model, text):
-        other = read(AbsoluteModel(model), order)
+    turned = AbsoluteModel(model) if document and may_count_from_one_direction(model, text) else None
+    right = (f for f in findings if f.verdict.equal and f.question and f.quantity.startswith(("T", "A", "p")))
+    if turned and sum(turned.moves(f.right) for f in right) <= _count(findings, right=False):  # those would be wrong
+        other = read(turned, order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
         if gain > 0 >= less:
             check, findings = other
