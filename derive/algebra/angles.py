@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import combinations, pairwise
 
 from derive.robot import tree
@@ -40,6 +41,7 @@ class ExactAngle:
     terms: Terms
 
 
+@lru_cache(10_000)  # formulas have the same few angles again and again
 def decompose(angle: Expression) -> ExactAngle:
     """An angle as a multiple of pi and multiples of its units."""
     parts: dict[Expression | None, Fraction] = {}

@@ -47,25 +47,29 @@ class QuotientRing:
 
     def __init__(self, robot: Robot, formulas: Iterable[Expression]) -> None:
         given = list(formulas)
-        if sum(map(_denominators, given)) > MAX_DENOMINATORS:
+        self.denominators = sum(map(_denominators, given))  # how many divisions and tangents there are
+        if self.denominators > MAX_DENOMINATORS:
             raise TooManyTerms(MAX_PRODUCT_TERMS)
-        # joint angles of which fractions occur, cos(q1/2), get sines and cosines of their own
-        units = collect((_without_division(opaque(e)) for e in given), ()).units
-        joints = {joint.variable for joint in robot.variables if joint.is_revolute}
-        split = [unit for unit, divisor in units.items() if isinstance(unit, Name) and divisor > 1]
-        self._renamed = {unit.name: Name(f"({unit.name})") for unit in split if unit.name in joints}
-        renamed = [substitute(e, self._renamed) for e in given]
         # generators for what is irrational in them; denominators need none, they become polynomials of their own
-        algebraic = [opaque(e) for e in renamed]
+        algebraic = [opaque(e) for e in given]
         plain = [_without_division(e) for e in algebraic]
         atoms = collect(plain, ())
+        # joint angles of which fractions occur, cos(q1/2), get sines and cosines of their own
+        joints = {joint.variable for joint in robot.variables if joint.is_revolute}
+        split = [unit for unit, divisor in atoms.units.items() if isinstance(unit, Name) and divisor > 1]
+        self._renamed = {unit.name: Name(f"({unit.name})") for unit in split if unit.name in joints}
+        if self._renamed:
+            given = [substitute(e, self._renamed) for e in given]
+            algebraic = [opaque(e) for e in given]
+            plain = [_without_division(e) for e in algebraic]
+            atoms = collect(plain, ())
         # roots and constant angles may be related in ways that the ring does not know: sqrt(x y) = sqrt(x) sqrt(y),
         # and so are multiples of an angle too large to be expanded: cos(26 x) = 2 cos(13 x)^2 - 1
         units_are_plain = all(isinstance(unit, Name) and atoms.is_common(unit) for unit in atoms.units)
         has_others = atoms.roots or atoms.pi_rests or atoms.inverses
         # whether different polynomials are certainly different functions: no roots, nothing that is not algebraic, no
         # constant angles but multiples of pi/4 and pi/6
-        self.faithful = algebraic == renamed and units_are_plain and not has_others
+        self.faithful = algebraic == given and units_are_plain and not has_others
         self.domain = PolynomialDomain(robot, plain, max_terms=MAX_PRODUCT_TERMS)
         # an inverse u x = 1 of an x that is zero would make every polynomial of the ring zero
         for generator in self.domain.generators:

@@ -14,10 +14,10 @@ from functools import cached_property
 from itertools import combinations, product
 
 from derive.algebra.angles import contracted_groups
-from derive.checking.formulas.findings import Finding, Outcome, Role, form_of
+from derive.checking.formulas.findings import Finding, Outcome, Role
 from derive.errors import Location
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy
-from derive.model.equality import compare, scalar_quantity
+from derive.model.equality import compare, form_of, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Number, Product, Sum, add, children, multiply, names, substitute

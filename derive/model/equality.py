@@ -6,6 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import islice
+from math import gcd, lcm
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -38,6 +40,11 @@ CLOSE = mpmath.mpf(10) ** -30  # relative difference below which two values with
 LARGEST = mpmath.mpf(10) ** 300  # values beyond it do not fit into a float and count as none
 # Relative difference that a reader sees in a few digits; a counter-example should show one.
 VISIBLE = mpmath.mpf(10) ** -3
+# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
+Shape = tuple[Any, ...]
+ONE: Shape = ("*",)
+UNIT = Fraction(1)  # one object: most factors are 1, and are not multiplied
+_PARITY = {"cos": 1, "sin": -1, "tan": -1}  # f(-x) = +-f(x)
 
 
 def _real_root(value: Real) -> Real:
@@ -64,28 +71,30 @@ class CounterExample:
 def evaluate(expression: Expression, values: Values) -> Real | None:
     """The value of a formula with the working precision of mpmath; None where it is not real or too large."""
     try:
-        value = _value(expression, values)
+        value = _value(expression, values, {})
     except (ArithmeticError, ValueError):
         return None
     return value if abs(value) < LARGEST else None
 
 
-def _value(e: Expression, values: Values) -> Real:
+def _value(e: Expression, values: Values, known: dict[Expression, Real]) -> Real:
     match e:
         case Number(value):
             return mpmath.mpf(value.numerator) / value.denominator
         case Pi():
             return +mpmath.pi
-        case Name(name):
-            return mpmath.mpf(values[name].numerator) / values[name].denominator
         case Sum(terms):
-            return mpmath.fsum(_value(term, values) for term in terms)
+            return mpmath.fsum(_value(term, values, known) for term in terms)
         case Product(factors):
-            return mpmath.fprod(_value(factor, values) for factor in factors)
+            return mpmath.fprod(_value(factor, values, known) for factor in factors)
         case Power(base, exponent):
-            return _value(base, values) ** exponent
-        case Call(function, arguments):
-            return _FUNCTIONS[function](*(_value(argument, values) for argument in arguments))
+            return _value(base, values, known) ** exponent
+    if e not in known:  # a name or a function, each of which stands in many terms
+        if isinstance(e, Name):
+            known[e] = mpmath.mpf(values[e.name].numerator) / values[e.name].denominator
+        else:
+            known[e] = _FUNCTIONS[e.function](*(_value(argument, values, known) for argument in e.arguments))
+    return known[e]
 
 
 def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
@@ -149,39 +158,47 @@ class Verdict:
     configurations: int = 0  # of closed loops at which they were seen to be equal, where that is all
 
 
+def _examples(robot: Robot, ours: Expression, theirs: Expression) -> Iterator[tuple[Real, CounterExample]]:
+    """Random points at which both formulas have real values, with the gap between these; a visible one is the last."""
+    for values in samples(robot, sorted({*names(ours), *names(theirs)})):
+        with mpmath.workdps(DIGITS):
+            right, printed = evaluate(ours, values), evaluate(theirs, values)
+            if right is None or printed is None:
+                continue
+            # Relative to both, so that formulas of any size are judged alike.
+            gap = min(abs(right - printed) / (1 + abs(right) + abs(printed)), VISIBLE)
+            example = CounterExample(tuple(values.items()), float(printed), float(right))
+        yield gap, example
+        if gap == VISIBLE:
+            return
+
+
 def compare(robot: Robot, ours: Expression, theirs: Expression) -> Verdict:
     """Whether two formulas are equal wherever both are defined."""
+    closed = _closed(robot)
+    examples = _examples(robot, ours, theirs)
+    points = [] if closed else [*islice(examples, 1)]  # what one shows needs no algebra, but for a rounded zero below
     try:
         ring = QuotientRing(robot, (ours, theirs))
-        zero, proves = not ring.difference(ours, theirs), ring.faithful
+        shown = bool(points) and points[0][0] == VISIBLE and not ring.denominators
+        zero, proves = not (shown or ring.difference(ours, theirs)), ring.faithful
     except (ExpressionError, TooManyTerms):
         zero = proves = False
     if zero:
         return Verdict(True, True)
-    if (closed := _closed(robot)) is not None:
+    if closed is not None:
         with suppress(ExpressionError, TooManyTerms, CheckError):  # the last of what is singular wherever it is closed
             one, other = closed.reduced(ours), closed.reduced(theirs)
             if not QuotientRing(robot, (one, other)).difference(one, other):
                 return Verdict(True, True)
         proves = False
-    # Random points at which both formulas have real values; deterministic.
-    points: list[tuple[Real, CounterExample]] = []
-    with mpmath.workdps(DIGITS):
-        for values in samples(robot, sorted({*names(ours), *names(theirs)})):
-            right, printed = evaluate(ours, values), evaluate(theirs, values)
-            if right is not None and printed is not None:
-                # Relative to both, so that formulas of any size are judged alike.
-                gap = abs(right - printed) / (1 + abs(right) + abs(printed))
-                example = CounterExample(tuple(values.items()), float(printed), float(right))
-                points.append((min(gap, VISIBLE), example))
-            if len(points) == (POINTS_OF_LOOPS if closed else POINTS):
-                break
+    points += islice(examples, (POINTS_OF_LOOPS if closed else POINTS) - len(points))
     if not proves and not points:
         remedy = "check its roots and denominators"
         raise CheckError("formula without a real value at any of many random points", remedy=remedy)
-    worst, shown = max(points, key=lambda pair: pair[0], default=(0, None))
+    worst, example = max(points, key=lambda pair: pair[0], default=(0, None))
     is_equal, seen = not proves and worst <= CLOSE, len(points) if closed else 0
-    return Verdict(is_equal, proves, shown if worst > CLOSE else None, seen * is_equal)
+    return Verdict(is_equal, proves, example if worst > CLOSE else None, seen * is_equal)
 
 
 def verdict(model: DynamicModel, quantity: str, expression: object) -> Verdict:
@@ -222,3 +239,72 @@ def scalar_quantity(model: DynamicModel, text: str) -> Expr:
             return pick(value, rest, text)
     remedy = f"name an entry, for instance {quantity.name}[...][1,1]"
     raise QuantityError(f"{text} is a matrix", allowed="allowed: a scalar here", remedy=remedy)
+
+
+def same_form(a: Expression, b: Expression) -> bool:
+    """Whether trees agree, flattened and with rational factors in front: c1*(a + b) has not the form of a*c1 + b*c1."""
+    return form_of(a) == form_of(b)
+
+
+def form_of(e: Expression) -> tuple[Fraction, Shape]:
+    """The form of an expression: two that have the same one are equal values."""
+    match e:
+        case Number(value):
+            return value, ONE
+        case Pi():
+            return UNIT, ("pi",)
+        case Name(name):
+            return UNIT, ("name", name)
+        case Sum():
+            return _form_of_sum(e)
+        case Product() | Power():
+            return _form_of_product(e)
+        case Call(function, arguments):
+            forms = tuple(form_of(a) for a in arguments)
+            is_turned = function in _PARITY and forms[0][0] < 0  # cos(q2 - q1) = cos(q1 - q2)
+            forms = ((-forms[0][0], forms[0][1]),) if is_turned else forms
+            return Fraction(_PARITY[function]) if is_turned else UNIT, ("call", function, *forms)
+
+
+def _form_of_product(e: Product | Power) -> tuple[Fraction, Shape]:
+    factor = UNIT
+    factors: dict[Shape, int] = {}
+    # powers of the same base are joined, so that the order and the grouping of factors do not count
+    for base, exponent in _flat_factors(e, 1):
+        k, shape = form_of(base)
+        factor = factor if k is UNIT else factor * k**exponent if k else k
+        inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
+        for part, power in inner:
+            factors[part] = factors.get(part, 0) + power * exponent
+    # by their text: shapes hold names, numbers and tuples, which have no order among each other
+    kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
+    if len(kept) == 1 and kept[0][1] == 1:
+        return factor, kept[0][0]
+    return factor, ("*", *kept)
+
+
+def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
+    """Bases and exponents of the flattened product."""
+    if isinstance(e, Product):
+        return [pair for f in e.factors for pair in _flat_factors(f, exponent)]
+    if isinstance(e, Power):
+        return _flat_factors(e.base, exponent * e.exponent)
+    return [(e, exponent)]
+
+
+def _form_of_sum(e: Sum) -> tuple[Fraction, Shape]:
+    terms: list[tuple[Fraction, Shape]] = []
+    for term in e.terms:
+        k, shape = form_of(term)
+        if shape[0] == "+":
+            terms.extend((k * inner, s) for inner, s in shape[1:])
+        elif k:
+            terms.append((k, shape))
+    if len(terms) < 2:
+        return terms[0] if terms else (Fraction(0), ONE)
+    terms.sort(key=lambda pair: (repr(pair[1]), pair[0]))
+    # the rational that leaves whole numbers without a common factor, the first of them positive
+    content = Fraction(gcd(*(k.numerator for k, _ in terms)), lcm(*(k.denominator for k, _ in terms)))
+    if terms[0][0] < 0:
+        content = -content
+    return content, ("+", *((int(k / content), s) for k, s in terms))

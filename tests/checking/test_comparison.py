@@ -10,7 +10,7 @@ from derive.checking.style_finding import Example, StyleEvidence
 from derive.errors import CheckError, Location, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
-from derive.robot.expression import Expression, Name, number
+from derive.robot.expression import Expression, Name, Sum, number
 from derive.robot.options.style import Style
 from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
 from derive.robot.reading.size_limits import FORMULA_LIMITS
@@ -247,6 +247,12 @@ def test_value_and_formula_of_a_change_agree_and_what_stands_there_is_none(text:
         for new in (spot.node, Name("x"), number(2)):
             changed = float_value(spot.formula(new), NUMBERS)
             assert spot.value(float_value(new, NUMBERS)) == pytest.approx(changed, rel=1e-14)
+
+
+def test_known_values_of_nodes_stand_for_them() -> None:
+    whole = tree("a*cos(q1 + q2) + b")
+    assert isinstance(whole, Sum)
+    assert float_value(whole, {"b": 2.0}, {id(whole.terms[0]): 3.0}) == 5.0
 
 
 def test_angles_of_plain_sines_and_cosines_are_no_places() -> None:

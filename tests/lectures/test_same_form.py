@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from derive.checking.comparison import derived_matrix
-from derive.checking.formulas.findings import same_form
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import same_form
 from derive.model.model import Model
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children
 from tests.lectures.results import corpus_file

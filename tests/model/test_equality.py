@@ -10,6 +10,7 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from derive.algebra.quotients import QuotientRing
 from derive.errors import CheckError, DeriveError, QuantityError
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -62,6 +63,13 @@ def test_a_counter_example_shows_both_values() -> None:
     assert abs(float(right) - found.right) < 1e-12
     assert abs(float(printed) - found.printed) < 1e-12
     assert abs(found.right - found.printed) > 1e-3
+
+
+def test_a_difference_that_a_point_shows_needs_no_algebra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(QuotientRing, "difference", lambda *_: pytest.fail("expanded"))
+    robot = robot_of_rows("R a: a1 | R a: a2")
+    found = compare(robot, read_formula("a1*c1 + a2*c12", robot), read_formula("a1*c1 - a2*c12", robot))
+    assert (found.equal, found.exact, found.counter_example is None) == (False, True, False)
 
 
 def test_a_root_of_a_square_is_an_absolute_value() -> None:

@@ -4,13 +4,12 @@ import random
 
 import pytest
 
-from derive.checking.formulas.findings import same_form
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model import abbreviations
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import DynamicModel
-from derive.model.equality import Verdict, verdict
+from derive.model.equality import Verdict, same_form, verdict
 from derive.model.model import Model
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Style
 from derive.robot.robot import Robot

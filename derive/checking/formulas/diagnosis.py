@@ -26,7 +26,7 @@ from derive.checking.formulas.edits import (
 from derive.errors import DeriveError
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
-from derive.model.equality import compare, samples
+from derive.model.equality import compare, same_form, samples
 from derive.model.quantity_names import parse
 from derive.robot.expression import Call, Expression, Name, Product, Sum, multiply, names, negate, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
@@ -61,7 +61,7 @@ class Question:
         """Whether a formula is right, decided exactly."""
         whole = substitute(self.compared(formula) if self.compared else formula, self.definitions)
         with suppress(DeriveError):
-            return compare(self.robot, self.right, whole).equal
+            return same_form(self.right, whole) or compare(self.robot, self.right, whole).equal
         return False
 
 
@@ -155,6 +155,10 @@ class _Search:
             factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
             terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
         )
+        self.known: dict[int, float] = {}  # by `id` values of nodes that live on: changed formulas are made of them
+        for e in (*reversed([*nodes(question.printed)]), *self.may.factors, *self.may.terms):
+            with suppress(*NO_VALUE):
+                self.known[id(e)] = float_value(e, values, self.known)
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""
@@ -188,7 +192,7 @@ class _Search:
 
     def _places(self, formula: Expression) -> list[Spot]:
         with suppress(*NO_VALUE):
-            return list(spots(formula, self.values))
+            return list(spots(formula, self.values, self.known))
         return []
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
@@ -199,7 +203,7 @@ class _Search:
                 if self.work > MAX_WORK:
                     return
                 with suppress(*NO_VALUE, TypeError):
-                    value = self._compared_value(place.value(float_value(edit.node, self.values)))
+                    value = self._compared_value(place.value(float_value(edit.node, self.values, self.known)))
                     if abs(value - self.target) <= CLOSE * (1 + abs(self.target)):
                         yield edit
 

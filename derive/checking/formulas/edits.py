@@ -25,6 +25,7 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
 SWAPPED = {"cos": "sin", "sin": "cos"}
+Known = Mapping[int, float] | None  # values of nodes by their `id`, which are not evaluated again
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
@@ -67,9 +68,11 @@ class Spot:
         return self.above.formula(tree.rebuilt(self.above.node, lambda _: next(changed)))
 
 
-def float_value(e: Expression, values: Mapping[str, float]) -> float:
+def float_value(e: Expression, values: Mapping[str, float], known: Known = None) -> float:
     """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
-    return _combined(e, [float_value(child, values) for child in tree.children(e)], values)
+    if known and (value := known.get(id(e))) is not None:
+        return value
+    return _combined(e, [float_value(child, values, known) for child in tree.children(e)], values)
 
 
 def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]) -> float:
@@ -91,7 +94,7 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
             return FUNCTIONS[function](*parts)
 
 
-def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterator[Spot]:
+def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = None) -> Iterator[Spot]:
     """Every place of a formula from the root down, plain cosines and sines as tokens; values only at a point."""
     waiting = [Spot(root)]
     while waiting:
@@ -99,7 +102,7 @@ def spots(root: Expression, values: Mapping[str, float] | None = None) -> Iterat
         yield spot
         if not is_token(spot.node):
             parts = tree.children(spot.node)
-            siblings = () if values is None else tuple(float_value(part, values) for part in parts)
+            siblings = () if values is None else tuple(float_value(part, values, known) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
             below = [Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)]
             waiting.extend(reversed(below))

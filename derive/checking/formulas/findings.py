@@ -1,8 +1,6 @@
 """Comparisons of printed formulas with derived ones, and the verdict on each: same form, equal, or wrong and why.
 
-Two expressions have the same form when their trees agree after flattening sums and products, ignoring order and
-moving signs and rational factors out of products and sums, and nothing else: ``c1*(a2*c2 + a3*c23)`` is not
-``a2*c1*c2 + a3*c1*c23``. Of a wrong formula it is found what it has too much or too little, term by term.
+Of a wrong formula it is found what it has too much or too little, term by term.
 """
 
 from contextlib import suppress
@@ -10,8 +8,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import lru_cache
-from math import floor, gcd, lcm, log10
-from typing import Any
+from math import floor, log10
 
 import sympy
 
@@ -24,9 +21,9 @@ from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, R
 from derive.errors import CheckError, DeriveError, Location
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
-from derive.model.equality import Verdict, compare, samples
+from derive.model.equality import Verdict, compare, same_form, samples
 from derive.robot import expression as tree
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Sum
 from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
@@ -35,11 +32,7 @@ from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 MAX_DIFFERENCE_TERMS = 20_000
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
 ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
-_PARITY = {"cos": 1, "sin": -1, "tan": -1}  # f(-x) = +-f(x)
 _SLACK = 1.05  # more than what the squares of rounding errors add
-# The form of an expression up to a rational factor; ordered, so that equal forms are equal values.
-Shape = tuple[Any, ...]
-ONE: Shape = ("*",)
 NOTHING_KNOWN = Verdict(equal=False, exact=True)  # stands where no verdict is possible
 
 
@@ -120,7 +113,8 @@ def compared(
     # as it stands where the two are compared at points, branch by branch: no search for the slip starts from there
     plain = Finding(quantity, *place, role, text, NOTHING_KNOWN, right, where)
     only_points = any(has_branches(side, ONLY_AT_POINTS) for side in sides)
-    verdict = NOTHING_KNOWN if only_points else verdict_at(where, robot, *sides)
+    is_same = not only_points and same_form(*sides)
+    verdict = NOTHING_KNOWN if only_points else Verdict(True, True) if is_same else verdict_at(where, robot, *sides)
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
     several = (*ARCS, "sqrt") if role is Role.IDENTITY else ARCS
     if not verdict.equal and any(has_branches(side, several) for side in sides):
@@ -137,10 +131,10 @@ def compared(
         if seen.alike or only_points:
             verdict = Verdict(seen.alike > 0, False, configurations=seen.alike if robot.passive else 0)
             return replace(plain, verdict=verdict, some=seen.some)
-    note, turned = "", in_degrees(question.printed)
-    if not verdict.equal and turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
+    note, turned = "", question.printed if verdict.equal else in_degrees(question.printed)
+    if turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
         verdict, note = Verdict(equal=True, exact=True), ", with its angles in degrees"
-    return replace(plain, verdict=verdict, question=question, note=note)
+    return replace(plain, verdict=verdict, question=question, note=note, same=is_same)
 
 
 def in_degrees(formula: Expression) -> Expression:
@@ -281,6 +275,11 @@ def judge(finding: Finding) -> Judgement:
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
     if question is None:
         return Judgement(Outcome.WRONG, repair=finding.repair)
+    return _reasons(question)
+
+
+@lru_cache(maxsize=10_000)  # a finding that is told in another way asks the same question
+def _reasons(question: Question) -> Judgement:
     terms = _difference_terms(question) if question.compared is None else ()
     lacking: tuple[Expression, ...] = ()
     if len(terms) == 1:  # a difference of one term is a term too many or too few
@@ -302,72 +301,3 @@ def _difference_terms(question: Question) -> tuple[Expr, ...]:
         return ()
     difference = difference.xreplace({sympy.Symbol(name): expression_to_sympy(e) for name, e in meanings.items()})
     return tuple(term for term in sympy.Add.make_args(difference) if term != 0)
-
-
-def same_form(a: Expression, b: Expression) -> bool:
-    """Whether two expressions have the same form and the same rational factor in front."""
-    return form_of(a) == form_of(b)
-
-
-def form_of(e: Expression) -> tuple[Fraction, Shape]:
-    """The form of an expression: two that have the same one are equal values."""
-    match e:
-        case Number(value):
-            return value, ONE
-        case Pi():
-            return Fraction(1), ("pi",)
-        case Name(name):
-            return Fraction(1), ("name", name)
-        case Sum():
-            return _sum(e)
-        case Product() | Power():
-            return _product(e)
-        case Call(function, arguments):
-            forms = tuple(form_of(a) for a in arguments)
-            is_turned = function in _PARITY and forms[0][0] < 0  # cos(q2 - q1) = cos(q1 - q2)
-            forms = ((-forms[0][0], forms[0][1]),) if is_turned else forms
-            return Fraction(_PARITY[function] if is_turned else 1), ("call", function, *forms)
-
-
-def _product(e: Product | Power) -> tuple[Fraction, Shape]:
-    factor = Fraction(1)
-    factors: dict[Shape, int] = {}
-    # powers of the same base are joined, so that the order and the grouping of factors do not count
-    for base, exponent in _flat_factors(e, 1):
-        k, shape = form_of(base)
-        factor *= k**exponent if k else Fraction(0)
-        inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
-        for part, power in inner:
-            factors[part] = factors.get(part, 0) + power * exponent
-    # by their text: shapes hold names, numbers and tuples, which have no order among each other
-    kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
-    if len(kept) == 1 and kept[0][1] == 1:
-        return factor, kept[0][0]
-    return factor, ("*", *kept)
-
-
-def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
-    """Bases and exponents of the flattened product."""
-    if isinstance(e, Product):
-        return [pair for f in e.factors for pair in _flat_factors(f, exponent)]
-    if isinstance(e, Power):
-        return _flat_factors(e.base, exponent * e.exponent)
-    return [(e, exponent)]
-
-
-def _sum(e: Sum) -> tuple[Fraction, Shape]:
-    terms: list[tuple[Fraction, Shape]] = []
-    for term in e.terms:
-        k, shape = form_of(term)
-        if shape[0] == "+":
-            terms.extend((k * inner, s) for inner, s in shape[1:])
-        elif k:
-            terms.append((k, shape))
-    if len(terms) < 2:
-        return terms[0] if terms else (Fraction(0), ONE)
-    terms.sort(key=lambda pair: (repr(pair[1]), pair[0]))
-    # the rational that leaves whole numbers without a common factor, the first of them positive
-    content = Fraction(gcd(*(k.numerator for k, _ in terms)), lcm(*(k.denominator for k, _ in terms)))
-    if terms[0][0] < 0:
-        content = -content
-    return content, ("+", *((k / content, s) for k, s in terms))

@@ -10,7 +10,6 @@ import numpy as np
 import sympy
 
 from derive.checking.formulas.branches import SIGN
-from derive.checking.formulas.findings import Shape, form_of
 from derive.checking.inverse.poses import PoseNames, geometry_symbols
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, free_joints
 from derive.errors import CheckError, DeriveError
@@ -21,6 +20,7 @@ from derive.inverse.numeric.in_numbers import array_value
 from derive.inverse.words.elementary import PrintedLine as OurLine
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.model.equality import Shape, form_of
 from derive.model.model import Model
 from derive.robot.expression import Expression, Name, names, substitute
 from derive.robot.options.inverse import Task

@@ -269,13 +269,13 @@ class Comparing:
         left = name.left
         if left is None or re.match("[0-9](?:to|rightarrow)", left.sub):  # from a point that is named
             return None
-        found = self._by_value(table, name.piece.text, self._typed(name.piece), self.plain.location(name.piece.start))
-        if left.head in _AXES_UNSAID and table.shape != (1, 1):
-            return found
+        is_vector = left.head in _AXES_UNSAID and table.shape != (1, 1)
         # a lone z beside a radius is one from another origin, not that of an earlier point in the base
         firsts = (taken_apart(equation[0].text) for equation in self.scope.equations if len(equation) > 1)
-        is_coordinate = {first.flat for first in firsts if first is not None and first.flat in AXES} == {left.flat}
-        return found if found and is_coordinate and found.quantity[0] in "(-" else None
+        if not is_vector and {f.flat for f in firsts if f is not None and f.flat in AXES} != {left.flat}:
+            return None
+        found = self._by_value(table, name.piece.text, self._typed(name.piece), self.plain.location(name.piece.start))
+        return found if found and (is_vector or found.quantity[0] in "(-") else None
 
     def _fitting(self, name: Side, table: Table) -> tuple[tuple[Right, ...], list[tuple[Right, Table]]]:
         """What may be meant, and of that what has the shape of the table, the likeliest matrix first."""

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from lark.exceptions import UnexpectedInput
 
-from derive.checking.formulas.findings import same_form
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.grammar import parsed
 from derive.checking.latex.matrices import Entry, Table
@@ -16,6 +15,7 @@ from derive.checking.latex.pieces import MATRIX_MARK, LatexPiece, display_piece
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location, UnknownNameError
 from derive.lecture.shorthand import read_formula
+from derive.model.equality import same_form
 from derive.robot.expression import Call, Expression, Name, Pi, add, multiply, negate
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
