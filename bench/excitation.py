@@ -49,12 +49,22 @@ LIMITS = {
 }
 
 
-def random_best(robot: Robot, limits: dict[str, object]) -> float:
-    """The least condition number of random series within the limits."""
+def robot_of(name: str) -> Robot:
+    """A robot of `LIMITS`."""
+    return Robot.load(name) if name in catalogue_names() else Robot.from_text(UR5E)
+
+
+def design_of(robot: Robot, limits: dict[str, object]) -> Design:
+    """The search within the limits."""
     options = {name: _of_joints(robot, limits[name], name) for name in ("speed", "torque") if name in limits}
     unknowns, series = Unknowns(robot, ("viscous", "coulomb")), FourierSeries(10.0, 5)
     room = _room(robot, options, limits["floor"])
-    design = Design(unknowns, series, room, Criterion.CONDITION, _noise(robot, "1%"))
+    return Design(unknowns, series, room, Criterion.CONDITION, _noise(robot, "1%"))
+
+
+def random_best(robot: Robot, limits: dict[str, object]) -> float:
+    """The least condition number of random series within the limits."""
+    design = design_of(robot, limits)
     rng, times = np.random.default_rng(2), np.arange(0, 10, 0.01)
     centres = design.centres(rng)
     return min(condition(design.samples(design.drawn(rng, centres), times)[0]) for _ in range(RANDOM))
@@ -64,7 +74,7 @@ def main() -> int:
     """Find, measure, compare with the bars."""
     failed = False
     for name, limits in LIMITS.items():
-        robot = Robot.load(name) if name in catalogue_names() else Robot.from_text(UR5E)
+        robot = robot_of(name)
         least = random_best(robot, limits)
         for criterion in Criterion:
             since = process_time()

@@ -133,8 +133,8 @@ def _gather(
     preparation: Preparation, regressor: Callable[..., Array], used: Factors, held: Factors, part: float
 ) -> Block:
     """Take in a part of a log, the rest as held out, and keep some rows."""
-    total = preparation.log.rows // preparation.decimate
-    row, every, kept = 0, total // SHOWN + 1, list[Block]()
+    total = max(preparation.log.rows - 2 * preparation.margin, 0) // preparation.decimate  # if there are no gaps
+    log, row, every, kept = preparation.log, 0, total // SHOWN + 1, list[Block]()
     for block in preparation.blocks(regressor):
         cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
         for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
@@ -142,9 +142,11 @@ def _gather(
         kept.append(tuple(each[-row % every :: every].copy() for each in block))
         row += len(block[0])
     if not kept:
-        log = preparation.log
         found = f"{log.path or 'the table'}: {log.rows} rows, none of them left between gaps and edges of filters"
         raise DeriveError(found, remedy="give a longer log, or raise --cutoff")
+    if part < 1 and not held.rows:
+        found = f"{log.path or 'the table'}: none of its {row} rows left to be held out"
+        raise DeriveError(found, remedy="hold out a larger part, or another log")
     return tuple(np.concatenate(parts) for parts in zip(*kept, strict=True))
 
 

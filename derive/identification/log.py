@@ -123,12 +123,13 @@ class Log:
         given, joints = self.patterns.get(quantity, ""), self.robot.joints
         marks = [(str(k + 1), str(k), joint.label, joint.variable) for k, joint in enumerate(joints)]
         rows = zip(*marks, strict=True) if quantity != "time" else [("*",)]
-        patterns = [given.removeprefix("-")] if given else PATTERNS[quantity].split()
+        # A name may begin with a minus itself.
+        patterns = [given, given.removeprefix("-")] if given else PATTERNS[quantity].split()
         tried = [[pattern.replace("*", mark) for mark in row] for pattern, row in product(patterns, rows)]
         best = max(tried, key=lambda names: sum(name in self._by_name for name in names) / len(names))
         missing = [name for name in best if name not in self._by_name]
         if not missing:
-            sign = -1.0 if given.startswith("-") else 1.0
+            sign = -1.0 if given.startswith("-") and best not in tried[: len(tried) // 2] else 1.0
             pairs = zip(best, joints, strict=False)
             return tuple(self._column(quantity, name, sign, joint.is_revolute) for name, joint in pairs)
         if len(missing) == len(best) and not given and quantity not in ("q", "tau"):

@@ -144,7 +144,8 @@ def refuse_strange_torques(factors: Factors, prior: Array, labels: Sequence[str]
     if (opposite := correlations < OPPOSITE).any():
         which = listed(f"{labels[j]} (correlation {correlations[j]:.2f})" for j in np.flatnonzero(opposite).tolist())
         found = f"torques opposite to those that the robot file predicts: {which}"
-        raise DeriveError(found, remedy=f"turn them with --columns 'tau=-tau*', {trust}")
+        turn = "turn them with --columns 'tau=-tau*'" if opposite.all() else "turn their signs in the log"
+        raise DeriveError(found, remedy=f"{turn}, {trust}")
     is_other = (correlations > ALIKE) & (np.abs(np.log(np.abs(sizes) + NOISELESS)) > np.log(OTHER_UNIT))
     if is_other.any():
         which = listed(f"{labels[j]} ({sizes[j]:.3g} times)" for j in np.flatnonzero(is_other).tolist())

@@ -68,6 +68,15 @@ def test_another_log_is_held_out_and_armatures_are_added() -> None:
     assert result.held_out == pytest.approx(noise, rel=0.1)
 
 
+def test_the_edges_of_filters_are_not_what_is_held_out() -> None:
+    pytest.importorskip("scipy")
+    result = identify(PUMA, LOG, decimate=20, held_out=0.2)  # 400 rows at either end are edges
+    assert result.rows == 128
+    assert result.held_out == pytest.approx(result.residuals, rel=0.5)
+    with pytest.raises(DeriveError, match="the table: none of its 4000 rows left to be held out; hold out a larger"):
+        identify(PUMA, LOG, held_out=0.0001)
+
+
 def test_what_does_not_move_is_named() -> None:
     still, _ = simulated(REAL, 2000, still=(0, 3))
     result = identify(PUMA, still, add=())

@@ -45,6 +45,14 @@ def test_columns_by_pattern_unit_and_sign(tmp_path: Path) -> None:
     assert found[:, log.places("tau")] == pytest.approx(np.tile([-0.5, -1, -1, -1, -1, -1], (3, 1)))
 
 
+def test_names_that_begin_with_a_minus() -> None:
+    columns = {f"- {name}": values for name, values in COLUMNS.items()}
+    patterns = {"q": "- q*", "qd": "- qd*", "qdd": "-- qdd*", "tau": "-- tau*", "time": "- time"}
+    log = Log(columns, PUMA, patterns)
+    signs = {"time": 1, "q": 1, "qd": 1, "qdd": -1, "tau": -1}
+    assert {quantity: found[0][1] for quantity, found in log.columns.items()} == signs
+
+
 def without(name: str) -> Callable[[Columns], Columns]:
     return lambda columns: {key: values for key, values in columns.items() if key != name}
 

@@ -88,7 +88,7 @@ def test_what_does_not_move_is_kept_and_the_rest_is_found() -> None:
 @pytest.mark.parametrize(
     ("factor", "message"),
     [
-        (-1.0, r"torques opposite to those .*: q2 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"),
+        (-1.0, r"torques opposite to those .*: q2 \(correlation -1.00\); turn their signs in the log, or take them"),
         (1000.0, r"torques in another unit .*: q2 \(1e\+03 times\); name the unit in the header, 'tau1 \[mNm\]'"),
         (0.001, r"another unit .*: q2 \(0.001 times\)"),
     ],
@@ -100,3 +100,9 @@ def test_torques_of_another_sign_or_unit_are_refused(factor: float, message: str
     torques[:, 1] *= factor
     with pytest.raises(DeriveError, match=message):
         refuse_strange_torques(factors_of(regressor, torques), UNKNOWNS.prior, labels)
+
+
+def test_the_sign_of_all_torques_is_turned_by_an_option() -> None:
+    regressor, torques, _ = rows_of(300, 0.01)
+    with pytest.raises(DeriveError, match=r"q6 \(correlation -1.00\); turn them with --columns 'tau=-tau\*'"):
+        refuse_strange_torques(factors_of(regressor, -torques), UNKNOWNS.prior, [f"q{j}" for j in range(1, 7)])
