@@ -155,10 +155,10 @@ class _Search:
             factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
             terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
         )
-        self.known: dict[int, float] = {}  # by `id` values of nodes that live on: changed formulas are made of them
+        self.known: dict[Expression, float] = {}  # values of nodes of which changed formulas are made
         for e in (*reversed([*nodes(question.printed)]), *self.may.factors, *self.may.terms):
             with suppress(*NO_VALUE):
-                self.known[id(e)] = float_value(e, values, self.known)
+                self.known[e] = float_value(e, values, self.known)
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""

@@ -25,7 +25,7 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
 SWAPPED = {"cos": "sin", "sin": "cos"}
-Known = Mapping[int, float] | None  # values of nodes by their `id`, which are not evaluated again
+Known = Mapping[Expression, float] | None  # values of nodes, which are not evaluated again
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
@@ -70,7 +70,7 @@ class Spot:
 
 def float_value(e: Expression, values: Mapping[str, float], known: Known = None) -> float:
     """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
-    if known and (value := known.get(id(e))) is not None:
+    if known and (value := known.get(e)) is not None:
         return value
     return _combined(e, [float_value(child, values, known) for child in tree.children(e)], values)
 
