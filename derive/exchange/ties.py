@@ -41,6 +41,10 @@ class Ties:
 
 
 NONE = Ties({}, {})
+_UNKNOWN = {  # what other programs do not join by, and what to write instead
+    Joining.PRISMATIC: ("slide", "a row of the table, and close by: fixed"),
+    Joining.DISTANCE: ("rod", "rows of the table, and close by: spherical"),
+}
 
 
 def untied(robot: Robot) -> tuple[Robot, Ties]:
@@ -85,11 +89,12 @@ def _open(robot: Robot, bare: Robot, ties: Ties) -> tuple[Robot, Ties]:
 
     loops, more = [], []
     for k, loop in enumerate(robot.loops, 1):
-        if loop.by is Joining.PRISMATIC:
+        by, remedy = _UNKNOWN.get(loop.by, ("", ""))
+        if remedy:
             raise DeriveError(
-                f"the loop of {robot.name} that joins {listed(loop.join)} by a slide",
+                f"the loop of {robot.name} that joins {listed(loop.join)} by a {by}",
                 allowed="allowed in other programs: revolute, spherical and fixed",
-                remedy="write the slide as a row of the table, and close by: fixed",
+                remedy=f"write the {by} as {remedy}",
                 location=loop.location,
             )
         first, second = (free_name(f"loop{k}_{side}", [end.name for end in robot.ends]) for side in ("first", "second"))

@@ -25,7 +25,7 @@ from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy,
 from derive.model.kinematic_model import KinematicModel
 from derive.robot.coupling import derivatives
 from derive.robot.description import Joining, Loop
-from derive.robot.expression import Expression, Name, add, multiply, names, number, substitute
+from derive.robot.expression import Call, Expression, Name, add, multiply, names, number, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
@@ -225,7 +225,14 @@ class OnClosure:
         slides = (each.variable for each in self.robot.passive if not each.is_revolute)
         known = list(map(sympy.Symbol, (*slides, *robot_symbols(self.robot))))
         for loop in self.robot.loops:
-            for gap in gaps(self.robot, loop, domain) if loop.by is not Joining.PRISMATIC else ():
+            ways = gaps(self.robot, loop, domain) if loop.by is not Joining.PRISMATIC else ()
+            if loop.by is Joining.DISTANCE:  # a rod is as long as the way between its ends
+                square, ways = polynomial_expression(sum((x * x for x in ways), domain.ring.zero), domain), ()
+                for name, value in found:
+                    square = substitute(square, {name: value})
+                if isinstance(loop.length, Name) and loop.length.name not in {*names(square), *dict(found)}:
+                    found.append((loop.length.name, Call("sqrt", (square,))))
+            for gap in ways:
                 equation = polynomial_expression(gap, domain)
                 for name, value in found:
                     equation = substitute(equation, {name: value})

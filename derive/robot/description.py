@@ -231,6 +231,7 @@ class Joining(StrEnum):
     PRISMATIC = "prismatic"  # their axes are parallel and one origin is on the other's z axis
     SPHERICAL = "spherical"  # their origins coincide
     FIXED = "fixed"  # they coincide
+    DISTANCE = "distance"  # a rod between two ball joints keeps the distance of their origins
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,6 +241,7 @@ class Loop:
     join: tuple[str, str]  # labels of the rows whose frames are joined, or `BASE`
     by: Joining  # what joins them
     branch: str = ""  # a sign for each choice of the assembly, "+" or "-"; empty for all "+"
+    length: Expression = ZERO  # of a rod [m]
     location: Location | None = field(default=None, compare=False, repr=False)  # in the file, for messages
 
 

@@ -36,7 +36,7 @@ def joint_labels(robot: Description) -> dict[str, str]:
 def expressions(robot: Description) -> Iterator[Expression]:
     """Every expression that enters a quantity, from the base to the tools, then gravity and links; no limits."""
     located = list(located_expressions(robot))
-    for blocks in (("base",), ("joints",), ("tool", "ends"), ("gravity", "links", "root")):
+    for blocks in (("base",), ("joints",), ("tool", "ends", "loops"), ("gravity", "links", "root")):
         yield from (cell for path, cell in located if path[0] in blocks and path[2:3] != ("limits",))
 
 

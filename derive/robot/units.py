@@ -52,7 +52,7 @@ def cell_unit(path: KeyPath, robot: Description) -> Unit:
             return next(position_unit(variable) for variable in robot.coupled if variable.variable == name)
         case ("joints", _, "theta" | "alpha" | "gamma"):
             return Unit.ANGLE
-        case ("joints", _, "d" | "a" | "b") | ("links" | "root", _, "com", _):
+        case ("joints", _, "d" | "a" | "b") | ("loops", _, "length") | ("links" | "root", _, "com", _):
             return Unit.LENGTH
         case (*_, "base" | "tool" | "mount", 0 | 1 | 2, 3):
             return Unit.LENGTH
@@ -83,6 +83,7 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
     for variable in robot.coupled:
         place = ("variables", variable.variable, "limits")
         yield from (((*place, k), limit) for k, limit in enumerate(variable.limits or ()))
+    yield from ((("loops", k, "length"), loop.length) for k, loop in enumerate(robot.loops))
     yield from ((("gravity", k), entry) for k, entry in enumerate(robot.gravity or ()))
     for place, link in located_links(robot):
         yield (*place, "mass"), link.mass

@@ -17,7 +17,7 @@ from derive.errors import ExpressionError, RobotFileError, listed, near_miss, pa
 from derive.robot import expression as tree
 from derive.robot.cells import Cells
 from derive.robot.coupling import coupling
-from derive.robot.description import INERTIA, Description, FileUnits, Joint, Remark, Variable
+from derive.robot.description import INERTIA, Description, FileUnits, Joining, Joint, Remark, Variable
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names
 from derive.robot.names import acceleration_name, velocity_name
@@ -246,6 +246,7 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
                 remedy = f"write {-value:g}: both numbers are magnitudes against the motion, [f_plus, f_minus]"
                 path = (*place, "friction", "coulomb", k)
                 raise document.error(path, found, "allowed: zero or more", remedy)
+    _check_rods(document, robot, values)
     # numbers for all symbols, random for those without one and those that may change at run time
     source = random.Random(_SEED)
     open_names = sorted(name for name in cells.first_use if name not in values or name in robot.runtime)
@@ -254,6 +255,13 @@ def validate(document: Document, cells: Cells, robot: Description) -> None:
         _check_coupling(document, robot, trials)
     for path, matrix in located_frames(robot):
         check_rotation(document, path, matrix, trials)
+
+
+def _check_rods(document: Document, robot: Description, values: Mapping[str, float]) -> None:
+    for k, loop in enumerate(robot.loops):
+        if loop.by is Joining.DISTANCE and (value := _value(loop.length, values)) is not None and value <= 0:
+            remedy = "write by: spherical where the origins coincide"
+            raise document.error(("loops", k, "length"), f"a rod of {value:g} m", "allowed: more than zero", remedy)
 
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:

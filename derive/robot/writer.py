@@ -60,7 +60,8 @@ def robot_text(robot: description.Description, comments: Sequence[str] = ()) -> 
     lines += ["loops:"] if robot.loops else []
     for loop in robot.loops:
         branch = f", branch: {_quoted(loop.branch)}" if loop.branch else ""
-        lines += [f"  - {{join: [{', '.join(map(_quoted, loop.join))}], by: {loop.by.value}{branch}}}"]
+        length = f", length: {_length(loop.length, units)}" if loop.length != ZERO else ""
+        lines += [f"  - {{join: [{', '.join(map(_quoted, loop.join))}], by: {loop.by.value}{length}{branch}}}"]
     if robot.links:
         bodies = [link for place, link in located_links(robot) if place[0] == "links"]
         lines += ["links:" if bodies else "links: []", *(line for link in bodies for line in _link(link, units))]

@@ -27,13 +27,15 @@ from tests.cli.command import refused
 from tests.handouts.page import test_browser_viewer as viewers
 from tests.handouts.reading import part, words
 from tests.handouts.test_trees import COUPLED, LOOPS, assert_same, joined, printed, sections
+from tests.inverse.loops.test_rod import with_rod
 from tests.random_robots import seeds
 from tests.random_trees import coupled, random_tree
+from tests.verification.oracle.test_loops import mechanism
 
 browser = viewers.browser
 FOUR = robot_file_bytes("four-bar").decode()
 STIFF = FOUR.replace("l1: 0.1 ", "l1: 0.5 ")  # its crank no longer goes around
-NAMELESS = FOUR.partition("parameters:")[0]
+NAMELESS, ROD = FOUR.partition("parameters:")[0], with_rod("four-bar")
 
 
 def drawn(robot: Robot) -> tuple[Robot, RobotPoses, Oracle]:
@@ -81,7 +83,7 @@ def test_printed_derivatives_are_the_rates_of_the_passive_joints(name: str) -> N
             assert float(sympy.sympify(text, locals={}).subs(at)) == pytest.approx(rate, abs=1e-9)
 
 
-@pytest.mark.parametrize("text", [*COUPLED, STIFF, NAMELESS], ids=[*COUPLED, "stiff", "nameless"])
+@pytest.mark.parametrize("text", [*COUPLED, STIFF, NAMELESS, ROD], ids=[*COUPLED, "stiff", "nameless", "rod"])
 @pytest.mark.first(3)
 def test_figures_are_where_the_oracle_is_and_closed(text: str) -> None:
     robot, poses, oracle = drawn(Robot.from_text(text) if "\n" in text else Robot.load(text))
@@ -102,6 +104,10 @@ def test_random_couplings_are_drawn_where_their_joints_are(seed: int) -> None:
     own = replace(robot, coupled=(), joints=tuple(replace(joint, drive=()) for joint in robot.joints))
     found, wanted = RobotPoses(robot).frames(q.tolist()), RobotPoses(own).frames((matrix @ q).tolist())
     assert np.allclose(found[: robot.n + 1], wanted[: robot.n + 1], atol=1e-9)
+
+
+def test_frames_of_the_arm_of_a_loop_have_numbers_of_their_own_where_a_constant_transform_makes_it_a_tree() -> None:
+    assert "('$2$', '$1$', 'revolute'" in str(part(mechanism("rods", 2), "closure").blocks)
 
 
 def test_where_loops_are_open_is_said(tmp_path: Path) -> None:

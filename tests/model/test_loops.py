@@ -32,17 +32,18 @@ ROBOTS = {  # rows, and numbers of the variables
     "four": (BARS + ROCKER, [0.7]),
     "five": (BARS + FIVE, [0.7, 0.9]),
     "slider": (f"{BARS}{SLIDER}{FIXED}rocker, alpha: -pi/2}}\n", [0.7]),
+    "rod": (f"{TURNING}coupler, a: l1}}\n{ROCKER}", [0.7]),  # in place of the coupler, from crank to rocker
     "turned": (TURNED.replace("crank", "crank, q: q1, theta: q1 + pi/6"), [0.4, 0.2]),
 }
 every = pytest.mark.parametrize("name", ROBOTS)
 
 
 def text_of(name: str) -> str:
-    rows = ROBOTS[name][0]
-    cells = ", ".join(f"{k}: {x}" for k, x in (LENGTHS | {"g": 9.8, "m": 2, "c": 0.2}).items() if k in f"gmc{rows}")
+    rows, by = ROBOTS[name][0], "distance, length: l2" if name == "rod" else "revolute"
+    cells = ", ".join(f"{k}: {x}" for k, x in (LENGTHS | {"g": 9.8, "m": 2, "c": 0.2}).items() if k in f"gmc{by}{rows}")
     text = f"name: {name}\nconvention: standard\ngravity: [0, -g, 0]\nparameters: {{{cells}}}\njoints:\n{rows}"
     bodies = ", ".join(["{mass: m, com: [c, 0, 0], inertia: {zz: m*c**2}}"] * rows.count("\n"))
-    return f"{text}loops: [{{join: [coupler, rocker], by: revolute}}]\nends: {{pin: coupler}}\nlinks: [{bodies}]\n"
+    return f"{text}loops: [{{join: [coupler, rocker], by: {by}}}]\nends: {{pin: coupler}}\nlinks: [{bodies}]\n"
 
 
 @cache

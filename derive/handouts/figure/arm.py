@@ -155,8 +155,8 @@ def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:
     if segment.cell in ("tool", "mount"):
         return ""
     rows: tuple[Joint | FixedRow, ...] = (*robot.joints, *robot.fixed)
-    joint = rows[segment.row]
-    cell = joint.a if segment.cell == "a" else joint.d
+    joint, is_rod = rows[segment.row], segment.cell == "rod"
+    cell = robot.loops[segment.row].length if is_rod else joint.a if segment.cell == "a" else joint.d
     if segment.cell == "d" and isinstance(joint, Joint) and not joint.is_revolute:
         cell = Sum((position(joint), cell))
     latex = joined(data.length(cell)).tex.strip()
@@ -164,6 +164,8 @@ def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:
         latex += r"\,\mathrm{mm}" if robot.units.millimetres else r"\,\mathrm{m}"
     if label_width(latex) <= LONGEST_LABEL and "frac{" not in latex and "\\sqrt" not in latex:
         return latex
+    if is_rod:
+        return ""
     behind = segment.cell == "a" and robot.convention is Convention.MODIFIED and not robot.is_tree
     return f"{segment.cell}_{{{frame_names(robot)[segment.row + (0 if behind else 1)]}}}"
 

@@ -34,8 +34,8 @@ class LinkSegment:
 
     start: Array  # its first point
     end: Array  # its last point
-    row: int  # the joint, from 0, or a row without motion behind them; then the ends
-    cell: str  # ``d``, ``a``, ``mount`` or ``tool``
+    row: int  # the joint, from 0, or a row without motion behind them; then the ends; of loops from their end, below 0
+    cell: str  # ``d``, ``a``, ``mount``, ``tool`` or ``rod``
 
     @property
     def length(self) -> float:
@@ -132,10 +132,10 @@ def _hands(robot: Robot, poses: Array, segments: Sequence[LinkSegment]) -> Itera
         yield Hand(place, approach, opening, joint, is_fixed, is_pin)
 
 
-def _pins(robot: Robot, poses: Array) -> Iterator[tuple[Joining, Array]]:
+def _pins(robot: Robot, poses: Array, side: int = 0) -> Iterator[tuple[Joining, Array]]:
     """Where loops are closed, and by what."""
     frames = dict(zip(tree.labels(robot), poses, strict=False))
-    return ((loop.by, frames.get(loop.join[0], poses[0])) for loop in robot.loops)
+    return ((loop.by, frames.get(loop.join[side], poses[0])) for loop in robot.loops)
 
 
 def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[float, float, float]:
@@ -176,6 +176,9 @@ def _links(robot: Robot, poses: Array) -> tuple[list[JointAxis], list[Array], li
         parts += [LinkSegment(start, corner, row, first), LinkSegment(corner, end, row, second)]
     pins = (pin for by, pin in _pins(robot, poses) if by is Joining.REVOLUTE)
     joints += [JointAxis(pin[:3, 3], pin[:3, 3], pin[:3, 2], revolute=True) for pin in pins]
+    sides = zip(_pins(robot, poses), _pins(robot, poses, 1), strict=True)
+    for k, ((by, one), (_, other)) in enumerate(sides, -len(robot.loops)):
+        parts += [LinkSegment(one[:3, 3], other[:3, 3], k, "rod")] if by is Joining.DISTANCE else []
     for k, tool in enumerate(tree.ends(robot)):
         tip = poses[k - len(tree.ends(robot)), :3, 3]
         parts.append(LinkSegment(poses[labels.index(tool.after), :3, 3], tip, len(rows) + k, "tool"))

@@ -11,7 +11,7 @@ from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrin
 from derive.model.closure import Closure, LoopClosure
 from derive.model.model import Model
 from derive.robot.coupling import derivatives
-from derive.robot.description import IDENTITY
+from derive.robot.description import IDENTITY, Joining
 from derive.robot.expression import to_text
 
 
@@ -33,6 +33,8 @@ def closure_lines(found: Closure, form: str, notation: Notation) -> list[str]:
             write = SignPrinter(found.robot, names, pose_names(arm)).doprint
             own = zip(one.solution.lines[len(one.known) :], arm.named_lines, strict=True)
             _, *table, _ = repr(arm.robot).splitlines()
+            if one.loop.by is Joining.DISTANCE:
+                table.append("its first link is the rod, in any direction")
             if arm.robot.tool != IDENTITY:
                 table.append(f"tool at {listed(to_text(row[3]) for row in arm.robot.tool[:3])}")
             lines += [

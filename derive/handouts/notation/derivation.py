@@ -187,6 +187,8 @@ def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
             return f"of the vector between {axes}, along those of joint {axis}", f"component {letter}"
         case OriginForm.DISTANCE:
             return f"between {axes}", "squared distance"
+        case OriginForm.ROD:
+            return "between the ends of the rod", "squared distance"
         case OriginForm.DIRECTIONS:
             return f"of the rotation between {axes}", f"entry {places[0]}"
         case OriginForm.MOMENT:

@@ -12,6 +12,7 @@ from derive.handouts.sheet.document import Block, Rows
 from derive.model.closure import LoopClosure
 from derive.model.entries import ModelEntries, expanded_terms
 from derive.model.model import Model
+from derive.robot.description import Joining
 
 _MOST_SECOND = 12  # second derivatives that are printed
 
@@ -45,6 +46,8 @@ def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
         by=one.loop.by.value,
     )
     yield from table_rows(own)
+    if one.loop.by is Joining.DISTANCE:
+        yield context.paragraph("Its first link is the rod, which may have any direction.")
     yield from own.announced("Before the first of them and behind the last:", end_lines(own, tool=tool_of(name)))
     pose = own.symbols.of_end("T").tex
     yield context.paragraph("The variables determine these entries of its pose $%(pose)s$:", pose=pose)

@@ -72,8 +72,10 @@ class Context:
 
     def name(self, label: str) -> Box:
         """How the frame of a row of a tree is written: by its number, or by the name of a row without motion."""
-        number = tree.labels(self.whole.robot).index(label)
-        return italic(str(number)) if number <= self.whole.robot.n else upright(label)
+        whole = self.whole.robot
+        robot = whole if self.end in {"", *(end.name for end in whole.ends)} else self.robot  # the arm of a loop
+        number = tree.labels(robot).index(label)
+        return italic(str(number)) if number <= robot.n else upright(label)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:

@@ -99,6 +99,9 @@ def circuit(robot: Robot, loop: Loop, solved: Sequence[int], *, opposed: bool = 
 
     one, other = (list(_outwards(robot, label, loop)) for label in loop.join)
     for inner, outer in ((one, other), (other, one)):
+        if loop.by is Joining.DISTANCE and (found := _unknown(outer)):
+            before = (*(_back(step) for step in reversed(inner)), *outer[: found[0]])
+            return _arm(robot, [Screw("x", ZERO, loop.length), *outer[found[0] :]], before, ())
         # Where a ball joint ends the only branch that has unknown joints, these have a position to reach.
         at = _unknown(outer) if loop.by is Joining.SPHERICAL and not _unknown(inner) else []
         if at and not any(isinstance(step, Passage) for step in outer[at[-1] + 1 :]):

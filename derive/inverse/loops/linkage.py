@@ -31,6 +31,7 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
 from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
+from derive.inverse.loops.rod import rod_graph
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
@@ -121,13 +122,17 @@ def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
 
 
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
-    if not {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}:
+    unknown = {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}
+    if not unknown:
         found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
         raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
+    if loop.by is Joining.DISTANCE and len(unknown) > 1:
+        found = f"{listed(robot.joints[k].variable for k in sorted(unknown))} move it, and a rod determines one joint"
+        raise _refused(robot, loop, found, remedy="write passive on one of them, or close loops of the others first")
     own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
-    passive = tuple(k for k in own.places if k >= 0 and robot.joints[k].follows)
+    passive = tuple(k for k in own.places if k in unknown)
     try:
-        graph = solve(own.arm)
+        graph = solve(own.arm) if loop.by is not Joining.DISTANCE else _of_rod(robot, own)
     except QuantityError:  # its message is about the arm
         found = f"it does not determine {listed(robot.joints[k].variable for k in passive)}"
         raise _refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops") from None
@@ -143,6 +148,13 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
         raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
     leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
     return SolvedLoop(loop, own, graph, leaf, passive)
+
+
+def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
+    position = own.pose(PolynomialDomain(robot, rates=False)).position
+    if (graph := rod_graph(own.arm, tuple(not x for x in position))) is None:
+        raise QuantityError("the joint does not change the distance of the ends")
+    return graph
 
 
 def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list[Frame[S]], list[Frame[S]]]:
@@ -255,6 +267,9 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():
             return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
+    if loops[-1].loop.by is Joining.DISTANCE:
+        missing = float(np.abs(_stretch(robot, loops[-1].loop, full, values)).min()) + _TINY
+        return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), missing
     frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
     entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
     arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
@@ -267,6 +282,7 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
 def reach(robot: Robot, values: Mapping[str, Any]) -> float:
     """The lengths of all rows together [m], further than which no slide goes; 1 where there are none."""
     cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)] + tree.lengths(robot)
+    cells += [loop.length for loop in robot.loops]
     return sum(abs(to_float(cell, values)) for cell in cells) or 1.0
 
 
@@ -274,6 +290,12 @@ def gaps(robot: Robot, loop: Loop, domain: Domain[S]) -> Vector[S]:
     """The way between the origins of the joined frames, zero where they are one."""
     _, _, (one, other) = _frames(robot, loop, domain)
     return subtract(one.position, other.position)
+
+
+def _stretch(robot: Robot, loop: Loop, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
+    """By how much the way between the ends of a rod is longer than it is [m]."""
+    way = gaps(robot, loop, ArrayDomain(robot, full, values))
+    return np.asarray(np.sqrt(dot(way, way)) - to_float(loop.length, values))
 
 
 def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
@@ -297,6 +319,8 @@ def positions(
         for place, angle in zip(one.circuit.places, run.angles(leaf), strict=True):
             if place in one.passive:
                 full[place] = np.broadcast_to(angle, shape)
+        if one.loop.by is Joining.DISTANCE:  # no entry of a pose
+            missing = np.maximum(missing, np.abs(_stretch(robot, one.loop, full, values)))
     return full, missing < _OPEN
 
 
@@ -335,8 +359,11 @@ def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, 
     end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Joining.PRISMATIC
     # Unless one slides along the other their origins are one point, to which each branch has a way of its own.
     points = [end.position, end.position if is_slide else joined[1].position]
+    rod = subtract(*points[::-1]) if loop.by is Joining.DISTANCE else None
 
     def _in_axes(linear: Vector[S], angular: Vector[S]) -> Twist:
+        if rod is not None:  # ball joints leave the velocity along it alone
+            return (dot(rod, linear), *chain.null, *chain.null[:2])
         return (*multiply(back, linear), *multiply(back, angular)) if one.in_frame else (*linear, *angular)
 
     found: dict[int, Twist] = {}

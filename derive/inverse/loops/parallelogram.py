@@ -22,7 +22,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.errors import QuantityError
 from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
 from derive.mechanics.exact import Kinematics
-from derive.mechanics.vectors import column, cross, subtract
+from derive.mechanics.vectors import column, cross, dot, subtract
 from derive.robot.coupling import position
 from derive.robot.description import Joining, Joint, Loop
 from derive.robot.expression import ZERO, Pi, add, multiply, negate, number
@@ -82,11 +82,13 @@ def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joi
 
 def _is_closed(robot: Robot, loop: Loop) -> bool:
     """Whether a loop that the robot no longer has is closed in every configuration."""
-    kinematics = Kinematics(robot, PolynomialDomain(robot, rates=False))
+    kinematics = Kinematics(robot, PolynomialDomain(robot, [loop.length], rates=False))
     one, other = map(kinematics.placed, loop.join)
     apart, (z, end) = subtract(other.position, one.position), (column(frame.rotation, 2) for frame in (one, other))
     if loop.by is Joining.SPHERICAL:
         return not any(apart)
+    if loop.by is Joining.DISTANCE:
+        return dot(apart, apart) == kinematics.domain.constant(loop.length) ** 2
     if loop.by is Joining.REVOLUTE:  # the axes may be opposed
         return not any((*apart, *cross(z, end)))
     turned = [x - y for pair in zip(other.rotation, one.rotation, strict=True) for x, y in zip(*pair, strict=True)]

@@ -26,6 +26,7 @@ class OriginForm(StrEnum):
     SQUARES = "squares"  # several entries, squared and added
     COMPONENT = "component"  # a component of the vector between two axes, in the frame of one of them
     DISTANCE = "distance"  # the squared distance between points of two axes
+    ROD = "rod"  # the squared distance between the ends of a rod
     DIRECTIONS = "directions"  # the rotation between two axes
     MOMENT = "moment"  # of p x R, or p.p R - 2 p (R^T p)^T: Raghavan and Roth, J. Mech. Des. 115(3), 1993
 
@@ -58,6 +59,8 @@ def origin(robot: Robot, source: Provenance, *, to_end: bool, from_base: bool = 
                 column = _turned(robot.joints[source.last - 1].alpha, column)
             if row and column and has_table:
                 found = replace(found, form=OriginForm.ENTRY, entries=((row, column),))
+        case "r":
+            found = Origin(OriginForm.ROD, source.first, source.last, ((1, 4), (2, 4), (3, 4)))
         case "m" | "k":
             found = Origin(OriginForm.MOMENT, source.first, source.last, (places,))
         case kind:

@@ -193,10 +193,12 @@ class LoopRow(Strict):
     """Where a loop closes."""
 
     join: tuple[RowName, RowName] = Field(description="Rows whose frames are joined, or base.")
-    by: Literal["revolute", "prismatic", "spherical", "fixed"] = Field(
+    by: Literal["revolute", "prismatic", "spherical", "fixed", "distance"] = Field(
         description="revolute: origins and z axes coincide; prismatic: axes are parallel, one origin on the other's z "
-        "axis; spherical: origins coincide; fixed: the frames coincide."
+        "axis; spherical: origins coincide; fixed: the frames coincide; distance: a rod of the given length joins the "
+        "origins by two ball joints."
     )
+    length: Cell | None = usually(None, "Length of the rod, with by: distance.")
     branch: Annotated[str, WithJsonSchema({"type": "string", "pattern": "^[+-]*$"})] = usually(
         "", "Which assembly: a sign for each +- of the solution; default: all +."
     )

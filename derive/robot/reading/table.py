@@ -53,7 +53,7 @@ def read_table(document: Document, cells: Cells) -> Description:
         moved = (*(Link() for _ in moving if has_dynamics), *moved)
     convention, gravity = Convention(document.text("convention")), read_gravity(document, cells)
     whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
-    return plain(with_loops(document, replace(whole, coupled=coupled), reader.passive, reader.any_label))
+    return plain(with_loops(document, cells, replace(whole, coupled=coupled), reader.passive, reader.any_label))
 
 
 def _read_root(document: Document) -> Root | None:
@@ -339,7 +339,9 @@ class _Table:
 Label = Callable[[KeyPath], str]  # the label of the row that a cell names
 
 
-def with_loops(document: Document, robot: Description, passive_rows: Sequence[int], label: Label) -> Description:
+def with_loops(
+    document: Document, cells: Cells, robot: Description, passive_rows: Sequence[int], label: Label
+) -> Description:
     """The robot with its loops, whose passive joints follow the variables of theirs."""
     loops: list[Loop] = []
     for k in range(document.length(("loops",)) if document.find(("loops",)) is not None else 0):
@@ -352,7 +354,13 @@ def with_loops(document: Document, robot: Description, passive_rows: Sequence[in
         if set(branch) - {"+", "-"}:
             remedy = "derive show ROBOT closure lists the branches"
             raise document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-        loops.append(Loop((one, other), Joining(document.text(*path, "by")), branch, document.location(path)))
+        by, is_long = Joining(document.text(*path, "by")), document.find((*path, "length")) is not None
+        if is_long != (by is Joining.DISTANCE):
+            found = f"by: {by.value} {'with a' if is_long else 'without a'} length"
+            remedy = "write by: distance, or leave the length out" if is_long else "write length: that of the rod"
+            raise document.error(path, found, "allowed: a length with by: distance alone", remedy)
+        length = cells.length((*path, "length"))
+        loops.append(Loop((one, other), by, branch, length, document.location(path)))
     places = joint_places(robot)
     passive = {k for k, place in enumerate(places) if place[0] == "joints" and place[1] in passive_rows}
     groups = [{k for branch in around(robot, loop) for k in branch} for loop in loops]

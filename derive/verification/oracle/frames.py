@@ -60,7 +60,7 @@ class NumericArm:
     coulomb: Array  # (2, n) joint-side Coulomb friction for qd > 0, and against that for qd < 0
     task: tuple[str, ...]  # what is asked of the end effector, in the words of robot files
     coupling: Array | None  # (n, v) positions of joints per unit of each variable; None where each joint has its own
-    loops: tuple[tuple[Joining, Place, Place], ...]  # what joins which two frames
+    loops: tuple[tuple[Joining, float, Place, Place], ...]  # what joins which two frames, with the length of a rod [m]
     passive: Array  # joints that the loops move, whose rows of the coupling are zeros
 
     @property
@@ -189,7 +189,9 @@ def numeric_arm(robot: Robot, chosen: Mapping[str, float] | None = None) -> Nume
         coulomb=np.array([numbers(link.dry[way] for link in links) for way in (0, 1)]),
         task=robot.inverse.task,
         coupling=numbers.coupling() if robot.coupled else None,
-        loops=tuple((loop.by, numbers.place(loop.join[0]), numbers.place(loop.join[1])) for loop in robot.loops),
+        loops=tuple(
+            (loop.by, *numbers([loop.length]).tolist(), *map(numbers.place, loop.join)) for loop in robot.loops
+        ),
         passive=np.array([i for i, joint in enumerate(joints) if joint.follows], dtype=int),
     )
 

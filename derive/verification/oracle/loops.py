@@ -20,7 +20,8 @@ STEP = 1e-30  # complex step
 STEPS = 3  # of Newton's method, which needs two from where a guess has to be
 CLOSED = 1e-13  # largest phi of a closed loop, lengths over that of the arm
 NEAR = 1e-6  # from a guess to what it leads to, angles [rad], lengths over that of the arm
-SHARED = {Joining.REVOLUTE: (2,), Joining.SPHERICAL: ()}  # axes that the frames share; of others all
+# Axes that the frames share; of others all.
+SHARED = {Joining.REVOLUTE: (2,), Joining.SPHERICAL: (), Joining.DISTANCE: ()}
 # Positions of the passive joints, (m, p), at variables (m, v); NaN where there are none.
 Guess = Callable[[Array], Array]
 
@@ -92,7 +93,7 @@ def _closure(arm: NumericArm, x: Array) -> tuple[Array, Array]:
     """Values phi, (..., rows), and derivatives Phi, (..., rows, n)."""
     frames = chain_frames(arm, x)
     values, slopes = [], []
-    for by, *places in arm.loops:
+    for by, length, *places in arm.loops:
         one, other = (frames[..., joint + 1, None, :3, :] @ own for joint, own in places)
         turns = [np.swapaxes(angular_jacobian(arm, frames, arm.moves[[k]])[..., 0, :, :], -1, -2) for k, _ in places]
         moves = [
@@ -103,6 +104,9 @@ def _closure(arm: NumericArm, x: Array) -> tuple[Array, Array]:
         if by is Joining.PRISMATIC:  # what is beside the axis
             z = other[..., 2]
             gap, rate = cross(gap, z), cross(rate, z) + cross(gap, cross(turns[1], z))
+        if by is Joining.DISTANCE:  # (gap^2 - L^2)/2L
+            rate = (gap * rate).sum(axis=-1, keepdims=True) / length
+            gap = ((gap * gap).sum(axis=-1, keepdims=True) - length**2) / (2 * length)
         values += [gap / arm.length]
         slopes += [rate / arm.length]
         for k in SHARED.get(by, range(3)):

@@ -86,7 +86,18 @@ def changed(old: str, new: str, text: str = FOUR) -> str:
 
 
 NUMBERS = "\nparameters: {l0: 2, l1: 0.2, l2: 0.3, l3: 0.5}\n"
+ROD = changed("  - {type: revolute, name: coupler, a: l2, passive: true}\n", "").replace(
+    "{pin: coupler}", "{pin: rocker}"
+)
+ROD = ROD.replace("[coupler, rocker], by: revolute", "[crank, rocker], by: distance, length: l2")
 REFUSED = {
+    "at best 1 m are missing; correct lengths": ROD + NUMBERS,
+    "by: distance without a length": ROD.replace(", length: l2", ""),
+    "by: revolute with a length": changed("by: revolute", "by: revolute, length: l2"),
+    "length: a rod of -1 m; allowed: more than zero": ROD.replace("length: l2", "length: -1"),
+    "q2, q3 move it, and a rod determines one joint": changed("by: revolute", "by: distance, length: l4"),
+    "it does not determine q2": ROD.replace("a: l3", "a: 0"),
+    "no joint of the loop is passive; allowed: loops that move joints": ROD.replace("rocker],", "ground],"),
     "cannot be assembled: at best 1 m are missing": FOUR + NUMBERS,
     "at best 0.1 m are missing": changed("a: l2", "a: l2, d: 0.1"),
     "over-constrained: 1 of q1, q2 depends on the others": changed("a: l2, passive: true", "a: l2"),

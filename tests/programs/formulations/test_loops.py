@@ -16,6 +16,7 @@ from derive.programs.tape.tape import Op
 from derive.programs.tape.value import TapeDomain
 from derive.robot.load import robot_file_bytes
 from derive.robot.robot import Robot
+from tests.inverse.loops.test_rod import with_rod
 
 
 @pytest.mark.parametrize("name", ["four-bar", "slider-crank"])
@@ -43,17 +44,18 @@ def test_a_root_is_taken_as_it_is_so_that_an_open_loop_has_no_numbers() -> None:
     assert operands == {ClosingField: Op.INPUT, TapeField: Op.MAXIMUM}
 
 
+@pytest.mark.parametrize("four", [robot_file_bytes("four-bar").decode(), with_rod("four-bar")], ids=["pins", "rod"])
 @pytest.mark.parametrize("branch", "+-")
-@pytest.mark.first(1)
+@pytest.mark.first(2)
 def test_generated_positions_are_those_of_the_solution_and_no_numbers_where_the_loop_is_open(
-    branch: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    branch: str, four: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = robot_file_bytes("four-bar").decode().replace("l1: 0.1 ", "l1: 0.5 ").replace('"+"', f'"{branch}"')
-    robot = Robot.from_text(text.replace("name: four-bar", f"name: open-{'np'[branch == '+']}"))
+    text = four.replace("l1: 0.1 ", "l1: 0.5 ").replace('"+"', f'"{branch}"')
+    robot = Robot.from_text(text.replace("name: four-bar", f"name: open-{'np'[branch == '+']}{len(four)}"))
     build(robot, tmp_path, targets=["numpy"], only=True)
     monkeypatch.syspath_prepend(str(tmp_path))
     generated = import_module(f"{robot.name.replace('-', '_')}.model_numpy")
-    q = np.linspace(-3, 3, 61)
+    q = np.linspace(-3, 3, 60)  # without the dead point at 0
     full, exists = positions(robot, linkage(robot), [q])
     with np.errstate(invalid="ignore"):
         found = generated.passive_positions(q[:, None])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from derive.robot.cells import Cells
 from derive.robot.description import Joining
 from derive.robot.load import robot_file_bytes
 from derive.robot.reading.document import read_document
@@ -29,4 +30,9 @@ def test_passive_joints_follow_the_variables_of_their_own_loops_alone() -> None:
 
 def test_a_file_without_loops_is_read_as_before() -> None:
     document, robot = read_document(robot_file_bytes("planar-3r"), "planar-3r"), Robot.load("planar-3r")
-    assert with_loops(document, robot, (), lambda path: pytest.fail(f"nothing to read at {path}")) == robot
+    assert (
+        with_loops(
+            document, Cells(document, robot.units), robot, (), lambda path: pytest.fail(f"nothing to read at {path}")
+        )
+        == robot
+    )
