@@ -58,6 +58,7 @@ class Improvement:
         self._search.run(work // 2)
         self._search.resubstitute(work)
         self._search.run(work // 2)
+        self._search.move_coefficients()
 
     def result(self) -> tuple[Graph, tuple[Ref, ...]]:
         """The cheapest program found so far, its hoisted work improved too."""

@@ -7,6 +7,9 @@ that cost nothing stay: they lead to others. The order of the trials is random w
 Sums are also rewritten by s^2 + c^2 = 1, the squares of a sine and a cosine of one angle, with either square written
 out (`Circle`).
 
+A coefficient with which values are multiplied wherever they stand moves into their definitions, where it meets other
+coefficients and costs nothing.
+
 Values whose definition costs more than one operation are also written in terms of two others that exist
 (`Resubstitution`). Whether values agree is known from their residues, so identities count that no rewriting shows: the
 trace of an inertia tensor is the same in every frame. v = x - y may be exact algebra and still ruin v, if x and y hold
@@ -28,7 +31,7 @@ from derive.programs.optimise.coefficients import PRIME
 from derive.programs.optimise.network import Monomial, Network, Opaque, Operand, Polynomial, polynomial_cost
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.optimise.sharing import Extractor
-from derive.programs.tape.graph import ONE, Ref, is_negative, negated, node_of, ref_to, signed
+from derive.programs.tape.graph import ONE, UNITS, Ref, is_negative, negated, node_of, ref_to, signed
 from derive.programs.tape.tape import ARITHMETIC, Op
 
 _POINTS = 3
@@ -284,6 +287,64 @@ class Search:
                     self._settle(cost - 1, mark)
                     if network.cost < cost:
                         break
+
+    def move_coefficients(self) -> None:
+        """Take multiples of values where these stand nowhere without one coefficient, if that saves operations."""
+        network = self._network
+        holders: dict[Ref, dict[int, int]] = {}  # how often a coefficient stands in each definition
+        for variable, polynomial in network.polynomials():
+            for monomial, coefficient in polynomial.items():
+                if monomial and coefficient not in UNITS:
+                    places = holders.setdefault(signed(coefficient, is_negative(coefficient)), {})
+                    places[variable] = places.get(variable, 0) + 1
+        for coefficient, counts in holders.items():
+            if sum(counts.values()) == 1:
+                continue
+            cost, mark = network.cost, network.mark()
+            factors, stack = dict[int, None](), list(counts)
+            # k (a + b) is written out: it may be that k stands with a and with b everywhere.
+            while stack:
+                place = stack.pop()
+                terms = (network.polynomial(place) or {}).items()
+                here = [v for monomial, k in terms if signed(k, is_negative(k)) == coefficient for v in monomial]
+                sums = (v for v in here if len(network.polynomial(v) or ()) > 1 and network.users[v] == {place: 1})
+                inner = next(sums, None)
+                if inner is not None and self._write_out(inner, place):
+                    stack.append(place)
+                factors |= dict.fromkeys(here)
+            network.settle()
+            if any([self._scale(variable, coefficient) for variable in factors]):
+                self._settle(cost - 1, mark)
+            else:
+                self._undo(mark)
+
+    def _scale(self, variable: int, coefficient: Ref) -> bool:
+        """Take a multiple in the place of a variable that stands nowhere without the coefficient, if that saves."""
+        network = self._network
+        definition = network.polynomial(variable)
+        users = {user: network.polynomial(user) for user in network.users.get(variable, ())}
+        if definition is None or None in users.values():
+            return False
+        scaled = {m: network.coefficients.multiply(k, coefficient) for m, k in definition.items()}
+        saved = polynomial_cost(definition) - polynomial_cost(scaled)
+        for polynomial in users.values():
+            found = [(m, k) for m, k in (polynomial or {}).items() if variable in m]
+            saved += len(found)
+            if any(m.count(variable) > 1 or signed(k, is_negative(k)) != coefficient for m, k in found):
+                return False
+        if saved <= 0 or network.find(network.evaluate(scaled)):
+            return False
+        multiple = network.create(scaled)
+        for user, polynomial in users.items():
+            new: Polynomial = {}
+            for m, k in (polynomial or {}).items():
+                if variable in m:
+                    rest = [v for v in m if v != variable]
+                    new[tuple(sorted((*rest, multiple)))] = signed(ONE, is_negative(k))
+                else:
+                    new[m] = k
+            network.define(user, new)
+        return True
 
     def _settle(self, limit: int, mark: int) -> None:
         """Share anew after a change; take it back if the cost exceeds a limit."""

@@ -53,7 +53,8 @@ def test_reading_searching_and_redefining_keep_the_values(program: RandomProgram
         network = network_of(graph, results)
         search = Search(network)
         stages = []
-        for step in (lambda: None, lambda: search.run(300), lambda: search.resubstitute(3000)):
+        steps = (lambda: None, lambda: search.run(300), lambda: search.resubstitute(3000), search.move_coefficients)
+        for step in steps:
             step()
             assert network.cost == counted(network)
             stages.append(cut(*graph_of(network, graph)))
@@ -102,6 +103,15 @@ def test_multiples_of_a_sum_squares_of_sine_and_cosine_and_sums_that_cancel_save
     _, (x, *_), (a, b, *_) = names()
     tape = cut(*improve(x.graph, [(((a + b) - b) * x).ref, ((a + b - a) * x * x).ref]))
     assert tape.hoisted_operations == Operations()
+
+
+def test_a_coefficient_with_which_values_stand_everywhere_costs_nothing() -> None:
+    _, (x, y, u, v, w, z), (a, b, d, *_) = names()
+    sums = a * x + b * y, a * y - b * x
+    forces = d * (sums[0] * u + sums[1] * v), d * (sums[0] * w - sums[1] * z)
+    assert improved(*forces) == Operations(mul=8, add=4)
+    # Where one stands without the coefficient too, a product for each sum is as cheap as it gets.
+    assert improved(*forces, sums[0], sums[1]) == Operations(mul=10, add=4)
 
 
 def test_a_trace_is_the_same_in_every_frame() -> None:
