@@ -151,8 +151,10 @@ class Comparing:
         is_motion = not self._accelerations.isdisjoint((*names(one), *names(other)))
         is_lagranges = "dt" in left and "\\partial" in right and "dt" not in right
         is_motion = is_motion and self.document and (is_lagranges or not re.search(r"\\partial|dt", left + right))
-        if is_motion or self._constrains(one, other):
-            self._states(first, f"{left} = {right}", ways([one, other]))
+        held = ways([one, other])  # m_3 l_2 = m_4 l_1
+        is_of_parameters = self.document and held and self.parameters.issuperset((*names(one), *names(other)))
+        if is_motion or is_of_parameters or self._constrains(one, other):
+            self._states(first, f"{left} = {right}", held)
             return True
         return is_constant(one) != is_constant(other)
 

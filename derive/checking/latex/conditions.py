@@ -18,7 +18,7 @@ from derive.checking.formulas.edits import is_token, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge
 from derive.errors import CheckError, Location
 from derive.robot import expression as tree
-from derive.robot.expression import Call, Expression, Name, Number, Pi, Sum
+from derive.robot.expression import Call, Expression, Name, Number, Pi, Product, Sum
 
 NEAR = 0.5  # more than this part of its names and functions a near formula shares with ours, or with what repairs it
 AMONG = 3  # right formulas of a kind for each one that is far from ours, which make these certain
@@ -55,7 +55,7 @@ _HALF_TURNS = {
 
 
 def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
-    """What fulfils an equation between names and numbers, or of a sine or cosine that is zero; none of other ones."""
+    """What fulfils an equation between names and numbers, of products, or of a sine or cosine; none of other ones."""
     match sides:
         case [Name(name), formula] if not isinstance(formula, Name) and name not in tree.names(formula):
             return ({name: formula},)
@@ -67,10 +67,20 @@ def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
             *first, last = terms  # theta_{234} = 0
             assert isinstance(last, Name)
             return ({last.name: tree.add(value, *map(tree.negate, first))},)
+    if len(sides) == 2 and not constants and len(symbols) < 2:
+        return tuple(_of_products(*(side.factors if isinstance(side, Product) else (side,) for side in sides)))
     if len(symbols) + len(constants) < len(sides) or len(constants) > 1 or not symbols:
         return ()
     kept = constants or symbols
     return tuple({symbol.name: value for symbol in symbols if symbol != value} for value in kept)
+
+
+def _of_products(one: Sequence[Expression], other: Sequence[Expression]) -> Iterator[Values]:
+    """Each name that stands once, by the others: m_3 l_2 = m_4 l_1."""
+    if all(isinstance(factor, (Name, Number)) for factor in (*one, *other)):
+        for own, by in ((one, other), (other, one)):
+            for name in (f for f in own if isinstance(f, Name) and [*own, *by].count(f) == 1):
+                yield {name.name: tree.multiply(*by, *(tree.power(f, -1) for f in own if f != name))}
 
 
 def explaining(
