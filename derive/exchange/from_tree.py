@@ -14,7 +14,7 @@ from derive.exchange.closures import closed, joins, turn_to, variable_of
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
 from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
-from derive.exchange.reading.elements import MOVING, Urdf, UrdfJoint, free_name
+from derive.exchange.reading.elements import MOVING, Origin, Urdf, UrdfJoint, free_name
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
 from derive.mechanics.space import WORLD, Line, exactly
 from derive.robot import description
@@ -73,6 +73,7 @@ def import_tree(
     if options.inertia != "given" or options.symbols:
         word = "--symbols" if options.symbols else f"--inertia {options.inertia}"
         raise DeriveError(f"{word} with --tree", allowed="allowed: of one chain alone", remedy="leave one out")
+    urdf = _without_world(urdf)
     with exactly(len(urdf.joints)):
         tree = _Tree(urdf, RootType(root or urdf.root) if root or urdf.root else None, options)
         robot, chosen = tree.described(ends)
@@ -89,6 +90,16 @@ def import_tree(
     text = robot_text(robot, [*([head] if head else []), str(found), *notes])
     names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)
     return ImportedTree(text, read_back(text, robot.name, urdf.source), found, chosen, names, notes)
+
+
+def _without_world(urdf: Urdf) -> Urdf:
+    """The file without a link that carries one floating joint and nothing else: the root floats."""
+    carrying = carrying_joints(urdf)
+    match [joint for joint in urdf.joints if joint.parent not in carrying]:
+        case [UrdfJoint(type="floating", parent=world, origin=at) as free] if at == Origin() and not urdf.bodies[world]:
+            bodies = {link: body for link, body in urdf.bodies.items() if link != world}
+            return replace(urdf, bodies=bodies, joints=tuple(j for j in urdf.joints if j != free), root="floating")
+    return urdf
 
 
 def in_order(urdf: Urdf) -> tuple[str, list[UrdfJoint]]:

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 
 import mujoco
 import numpy as np
@@ -250,6 +251,19 @@ def test_ends_are_at_the_ends_of_limbs_or_those_that_are_named() -> None:
     assert name == ""
 
 
+def test_a_root_floats_that_a_floating_joint_moves() -> None:
+    legs = [replace(joint, parent=joint.parent or "trunk") for joint in ROBOTS["humanoid"][1:]]
+    free = J(type="floating", name="world_joint", link="trunk", inertial=STONE)
+    stands = imported(urdf([replace(free, type="fixed"), *legs]), "floating", "head-1").robot
+    made = imported(urdf([free, *legs])).robot
+    assert made.root is not None
+    assert made.root.type is RootType.FLOATING
+    assert [joint.label for joint in made.joints] == [joint.label for joint in stands.joints]
+    q, qd, qdd = np.random.default_rng(0).uniform(-1, 1, (3, made.n))
+    one, other = (Oracle.of(robot).evaluate("inverse_dynamics", q, qd, qdd) for robot in (made, stands))
+    assert np.abs(one - other).max() < 1e-12 * np.abs(other).max()
+
+
 @pytest.mark.parametrize("root", ["", "floating"])
 def test_joints_that_follow_others_are_coupled(root: str) -> None:
     heavy = body("2", "0.1 0.2 0.3")
@@ -281,7 +295,8 @@ def test_joints_that_follow_others_are_coupled(root: str) -> None:
         ),
         ([J(), *(J(more=f'<mimic joint="j{k}"/>') for k in (3, 2))], "", "joint 'j3' follows 'j2', in a circle"),
         ([J(), J(more='<mimic joint="j1" multiplier="0"/>')], "", "joint 'j2' follows by 0"),
-        ([J(type="floating")], "", "joint 'j1' is floating"),
+        ([J(type="floating", xyz="0 0 1"), J()], "", "joint 'j1' is floating"),
+        ([J(), J(type="floating")], "", "joint 'j2' is floating"),
         ([J(type="screw")], "", "joint 'j1' of type 'screw'"),
         ([J(type="fixed")], "", "no joint moves"),
         ([J(), J(link="l1b"), J(link="l1", parent="l1b")], "", "hangs on two joints|a second link"),
@@ -305,10 +320,13 @@ MJCF = """<mujoco model="beetle"><compiler angle="degree"/><option gravity="1 0 
 </worldbody>{more}</mujoco>"""
 
 
-def test_an_mjcf_with_a_free_joint_and_bodies_by_shape_moves_as_in_mujoco() -> None:
+@pytest.mark.parametrize("places", [{}, {"flap": "40", "slip": "-0.3", "step": "-200"}], ids=["at-zero", "at-ref"])
+def test_an_mjcf_with_a_free_joint_and_bodies_by_shape_moves_as_in_mujoco(places: dict[str, str]) -> None:
     text = MJCF.format(
         kind="hinge", walls="", more='<actuator><motor joint="flap" ctrlrange="-4 4" gear="3"/></actuator>'
     )
+    for name, ref in places.items():
+        text = text.replace(f'joint name="{name}"', f'joint name="{name}" ref="{ref}"')
     made = import_tree(read_mjcf(text.encode(), "beetle.xml"))
     assert (made.robot.root and made.robot.root.type, dict(made.ends)) == (
         RootType.FLOATING,
@@ -320,6 +338,15 @@ def test_an_mjcf_with_a_free_joint_and_bodies_by_shape_moves_as_in_mujoco() -> N
     names = [joint.label for joint in still.joints][6:]
     text = text.replace('range="0 50"', "").replace('frictionloss="0.2"', "").replace('damping="0.5"', "")
     assert worst(still, mujocos(text, names, ["tip", "leg"], True), ["tip", "leg"]) < 1e-10
+
+
+def test_joints_of_an_mjcf_follow_others_from_where_the_file_has_them() -> None:
+    tie = '<equality><joint joint1="step" joint2="flap" polycoef="0.25 0.5 0 0 0"/></equality>'
+    text = MJCF.format(kind="hinge", walls="", more=tie).replace('name="step"', 'name="step" ref="90"')
+    read = read_mjcf(text.replace('name="flap"', 'name="flap" ref="180"').encode(), "beetle.xml")
+    (step,) = (joint for joint in read.joints if joint.mimics)
+    assert (step.name, step.mimics, float(step.multiplier)) == ("step", "flap", 0.5)
+    assert abs(step.offset - Fraction(1, 4)) < 1e-14
 
 
 @pytest.mark.parametrize(

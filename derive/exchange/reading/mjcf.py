@@ -7,12 +7,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from derive.errors import Location, RobotFileError, TargetError, quoted
 from derive.exchange.arm import frame_at
 from derive.exchange.reading.elements import ZEROS, Held, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.exchange.reading.urdf import DIGITS, angles_of
 from derive.mechanics.space import decimal, exactly, vector
-from derive.mechanics.vectors import subtract
+from derive.mechanics.vectors import scale, subtract
 
 # What may stand before the outermost element is passed once, without a second try: files have many comments.
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
@@ -151,7 +153,8 @@ class _Reader:
     def joints(self, k: int, before: Triple) -> Iterator[tuple[UrdfJoint, Triple]]:
         """The joints of a body, or one that is fixed, each with the place of its link in the frame of the body."""
         model, parent, own = self._model, self.name("body", int(self._model.body_parentid[k])), self.name("body", k)
-        turn = Origin(subtract(_triple(model.body_pos[k]), before), _angles(model.body_quat[k]))
+        quaternion = model.body_quat[k]
+        turn = Origin(subtract(_triple(model.body_pos[k]), before), _angles(quaternion))
         first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
         if not count:
             yield UrdfJoint(own, "fixed", parent, own, turn, ZEROS, self._place), ZEROS
@@ -159,18 +162,30 @@ class _Reader:
         for j in range(first, first + count):
             last = j == first + count - 1
             child = own if last else f"{self.name('joint', j)}_link"
-            there = _triple(model.jnt_pos[j])
-            x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(subtract(there, here))))
-            yield self._moving(j, parent, child, Origin((x, y, z), frame.rpy)), there
-            parent, here, frame = child, there, Origin()
+            # The file has the link where its joint is at ``ref``.
+            there, back = _triple(model.jnt_pos[j]), self._at_rest(j)
+            way, rpy = subtract(there, here), frame.rpy
+            if back and model.jnt_type[j] == self._turns:
+                rpy = _angles(self._turned(quaternion, model.jnt_axis[j], -back))
+            elif back:
+                way = subtract(way, scale(_number(back), _triple(model.jnt_axis[j])))
+            x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(way)))
+            yield self._moving(j, parent, child, Origin((x, y, z), rpy)), there
+            parent, here, frame, quaternion = child, there, Origin(), UPRIGHT
+
+    def _at_rest(self, j: int) -> float:
+        """The position at which the file has a joint."""
+        return float(self._model.qpos0[self._model.jnt_qposadr[j]])
+
+    def _turned(self, quaternion: Any, axis: Any, angle: float) -> Any:
+        turn, found = np.empty(4), np.empty(4)
+        self._mujoco.mju_axisAngle2Quat(turn, axis, angle)
+        self._mujoco.mju_mulQuat(found, quaternion, turn)
+        return found
 
     def _moving(self, j: int, parent: str, child: str, origin: Origin) -> UrdfJoint:
         model, turns = self._model, self._model.jnt_type[j] == self._turns
         axis, dof = model.jnt_axis[j], int(model.jnt_dofadr[j])
-        ref = float(model.qpos0[model.jnt_qposadr[j]])
-        if ref:
-            found = f"joint {quoted(self.name('joint', j))}: its frame is given at {ref:g} (ref), not at 0"
-            raise self.refused(found, "write the file without ref")
         lower, upper = _exact(model.jnt_range[j])
         of_dof = (getattr(model, f"dof_{key}")[dof] for key in ("damping", "frictionloss", "armature"))
         damping, friction, armature = map(_number, of_dof)
@@ -178,11 +193,11 @@ class _Reader:
         limits, effort = (lower, upper) if model.jnt_limited[j] else None, self._effort(j)
         place = (self.name("joint", j), kind, parent, child, origin, _triple(axis), self._place)
         own = UrdfJoint(*place, limits, effort, damping=damping, friction=friction, armature=armature)
-        for k in self.active:  # q_1 = a_0 + a_1 q_2
+        for k in self.active:  # q_1 = a_0 + a_1 q_2, both from where the file has the joints
             if model.eq_obj1id[k] == j and model.eq_type[k] not in self._closing:
-                offset, factor = _exact(model.eq_data[k][:2])
-                other = self.name("joint", int(model.eq_obj2id[k]))
-                return replace(own, mimics=other, multiplier=factor, offset=offset)
+                (offset, factor), other = _exact(model.eq_data[k][:2]), int(model.eq_obj2id[k])
+                offset += _number(self._at_rest(j)) - factor * _number(self._at_rest(other))
+                return replace(own, mimics=self.name("joint", other), multiplier=factor, offset=offset)
         return own
 
     def _effort(self, j: int) -> Fraction | None:
