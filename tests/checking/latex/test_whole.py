@@ -12,7 +12,7 @@ from derive.checking.latex.targets import Target, candidates
 from derive.checking.latex.whole import frames_of, unused
 from derive.errors import Location
 from derive.model.model import Model
-from derive.robot.expression import Call, Name, Pi, number
+from derive.robot.expression import Call, Name, Pi, multiply, number, to_text
 from derive.robot.robot import Robot
 from tests.checking.test_pages import ANT, checked
 from tests.rows import robot_of_rows
@@ -222,3 +222,6 @@ def test_a_condition_says_what_stands_for_what() -> None:
     assert ways([one, two, zero]) == ({"l1": zero, "l2": zero},)
     assert ways([Call("sin", (one,)), zero]) == ({"l1": zero}, {"l1": Pi()})
     assert ways([Call("tan", (one,)), zero]) == ()
+    products = [multiply(one, Name("m1")), multiply(two, two, Name("m2"))]
+    by = {name: to_text(value) for way in ways(products) for name, value in way.items()}
+    assert by == {"l1": "l2*l2*m2/m1", "m1": "l2*l2*m2/l1", "m2": "l1*m1/l2/l2"}
