@@ -413,7 +413,7 @@ void two_armed_torso_coriolis_vector_constants(const double *params, double *k);
  * @param[in]  k       13 constants from inverse_dynamics_dq_constants().
  * @param[out] result  dtau/dq, 7 x 7, row by row: row i, column j: d tau_i / d q_j at constant qd and qdd.
  *
- * Newton-Euler in base parameters, its operations differentiated: 512 mul, 368 add, 6 sin, 6 cos.
+ * Newton-Euler in base parameters, its operations differentiated: 511 mul, 368 add, 6 sin, 6 cos.
  * Once per set of parameters: 11 mul, 11 add.
  */
 void two_armed_torso_inverse_dynamics_dq(const double *q, const double *qd, const double *qdd, const double *k, double *result);
