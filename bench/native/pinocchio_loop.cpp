@@ -26,16 +26,23 @@ static pinocchio::SE3 placed(const double *rows) {
 
 #define EXPORT extern "C" __attribute__((visibility("default")))
 
-EXPORT void *make_arm(int n, const int *revolute, const double *placements, const double *masses, const double *coms,
-                      const double *inertias, const double *end, const double *gravity) {
+using pinocchio::JointIndex;
+
+template <class Kind> static JointIndex add(pinocchio::Model &model, JointIndex parent, const pinocchio::SE3 &at) {
+    return model.addJoint(parent, Kind(), at, "q" + std::to_string(model.njoints));
+}
+
+static JointIndex (*const kinds_of_joints[])(pinocchio::Model &, JointIndex, const pinocchio::SE3 &) = {
+    add<pinocchio::JointModelRX>, add<pinocchio::JointModelRY>, add<pinocchio::JointModelRZ>,
+    add<pinocchio::JointModelPX>, add<pinocchio::JointModelPY>, add<pinocchio::JointModelPZ>};
+
+EXPORT void *make_arm(int n, const int *kinds, const int *parents, const double *placements, const double *masses,
+                      const double *coms, const double *inertias, const double *end, const double *gravity) {
     Arm *arm = new Arm();
-    pinocchio::JointIndex joint = 0;
+    JointIndex joint = 0;
     arm->model.gravity.linear() = Eigen::Map<const Eigen::Vector3d>(gravity);
     for (int i = 0; i < n; ++i) {
-        const pinocchio::SE3 placement = placed(placements + 16 * i);
-        const std::string name = "q" + std::to_string(i + 1);
-        joint = revolute[i] ? arm->model.addJoint(joint, pinocchio::JointModelRZ(), placement, name)
-                            : arm->model.addJoint(joint, pinocchio::JointModelPZ(), placement, name);
+        joint = kinds_of_joints[kinds[i]](arm->model, parents[i], placed(placements + 16 * i));
         const Eigen::Matrix3d tensor = Eigen::Map<const Tensor>(inertias + 9 * i);
         const Eigen::Vector3d com = Eigen::Map<const Eigen::Vector3d>(coms + 3 * i);
         arm->model.appendBodyToJoint(joint, pinocchio::Inertia(masses[i], com, tensor), pinocchio::SE3::Identity());

@@ -6,7 +6,7 @@ The headers of Eigen come from the package cmeel-eigen. All of Pinocchio that is
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,8 @@ from bench.quantities import BY_SYMBOL, QUANTITIES
 from bench.robots import Array, Case
 
 LABEL = "Pinocchio, C++ loop"
+KINDS = ("RX", "RY", "RZ", "PX", "PY", "PZ")
+"""Joints that turn about and slide along the axes of their frames."""
 
 _DEFINITIONS = (
     "-DNDEBUG",
@@ -58,23 +60,40 @@ def load() -> ctypes.CDLL:
     return loops
 
 
-def make(loops: ctypes.CDLL, arm: PlainArm) -> int:
-    """The model's handle.
+def make(arm: PlainArm) -> ctypes.c_void_p:
+    """The model of an arm.
 
     Raises:
         NotImplementedError: A joint's variable is negated in its cell.
     """
     if any(joint.sign < 0 for joint in arm.joints):
         raise NotImplementedError("negated joint variables are left out")
-    revolute = (ctypes.c_int * len(arm.joints))(*(int(joint.revolute) for joint in arm.joints))
+    kinds = ["RZ" if joint.revolute else "PZ" for joint in arm.joints]
     columns = [
         np.array([getattr(joint, name) for joint in arm.joints], dtype=float)
         for name in ("placement", "mass", "com", "inertia")
     ]
-    numbers = [*columns, np.ascontiguousarray(arm.end), np.ascontiguousarray(arm.gravity)]
-    handle = loops.make_arm(len(arm.joints), revolute, *(pointer(array) for array in numbers))
-    assert handle
-    return int(handle)
+    return handle(kinds, range(len(kinds)), columns, np.ascontiguousarray(arm.end), np.ascontiguousarray(arm.gravity))
+
+
+def handle(
+    kinds: Sequence[str], parents: Iterable[int], columns: Iterable[Array], end: Array, gravity: Array
+) -> ctypes.c_void_p:
+    """The model of an arm or tree.
+
+    Args:
+        kinds: Of each joint, of `KINDS`.
+        parents: The joint that each follows, counted from 1; 0 is the base.
+        columns: Placements, masses, centres of mass and central inertias.
+        end: (4, 4) in the frame of the last joint.
+        gravity: (3,) in the base.
+    """
+    of_kinds, of_parents = (
+        (ctypes.c_int * len(kinds))(*values) for values in ([KINDS.index(kind) for kind in kinds], parents)
+    )
+    found = load().make_arm(len(kinds), of_kinds, of_parents, *(pointer(array) for array in (*columns, end, gravity)))
+    assert found
+    return ctypes.c_void_p(found)
 
 
 def pointer(array: Array) -> Any:
@@ -89,12 +108,11 @@ def _time(case: Case, motions: Sequence[Array]) -> Iterator[Row]:
 
 
 def _timed(case: Case, symbol: str, motions: Sequence[Array]) -> Timed:
-    loops = load()
-    handle = ctypes.c_void_p(make(loops, plain_arm(case)))
+    loops, arm = load(), make(plain_arm(case))
     out = np.empty((len(motions[0]), *BY_SYMBOL[symbol].shape(case.robot.n)))
     loop = getattr(loops, f"loop_{symbol}")
     addresses = [pointer(array) for array in (*motions, out)]
-    return filled(lambda: loop(handle, ctypes.c_long(len(out)), *addresses), out)
+    return filled(lambda: loop(arm, ctypes.c_long(len(out)), *addresses), out)
 
 
 PEER = Peer(LABEL, ("pinocchio",), time=_time)
