@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+from functools import partial
 from importlib.metadata import files
 from pathlib import Path
 
@@ -20,12 +21,13 @@ from bench.environment import environment
 from bench.peers.passes import filled
 from bench.peers.pinocchio_cpp import LABEL, handle, load, pointer
 from bench.robots import Array
-from bench.stopwatch import FULL, measure
+from bench.stopwatch import Effort, measure
 from derive import build
 from derive.api.importing import import_tree
 
 HUMANOID = "g1_29dof_rev_1_0.urdf"
-COUNT = 10_000
+COUNTS = (2_000, 20_000)  # that stay in a cache, and that do not
+EFFORT = Effort(100, 0.005)  # turns so short and many that some are not disturbed on a machine with other work
 
 
 def humanoid() -> Path:
@@ -49,26 +51,25 @@ def main() -> None:
     folder = build(tree.robot, BUILD / "tree", targets=("numpy", "native"), only=True).folder
     models = {name: imported(folder / f"model_{name}.py") for name in ("numpy", "native")}
     # Both take the joints in an order of their own.
-    order = [model.joints[model.getJointId(name)].idx_v for name in tree.joints]
-    arm, loops, (q, qd, qdd) = arm_of(model), load(), np.random.default_rng(560).uniform(-2, 2, (3, COUNT, model.nv))
-    out: dict[str, Array] = {label: np.empty(q.shape) for label in (LABEL, *models)}
-    ours = [np.ascontiguousarray(values[:, order]) for values in (q, qd, qdd)]
-    theirs = [pointer(values) for values in (q, qd, qdd, out[LABEL])]
-    calls = {
-        name: filled(lambda of=of, name=name: of.inverse_dynamics(*ours, out=out[name]), out[name])
-        for name, of in models.items()
-    }
-    calls[LABEL] = filled(lambda: loops.loop_tau(arm, ctypes.c_long(COUNT), *theirs), out[LABEL])
-    for call in calls.values():
-        call.run()
-    for name in models:
-        error = np.abs(out[name] - out[LABEL][:, order]).max() / np.abs(out[LABEL]).max()
-        assert error < 1e-9, f"{name}: torques differ by {error:.1e} of the largest"
-    times = measure(calls, FULL)
-    print(f"{urdf.name}: {model.nv} joints, {COUNT} configurations, {environment()['processor']}")
-    for label, found in times.items():
-        ratio = times[LABEL]["min"] / found["min"]
-        print(f"{label:20}  {found['min']:8.1f} ns, median {found['median']:8.1f} ns  {ratio:6.2f} times as fast")
+    order, arm = [model.joints[model.getJointId(name)].idx_v for name in tree.joints], arm_of(model)
+    print(f"{urdf.name}: {model.nv} joints, {environment()['processor']}")
+    for count in COUNTS:
+        q, qd, qdd = np.random.default_rng(560).uniform(-2, 2, (3, count, model.nv))
+        out: dict[str, Array] = {label: np.empty(q.shape) for label in (LABEL, *models)}
+        ours = [np.ascontiguousarray(values[:, order]) for values in (q, qd, qdd)]
+        theirs = [ctypes.c_long(count), *map(pointer, (q, qd, qdd, out[LABEL]))]
+        calls = {name: partial(of.inverse_dynamics, *ours, out=out[name]) for name, of in models.items()}
+        calls[LABEL] = partial(load().loop_tau, arm, *theirs)
+        for call in calls.values():
+            call()
+        for name in models:
+            error = np.abs(out[name] - out[LABEL][:, order]).max() / np.abs(out[LABEL]).max()
+            assert error < 1e-9, f"{name}: torques differ by {error:.1e} of the largest"
+        times = measure({name: filled(call, out[name]) for name, call in calls.items()}, EFFORT)
+        for label, found in times.items():
+            ratio = times[LABEL]["min"] / found["min"]
+            cells = f"{found['min']:8.1f} ns, median {found['median']:8.1f} ns {ratio:7.2f} times as fast"
+            print(f"{count:8} {label:20} {cells}")
 
 
 if __name__ == "__main__":
