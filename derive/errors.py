@@ -9,7 +9,8 @@ import difflib
 import re
 import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -51,6 +52,15 @@ class DeriveError(Exception):
     def moved(self, location: Location | None) -> Self:
         """The same error at another place."""
         return type(self)(self.found, allowed=self.allowed, remedy=self.remedy, location=location)
+
+
+@contextmanager
+def placed(location: Location) -> Iterator[None]:
+    """Where an error that has no place of its own is said to be."""
+    try:
+        yield
+    except DeriveError as error:
+        raise error.at(location) from None
 
 
 class RobotFileError(DeriveError):

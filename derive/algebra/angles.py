@@ -141,8 +141,10 @@ def _behind(robot: Robot, frame: _Reached, row: FixedRow, units: dict[Expression
 
 
 def _behind_twist(frame: _Reached, alpha: Expression, units: dict[Expression, float]) -> _Reached:
+    """The frame that is turned by alpha about x."""
     twist = _float(alpha, units)
-    return frame.before(lambda axis: _after_twist(axis, twist))
+    c, s = math.cos(twist), math.sin(twist)
+    return frame.before(lambda axis: (axis[0], axis[1] * c + axis[2] * s, axis[2] * c - axis[1] * s))
 
 
 def _about_z(angle: Expression, units: dict[Expression, float]) -> Turn:
@@ -167,13 +169,6 @@ def _stand_turn(stand: Stand, units: dict[Expression, float]) -> Turn:
         return turn((x, y, z))
 
     return _turned
-
-
-def _after_twist(axis: Axis, alpha: float) -> Axis:
-    """A direction in the frame turned by alpha about x."""
-    x, y, z = axis
-    c, s = math.cos(alpha), math.sin(alpha)
-    return x, y * c + z * s, z * c - y * s
 
 
 def _float(angle: Expression, units: dict[Expression, float]) -> float:
@@ -207,8 +202,7 @@ def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -
             ]
         # the offset of a joint is the step between two sums, in the joint's own direction
         for i, (before, after) in zip(group, pairwise(sums), strict=True):
-            step = _plus(after, before, -1)
-            offsets[i] = composed(_plus(nothing, step, directions[i]))
+            offsets[i] = composed(_plus(nothing, _plus(after, before, -1), directions[i]))
     return tuple(offsets)
 
 

@@ -112,8 +112,7 @@ def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
 @cache
 def _context(size: int) -> fmpq_mpoly_ctx:
     """Polynomials in s_1..s_k, c_1..c_k without relations."""
-    names = [f"s{i}" for i in range(size)] + [f"c{i}" for i in range(size)]
-    return fmpq_mpoly_ctx.get(names, Ordering.lex)
+    return fmpq_mpoly_ctx.get([*(f"s{i}" for i in range(size)), *(f"c{i}" for i in range(size))], Ordering.lex)
 
 
 @cache

@@ -37,8 +37,7 @@ class PolynomialDomain:
         offsets: bool = False,
         max_terms: int = UNBOUNDED,
     ) -> None:
-        self.robot = robot
-        self.contraction = contraction
+        self.robot, self.contraction = robot, contraction
         # groups: revolute joints with parallel axes, see `derive.algebra.angles`; directions: for each joint +1, or -1
         # where its angle is subtracted in the sums of its group
         self.groups, self.directions = contracted_groups(robot, contraction)
@@ -307,8 +306,7 @@ class PolynomialDomain:
             one = self.ring.generator(f"cos {key}"), self.ring.generator(f"sin {key}")
         count = size / part
         if count.denominator != 1 or count > MAX_MULTIPLE:
-            shown = size if positive else -size
-            found = f"the multiple {shown} of one angle"
+            found = f"the multiple {size if positive else -size} of one angle"
             raise ExpressionError(found, allowed=f"allowed: whole multiples up to {MAX_MULTIPLE} of a common part")
         cosine, sine = self.ring.one, self.ring.zero
         for _ in range(int(count)):
@@ -357,8 +355,7 @@ class MappedDomain(Generic[Value]):
     """A `derive.mechanics.chain.Domain` whose scalars are made of the exact cells, angles and offsets of an arm."""
 
     def __init__(self, domain: PolynomialDomain, value: Callable[[Polynomial], Value]) -> None:
-        self.domain = domain
-        self._value = value
+        self.domain, self._value = domain, value
 
     def number(self, value: int | Fraction) -> Value:
         """A rational."""

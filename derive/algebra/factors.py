@@ -44,9 +44,7 @@ class Factoring:
     """Factors the polynomials of one domain."""
 
     def __init__(self, domain: PolynomialDomain) -> None:
-        self._domain = domain
-        self._ring = domain.ring
-        places = domain.places
+        self._domain, self._ring, places = domain, domain.ring, domain.places
         # indices of the sine and cosine of every angle
         self._angles = [(i, places[Kind.COSINE, joint]) for (kind, joint), i in places.items() if kind is Kind.SINE]
 

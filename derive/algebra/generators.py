@@ -34,6 +34,7 @@ class Kind(Enum):
     PI = "pi"
 
 
+MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
 _FUNCTIONS = {
     Kind.SINE: "sin",
     Kind.COSINE: "cos",
@@ -126,9 +127,7 @@ def square_free(value: Fraction) -> tuple[Fraction, tuple[int, ...]]:
             primes.append(p)
         p += 1
     root = isqrt(number)  # what no small prime divides may still be a square; else it stays under the root whole
-    if root * root == number:
-        return factor * root, tuple(primes)
-    return factor, (*primes, number)
+    return (factor * root, tuple(primes)) if root * root == number else (factor, (*primes, number))
 
 
 @dataclass

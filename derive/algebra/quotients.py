@@ -14,8 +14,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind, canonical, collect
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import CheckError
-from derive.robot import expression as tree
-from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, substitute, to_text
+from derive.robot.expression import Call, Expression, Name, Power, Product, Sum, children, rebuilt, substitute, to_text
 from derive.robot.robot import Robot
 
 # Budget of one product, which keeps a comparison to seconds; beyond it formulas are compared at points.
@@ -87,7 +86,6 @@ class QuotientRing:
         return self.domain.ring.settle(difference.raw)
 
     def _quotient(self, e: Expression) -> Quotient:
-        """The formula as a quotient of polynomials."""
         one = self.domain.ring.one
         match e:
             case Sum(terms):
@@ -124,11 +122,11 @@ def _division_by_zero(e: Expression) -> CheckError:
 def opaque(e: Expression, meanings: dict[str, Expression] | None = None) -> Expression:
     """The tree with atan2 and sign replaced by symbols named after their arguments; no user's name has brackets."""
     if isinstance(e, Call) and e.function in NOT_ALGEBRAIC:
-        name = to_text(tree.rebuilt(e, canonical, folds=False))
+        name = to_text(rebuilt(e, canonical, folds=False))
         if meanings is not None:
             meanings[name] = e
         return Name(name)
-    return tree.rebuilt(e, lambda part: opaque(part, meanings), folds=False)
+    return rebuilt(e, lambda part: opaque(part, meanings), folds=False)
 
 
 def _without_division(e: Expression) -> Expression:
@@ -141,11 +139,10 @@ def _without_division(e: Expression) -> Expression:
         case Call():
             return e
         case _:
-            return tree.rebuilt(e, _without_division, folds=False)
+            return rebuilt(e, _without_division, folds=False)
 
 
 def _denominators(e: Expression) -> int:
     """How many divisions and tangents there are in a tree."""
     divides = isinstance(e, Power) and e.exponent < 0
-    own = divides or (isinstance(e, Call) and e.function == "tan")
-    return int(own) + sum(map(_denominators, children(e)))
+    return int(divides or (isinstance(e, Call) and e.function == "tan")) + sum(map(_denominators, children(e)))

@@ -94,8 +94,7 @@ class ResidueDomain(MappedDomain[Residue]):
         self.prime = next((p for p in candidates if fmpz(p).is_prime()), 0)
         if not self.prime:
             raise NoPointError("no prime modulo which every root has a value")
-        points = (self._draw_point() for _ in range(_ATTEMPTS))
-        point = next((point for point in points if point is not None), None)
+        point = next((point for point in (self._draw_point() for _ in range(_ATTEMPTS)) if point is not None), None)
         if point is None:
             raise NoPointError("no point modulo a prime at which every root has a value")
         self._point = point

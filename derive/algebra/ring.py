@@ -44,8 +44,7 @@ class Ring:
     """A polynomial ring modulo relations."""
 
     def __init__(self, names: Sequence[str], max_terms: int = UNBOUNDED) -> None:
-        self.names = tuple(names)
-        self.max_terms = max_terms
+        self.names, self.max_terms = tuple(names), max_terms
         plain = tuple(name.encode("ascii", "backslashreplace") for name in self.names)  # as FLINT wants them
         self.context = fmpq_mpoly_ctx.get(plain, Ordering.lex)  # FLINT's ring without the relations
         # generator name -> its place in the exponent vectors
@@ -68,13 +67,11 @@ class Ring:
 
     def relate_root(self, name: str, radicand: Polynomial) -> None:
         """The square of a root, w^2 = x."""
-        generator = self.generator(name)
-        self._relate(Relation(self.index[name], generator.raw**2 - radicand.raw))
+        self._relate(Relation(self.index[name], self.generator(name).raw ** 2 - radicand.raw))
 
     def relate_inverse(self, name: str, value: Polynomial) -> None:
         """An inverse, u*x = 1."""
-        generator = self.generator(name)
-        self._relate(Relation(self.index[name], generator.raw * value.raw - 1, always=True))
+        self._relate(Relation(self.index[name], self.generator(name).raw * value.raw - 1, always=True))
 
     def _relate(self, relation: Relation) -> None:
         self.relations.append(relation)
@@ -144,9 +141,7 @@ class Polynomial:
     __slots__ = ("_key", "_mask", "raw", "ring")
 
     def __init__(self, ring: Ring, raw: fmpq_mpoly, mask: int) -> None:
-        self.ring = ring
-        self.raw = raw
-        self._mask = mask
+        self.ring, self.raw, self._mask = ring, raw, mask
         self._key: str | None = None
 
     def _coerce(self, other: Polynomial | int | Fraction) -> Polynomial:
@@ -247,6 +242,12 @@ class Polynomial:
     def partial(self, generator: int) -> Polynomial:
         """The partial derivative in one generator, all others held."""
         return Polynomial(self.ring, self.raw.derivative(generator), self._mask)
+
+
+def in_lowest_terms(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Two polynomials without their common factors."""
+    common = p.raw.gcd(q.raw)
+    return p.ring.wrap(divmod(p.raw, common)[0]), p.ring.wrap(divmod(q.raw, common)[0])
 
 
 def fraction(value: fmpq) -> Fraction:

@@ -18,9 +18,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.lecture import plan as planning
-from derive.lecture.plan import Level, Plan, Plus, Term, Times, Writer, factored, flat, grouped, joined
+from derive.lecture.plan import FactorTable, Level, Monomial, Plan, Terms, factored, flat, grouped, joined, project
 from derive.lecture.sympy_conversion import Expr, ProductBuilder
-from derive.lecture.terms import FactorTable, Monomial, Terms, multiply, partition, project
 from derive.robot.description import Motor
 from derive.robot.expression import ZERO, Expression, names
 from derive.robot.options import style as options
@@ -147,8 +146,8 @@ class LectureForm:
         """Whether a length multiplies a sum over the brackets of the first joint: ``d6*(c1*(...) + s1*(...))``."""
         first = next((joint for joint in self._outwards if any(f in joint for m in terms for f, _ in m)), frozenset())
         # terms with sines of the first joint, by their length: two monomials in that joint are two brackets
-        brackets = partition({m: c for m, c in terms.items() if project(m, first)}, self._lengths)
-        return any(len(partition(part, first)) > 1 for part in brackets.values())
+        brackets = planning.partition({m: c for m, c in terms.items() if project(m, first)}, self._lengths)
+        return any(len(planning.partition(part, first)) > 1 for part in brackets.values())
 
     def _by_offset(self, terms: Terms) -> Plan:
         """Each offset in front of the direction that it multiplies; the link lengths nested."""
@@ -215,22 +214,19 @@ class LectureForm:
 
     def parameter(self, p: Polynomial) -> Expr:
         """A base parameter: by body or by geometry, ``I1 + m1*l1**2 + (m2 + m3)*a1**2``, whichever is shorter."""
-        groupings = [self.style.inertia]
-        if self.style.inertia is Grouping.USUAL:
-            groupings.append(Grouping.GEOMETRY)
+        groupings = [self.style.inertia, *([Grouping.GEOMETRY] if self.style.inertia is Grouping.USUAL else [])]
         return self.sympy(planning.cheapest(self._dynamic_plan(self.terms(p), grouping) for grouping in groupings))
 
     def gravity(self, p: Polynomial) -> Expr:
         """A torque of gravity."""
-        grouping = self.style.gravity
-        return self._with_gravity(p, Grouping.FUNCTION if grouping is Grouping.USUAL else grouping)
+        return self._with_gravity(p, self.style.gravity, usual=Grouping.FUNCTION)
 
     def potential(self, p: Polynomial) -> Expr:
         """The potential energy."""
-        grouping = self.style.potential
-        return self._with_gravity(p, Grouping.BODY if grouping is Grouping.USUAL else grouping)
+        return self._with_gravity(p, self.style.potential, usual=Grouping.BODY)
 
-    def _with_gravity(self, p: Polynomial, grouping: Grouping) -> Expr:
+    def _with_gravity(self, p: Polynomial, grouping: Grouping, usual: Grouping) -> Expr:
+        grouping = usual if grouping is Grouping.USUAL else grouping
         outside = self._gravity if self.style.g is GravityPlace.OUTSIDE else frozenset[int]()
         return self.sympy(factored(self.terms(p), lambda rest: self._dynamic_plan(rest, grouping), outside))
 
@@ -248,12 +244,14 @@ class LectureForm:
         products, rest = list[Plan](), terms
         if self.style.products is not options.Products.EXPANDED:
             rest = Terms()
-            for body, part in partition(terms, self.inertial).items():
+            for body, part in planning.partition(terms, self.inertial).items():
                 whole = _whole(body, part)
                 # the squared velocity of a point mass, m (a2 c2 + l3 c23)^2 qd1^2, stays a product
                 plan = self._geometry_inside(part) if body else None
-                is_product = isinstance(plan, Times) and sum(power for _, power in plan.inner) > 1  # a square, too
-                if is_product or (isinstance(plan, Times) and project(plan.monomial, self._sines)):
+                # of two sums or more, a square too, or with sines in front
+                if isinstance(plan, planning.Times) and (
+                    sum(power for _, power in plan.inner) > 1 or project(plan.monomial, self._sines)
+                ):
                     products.append(self._by_body(whole))
                 else:
                     rest.update(whole)
@@ -263,7 +261,7 @@ class LectureForm:
         """``m1*l1**2 + m2*(a1**2 + l2**2 + 2*a1*l2*c2)``: geometry collected for each mass and moment of inertia."""
         if self.style.brackets is options.Brackets.LONG and not any(project(m, self._gravity) for m in terms):
             # coefficients of one or two terms stay multiplied out, longer ones get a bracket behind their mass
-            bodies = partition(terms, self.inertial)
+            bodies = planning.partition(terms, self.inertial)
             short = [flat(_whole(body, part)) for body, part in bodies.items() if len(part) < 3]
             long = [_whole(body, part) for body, part in bodies.items() if len(part) > 2]
             return joined([*short, *(grouped(part, self.inertial, self._geometry_inside) for part in long)])
@@ -274,7 +272,7 @@ class LectureForm:
         if self._point_masses:
             return self._by_geometry(terms)
         plans, others = list[Plan](), dict(terms)
-        for function, part in partition(terms, self._sines).items():
+        for function, part in planning.partition(terms, self._sines).items():
             # moments of inertia of both signs beside one function of q: the difference of two principal moments
             signs = {coefficient > 0 for m, coefficient in part.items() if project(m, self._moments)}
             if function and len(signs) == 2:
@@ -284,7 +282,7 @@ class LectureForm:
 
     def _grouped_plan(self, terms: Terms, grouping: Grouping) -> Plan:
         """`_dynamic_plan` of what is no product."""
-        inside: Writer = flat
+        inside: planning.Writer = flat
         match grouping:
             case Grouping.EXPANDED:
                 return flat(terms)
@@ -322,12 +320,12 @@ class LectureForm:
     def sympy(self, plan: Plan) -> Expr:
         """The plan as a SymPy expression."""
         match planning.with_plain_numbers(plan) if self._in_decimals else plan:
-            case Term(coefficient, monomial):
+            case planning.Term(coefficient, monomial):
                 return self._products.term(coefficient, monomial)
-            case Times(coefficient, monomial, inner):
+            case planning.Times(coefficient, monomial, inner):
                 sums = [self.sympy(part) ** exponent for part, exponent in inner]
                 return sympy.Mul(self._products.term(coefficient, monomial), *sums)
-            case Plus(parts):
+            case planning.Plus(parts):
                 return sympy.Add(*(self.sympy(part) for part in parts))
 
     def monomial(self, factors: Monomial) -> Expr:
@@ -337,4 +335,4 @@ class LectureForm:
 
 def _whole(factor: Monomial, terms: Terms) -> Terms:
     """A sum multiplied by a monomial."""
-    return {multiply(factor, m): c for m, c in terms.items()}
+    return {planning.multiply(factor, m): c for m, c in terms.items()}

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache
 
-from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, quoted
+from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, placed, quoted
 from derive.robot import expression as tree
 from derive.robot.coupling import derivatives
 from derive.robot.expression import Call, Expression, Name, Sum, names, to_text
@@ -39,13 +39,10 @@ def read_formula(
 ) -> Expression:
     """A printed formula as an expression in the robot's own names."""
     start = location or Location("<expression>")
-    try:
+    with placed(start):
         vocabulary = _vocabulary(robot, abbreviations)
-    except CheckError as error:
-        raise error.at(start) from None
     try:
-        callable_names = functions | ({"sign"} - vocabulary.own)
-        expression = parse_expression(text, start, callable_names, FORMULA_LIMITS)
+        expression = parse_expression(text, start, functions | ({"sign"} - vocabulary.own), FORMULA_LIMITS)
         tokens = tokenize(text, start, FORMULA_LIMITS)
     except ExpressionError as error:
         where = error.location or start
@@ -55,10 +52,8 @@ def read_formula(
     meanings: dict[str, Expression] = {}
     for token in tokens:
         if token.kind is TokenKind.NAME and token.text in wanted and token.text not in meanings:
-            try:
+            with placed(place(text, token.offset, start)):
                 meanings[token.text] = vocabulary.meaning(token.text)
-            except CheckError as error:
-                raise error.at(place(text, token.offset, start)) from None
     found, limit = tree.substitute(expression, meanings), FORMULA_LIMITS.expanded_terms
     if tree.expanded_terms(found, limit) > limit:  # abbreviations may have made it long
         said = "formula has too many terms when multiplied out"
@@ -71,8 +66,7 @@ def resolve_tokens(
 ) -> Expression:
     """An expression with the tokens of lecture notes replaced by what they stand for."""
     vocabulary = _vocabulary(robot, abbreviations)
-    meanings = {name: vocabulary.meaning(name) for name in dict.fromkeys(names(expression))}
-    return tree.substitute(expression, meanings)
+    return tree.substitute(expression, {name: vocabulary.meaning(name) for name in dict.fromkeys(names(expression))})
 
 
 @dataclass(frozen=True)
@@ -85,7 +79,6 @@ class _Vocabulary:
     abbreviations: Mapping[str, Expression] = field(default_factory=dict)  # names that stand for an expression
 
     def meaning(self, name: str) -> Expression:
-        """The expression that a name stands for."""
         if name in self.abbreviations:
             return self.abbreviations[name]
         if name in self.own:

@@ -15,7 +15,7 @@ from sympy.core.basic import Basic
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, quoted
-from derive.lecture.terms import FactorTable, Monomial, PrintedFactor
+from derive.lecture.plan import FactorTable, Monomial, PrintedFactor
 from derive.mechanics.vectors import Frame, Vector
 from derive.robot import expression as exact
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, number

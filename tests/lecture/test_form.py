@@ -11,6 +11,7 @@ from derive.algebra.generators import Kind
 from derive.errors import ExpressionError, Location
 from derive.lecture import plan
 from derive.lecture.form import LectureForm, SymbolRoles
+from derive.lecture.plan import FactorTable, Monomial, common_factor, divide, multiply, partition, project
 from derive.lecture.sympy_conversion import (
     Expr,
     columns_matrix,
@@ -18,7 +19,6 @@ from derive.lecture.sympy_conversion import (
     expression_to_sympy,
     factor_to_sympy,
 )
-from derive.lecture.terms import FactorTable, Monomial, common_factor, divide, multiply, partition, project
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Number
 from derive.robot.options.style import NAMED_STYLES, Style
