@@ -11,9 +11,8 @@ from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import PlainPrinter
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.inverse.closed.nodes import NodeKind
-from derive.inverse.words.derivation import PrintedEquation, PrintedStep
+from derive.inverse.words.derivation import Origin, OriginForm, PrintedEquation, PrintedStep
 from derive.inverse.words.elementary import PrintedLine
-from derive.inverse.words.origins import Origin, OriginForm
 from derive.inverse.words.reach import Bound, Reach
 from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.description import IDENTITY

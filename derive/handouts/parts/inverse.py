@@ -15,9 +15,8 @@ from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import MAX_JOINTS, Freedom, solve, usual_task
-from derive.inverse.words.derivation import PrintedStep
+from derive.inverse.words.derivation import OriginForm, PrintedStep
 from derive.inverse.words.elementary import PrintedLine
-from derive.inverse.words.origins import OriginForm
 from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
 from derive.model.singularities.coincidences import coincidences

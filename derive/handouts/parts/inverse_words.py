@@ -16,9 +16,8 @@ from derive.handouts.parts.table import BASE, tool_of
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Entry, Rows, SheetFormula
 from derive.handouts.sheet.language import Text
-from derive.inverse.words.derivation import PrintedEquation
+from derive.inverse.words.derivation import Origin, OriginForm, PrintedEquation
 from derive.inverse.words.elementary import PrintedLine
-from derive.inverse.words.origins import Origin, OriginForm
 from derive.inverse.words.postures import Word
 from derive.inverse.words.solutions import InverseKinematics
 from derive.robot.description import IDENTITY

@@ -148,8 +148,7 @@ class Solver(Generic[N, M]):
                 a, b, c = (self.evaluate(formula.equations[0].coefficient(k)) for k in (2, 1, 0))
                 if not formula.equations[0].coefficient(1):
                     return self._both(f.divide(-c, a), size, lambda e, root: (e * root,))
-                radicand = b * b - 4 * (a * c)
-                return self._both(radicand, a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
+                return self._both(b * b - 4 * (a * c), a * a * size, lambda e, root: (f.divide(e * root - b, 2 * a),))
             case NodeKind.TYPE_2:
                 return self._angles(formula.equations[0])
             case NodeKind.TYPE_3:

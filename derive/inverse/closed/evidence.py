@@ -88,8 +88,7 @@ class Evidence:
             entries = self._entries()
             for place in untold:
                 entries[place] = Residue(self.prime, [[self._random.randrange(self.prime) for _ in range(self.poses)]])
-            other = links.base.inverse @ frame_of(entries) @ links.tool.inverse
-            self.other = frame_atoms(other, links.zero, deep=deep)
+            self.other = frame_atoms(links.base.inverse @ frame_of(entries) @ links.tool.inverse, links.zero, deep=deep)
             same = self._table(links, cuts, self.pose) == self._table(links, cuts, self.other)
             self.allowed = np.all(same.reshape(len(same), self.poses, self._width)[:, :, 0], axis=1)
         self._numbers: dict[str, Array] = {}

@@ -245,18 +245,9 @@ class GraphDerivation:
 
     def _finished(self) -> SolutionGraph:
         used = {name for node in self.nodes for formula in node.formulas for name in _names_of_formula(formula)}
-        return SolutionGraph(
-            self.robot,
-            self.domain,
-            self.task,
-            self.given,
-            self._definitions(used),
-            self.domain.square_reach,
-            tuple(self.nodes),
-            self.shifts,
-            to_end=self.to_end,
-            from_base=self.links.start is not None,
-        )
+        own = self.robot, self.domain, self.task, self.given, self._definitions(used), self.domain.square_reach
+        from_base = self.links.start is not None
+        return SolutionGraph(*own, tuple(self.nodes), self.shifts, to_end=self.to_end, from_base=from_base)
 
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs."""

@@ -179,8 +179,7 @@ class Search:
     @cached_property
     def lengths(self) -> Array:
         """For each equation how much it is made of: what it depends on, its entry, and how many joints M has."""
-        evidence = self.evidence
-        groups = evidence.domain.groups
+        evidence, groups = self.evidence, self.evidence.domain.groups
         touched = np.zeros(len(evidence.equations), dtype=np.int64)
         for g, group in enumerate(groups):
             links = sum(self.depends(g, 1 << k).astype(np.int64) for k in range(len(group) + 1))
@@ -195,8 +194,7 @@ class Search:
         """Choices for poses at which the first one fails, the most helpful first; one equation may do there."""
         change, p = self.change(step.group, step.parts[1]), self.evidence.prime
         table = special.effects[change].coefficients
-        degrees = self.evidence.effects[change].degrees
-        linear = np.array([k for k in step.equations if degrees[k] == 1], dtype=np.int64)
+        linear = np.array([k for k in step.equations if self.evidence.effects[change].degrees[k] == 1], dtype=np.int64)
         # Greedy covering: of the poses that are left the choice that helps at most of them, the shortest of equals.
         open_ = np.flatnonzero(self._fails(table, first))
         single = first.kind is NodeKind.TYPE_2

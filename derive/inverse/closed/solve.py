@@ -87,8 +87,7 @@ def usual_task(robot: Robot) -> Task:
     if robot.inverse != InverseOptions() or robot.n not in (2, 3):
         return robot.inverse.task
     moved = tuple(row for row in TASKS["position"] if Freedom(robot, (row,)).rank)
-    is_square = len(moved) == robot.n == Freedom(robot, moved).rank
-    return moved if is_square else robot.inverse.task
+    return moved if len(moved) == robot.n == Freedom(robot, moved).rank else robot.inverse.task
 
 
 def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missing: int) -> SolutionGraph:
@@ -253,8 +252,7 @@ class Freedom:
             before, brackets = len(basis), []
             for a, b in combinations(basis, 2):  # closed under Lie brackets
                 (va, wa), (vb, wb) = (((x[0], x[1], x[2]), (x[3], x[4], x[5])) for x in (a, b))
-                moved = subtract(cross(wa, vb), cross(wb, va))
-                brackets.append([x % self._prime for x in (*moved, *cross(wa, wb))])
+                brackets.append([x % self._prime for x in (*subtract(cross(wa, vb), cross(wb, va)), *cross(wa, wb))])
             basis = self._basis([*basis, *brackets])
         return basis
 

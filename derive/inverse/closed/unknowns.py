@@ -11,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations, product
 from typing import TypeVar
 
 from derive.algebra.angles import decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
-from derive.algebra.ring import Polynomial, Ring
+from derive.algebra.ring import Polynomial, Ring, in_lowest_terms
 from derive.inverse.closed.nodes import Unknown
 from derive.mechanics.vectors import Scalar
 from derive.robot import tree as between_rows
@@ -100,8 +100,7 @@ class InverseDomain(PolynomialDomain):
             return self.ring.one, self.ring.zero
         members = self.groups[group][min(u, v) : max(u, v)]
         cosine, sine = map(self.ring.generator, self.unknown(*members).generators)
-        positive = (self.directions[members[0]] > 0) == (u < v)
-        return cosine, sine if positive else -sine
+        return cosine, sine if (self.directions[members[0]] > 0) == (u < v) else -sine
 
     @cached_property
     def square_reach(self) -> Polynomial:
@@ -203,22 +202,17 @@ def without(ring: Ring, unknown: Unknown, p: Polynomial, q: Polynomial) -> Polyn
         (a, b), (c, d) = ((each.get((1,), ring.zero), each.get((0,), ring.zero)) for each in (first, second))
         if not a or not c:
             return None
-        m, n = _in_lowest_terms(a, c)
+        m, n = in_lowest_terms(a, c)
         return n * b - m * d
     a, b, c = (first.get(e, ring.zero) for e in ((1, 0), (0, 1), (0, 0)))
     d, e, f = (second.get(x, ring.zero) for x in ((1, 0), (0, 1), (0, 0)))
     proportional = next((pair for pair in ((a, e), (b, -d)) if all(pair)), None)
     if proportional:
-        m, n = _in_lowest_terms(*proportional)
+        m, n = in_lowest_terms(*proportional)
         if m * e == n * a and m * -d == n * b:  # squared and added
             return n * n * (c * c) + m * m * (f * f) - n * n * (a * a + b * b)
     determinant, across, along = a * e - b * d, b * f - c * e, c * d - a * f
     return across * across + along * along - determinant * determinant
-
-
-def _in_lowest_terms(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
-    common = p.raw.gcd(q.raw)
-    return p.ring.wrap(divmod(p.raw, common)[0]), p.ring.wrap(divmod(q.raw, common)[0])
 
 
 def shifted(robot: Robot) -> tuple[Robot, tuple[Expression, ...]]:
@@ -249,10 +243,7 @@ def baked(robot: Robot) -> dict[str, Expression]:
 
 def with_numbers(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     """The arm alone, with numbers in place of some names."""
-
-    def _cell(e: Expression) -> Expression:
-        return substitute(e, numbers)
-
+    _cell = partial(substitute, values=numbers)
     base, tool = (tuple(tuple(map(_cell, row)) for row in matrix) for matrix in (robot.base, robot.tool))
     joints = tuple(
         replace(j, theta=_cell(j.theta), d=_cell(j.d), a=_cell(j.a), alpha=_cell(j.alpha)) for j in robot.joints

@@ -1,7 +1,7 @@
 """An arm and its solutions in numbers: with fifty digits to prove, as arrays of floats to look at."""
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import prod
 from typing import Any
@@ -10,6 +10,7 @@ import mpmath
 import numpy as np
 import sympy
 
+from derive.inverse.words.elementary import PrintedLine
 from derive.lecture.point import value_of
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.mechanics.floats import FloatDomain
@@ -49,6 +50,15 @@ def array_value(e: Expr, known: Numbers) -> Any:
         found = _FUNCTIONS[e.func](*arguments)
     known[e] = found
     return found
+
+
+def with_lines(values: Numbers, lines: Iterable[PrintedLine]) -> Numbers:
+    """Arrays of what is known and of lines that follow, each a symbol and its value; NaN where one has no value."""
+    known = dict(values)
+    with np.errstate(all="ignore"):
+        for line in lines:
+            known[line.symbol] = array_value(line.value, known)
+    return known
 
 
 class DigitsDomain(FloatDomain):

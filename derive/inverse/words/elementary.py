@@ -12,7 +12,7 @@ from functools import reduce
 
 import sympy
 
-from derive.algebra.ring import Polynomial
+from derive.algebra.ring import Polynomial, in_lowest_terms
 from derive.lecture.sympy_conversion import Expr
 
 LONGEST_ARGUMENTS = 12  # operations of both arguments of an atan2 together; longer ones stand on lines of their own
@@ -197,25 +197,19 @@ class Scribe:
 
 def reduced(above: Polynomial, below: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Dividend and divisor without common factors; the dividend begins with 1, or the divisor is 1."""
-    ring = above.ring
-    if not above:
-        return above, ring.one
-    common = above.raw.gcd(below.raw)
-    above, below = ring.wrap(above.raw / common), ring.wrap(below.raw / common)
+    above, below = in_lowest_terms(above, below)
     if below.is_constant:
         whole = above * (1 / below.constant_term)
         if len(above) == 1 or all(coefficient.denominator == 1 for _, coefficient in whole.terms()):
-            return whole, ring.one
-    negative = sum(c < 0 for _, c in below.terms())
-    scale = usual(above.terms()) * (-1 if 2 * negative > len(below) else 1)
+            return whole, above.ring.one
+    scale = usual(above.terms()) * (-1 if 2 * sum(c < 0 for _, c in below.terms()) > len(below) else 1)
     return above * (1 / scale), below * (1 / scale)
 
 
 def usual(terms: Iterable[tuple[tuple[int, ...], Fraction]]) -> Fraction:
     """The absolute value that most coefficients have: of squares, where there are any."""
     sizes = [(sorted(exponents)[-2:] == [0, 2], abs(coefficient)) for exponents, coefficient in terms]
-    squares = [size for is_square, size in sizes if is_square]
-    among = squares or [size for _, size in sizes]
+    among = [size for is_square, size in sizes if is_square] or [size for _, size in sizes]
     return max(among, key=among.count)
 
 

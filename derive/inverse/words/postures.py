@@ -85,7 +85,8 @@ class Shape:
         self._robot, n = robot, robot.n
         revolute = [joint.is_revolute for joint in robot.joints]
         axes = example.axes
-        self.wrist = n - 2 if (n >= 6 or (n == 3 and _meet(example))) and all(revolute[-3:]) else None
+        has_centre = n >= 6 or (n == 3 and common_point(example.points, axes) is not None)
+        self.wrist = n - 2 if has_centre and all(revolute[-3:]) else None
         before = n if self.wrist is None else n - 3
         self.elbow: int | None = None
         self._upper = 0
@@ -181,14 +182,14 @@ def parallel(a: Vector, b: Vector) -> bool:
     return bool(np.linalg.norm(_cross(a, b)) < SMALL)
 
 
-def _meet(arm: Placed) -> bool:
-    """Whether three axes go through one point, and not all in one direction."""
-    (p, q, r), (a, b, c) = arm.points, arm.axes
+def common_point(points: Vector, axes: Vector) -> Vector | None:
+    """The point through which three axes go (Pieper's condition); None where there is none, or two are parallel."""
+    (p, q, r), (a, b, c) = points, axes
     if parallel(a, b) or parallel(b, c):
-        return False
+        return None
     centre = nearest(p, a, q, b)
     gaps = (_cross(centre - point, axis) for point, axis in ((p, a), (q, b), (r, c)))
-    return all(np.linalg.norm(gap) < SMALL for gap in gaps)
+    return centre if all(np.linalg.norm(gap) < SMALL for gap in gaps) else None
 
 
 def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:

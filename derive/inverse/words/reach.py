@@ -21,7 +21,7 @@ import sympy
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import Freedom
 from derive.inverse.numeric.chain import Array
-from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers
+from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers, with_lines
 from derive.inverse.words.elementary import PrintedLine, is_negative
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.point import DIGITS, value_of, written
@@ -90,10 +90,8 @@ class Reach:
         signs = list(dict.fromkeys(sign for line in self.names for sign in line.signs))
         found = []
         for choice in product((1.0, -1.0), repeat=len(signs)):
-            own = {**known, **dict(zip(signs, map(np.float64, choice), strict=True))}
+            own = with_lines({**known, **dict(zip(signs, map(np.float64, choice), strict=True))}, self.names)
             with np.errstate(invalid="ignore"):
-                for line in self.names:
-                    own[line.symbol] = array_value(line.value, own)
                 sides = [
                     sign * (array_value(bound.quantity, own) - array_value(end, own))
                     for bound in self.bounds

@@ -16,7 +16,7 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
-from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, array_value, parameter_numbers
+from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, parameter_numbers, with_lines
 from derive.inverse.words.derivation import PrintedDerivation
 from derive.inverse.words.elementary import PrintedLine, Sign
 from derive.inverse.words.postures import postures
@@ -188,13 +188,9 @@ class InverseKinematics:
         values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
         # The joint variables of each branch at many poses, not a number where it is not real.
         arrays = []
-        with np.errstate(all="ignore"):
-            for branch in unnamed:
-                known = dict(values)
-                for line in branch.lines:
-                    known[line.symbol] = array_value(line.value, known)
-                angles = (np.broadcast_to(np.asarray(known.get(symbol, own)), own.shape) for symbol, own in q.items())
-                arrays.append(np.stack(list(angles)))
+        for known in (with_lines(values, branch.lines) for branch in unnamed):
+            angles = (np.broadcast_to(np.asarray(known.get(symbol, own)), own.shape) for symbol, own in q.items())
+            arrays.append(np.stack(list(angles)))
         ordered = sorted(zip(found.places(arrays), unnamed, strict=True), key=lambda pair: pair[0])
         return tuple(replace(branch, name=found.names[k] or f"#{k + 1}") for k, branch in ordered)
 

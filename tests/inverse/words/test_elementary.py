@@ -11,9 +11,8 @@ import sympy
 
 from derive.algebra.ring import Polynomial, Ring
 from derive.inverse.closed.nodes import Provenance
-from derive.inverse.words.derivation import PrintedDerivation, pose_names
+from derive.inverse.words.derivation import Origin, OriginForm, PrintedDerivation, origin, pose_names
 from derive.inverse.words.elementary import Scribe, Sign, Solved
-from derive.inverse.words.origins import Origin, OriginForm, origin
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.point import value_of
 from derive.lecture.sympy_conversion import expression_to_sympy
