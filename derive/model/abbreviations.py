@@ -11,11 +11,11 @@ from math import gcd, lcm
 
 import sympy
 
-from derive.algebra.generators import Kind
+from derive.algebra.generators import MOVING
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
+from derive.lecture.plan import Terms, partition
 from derive.lecture.sympy_conversion import Expr, Matrix
-from derive.lecture.terms import Terms, partition
 from derive.model.dynamic_model import DynamicModel
 from derive.robot.names import robot_symbols
 
@@ -120,8 +120,7 @@ class _ByCoefficients:
         self.names = _Names(("a", "p", "k", "w", "u"), model)
         self._model, self._form = model, model.form
         self._bases: dict[object, Fraction] = {}
-        kinds = (Kind.SINE, Kind.COSINE, Kind.VARIABLE)
-        self._moving = frozenset(i for i, f in enumerate(model.form.table.factors) if f.kind in kinds)
+        self._moving = frozenset(i for i, f in enumerate(model.form.table.factors) if f.kind in MOVING)
 
     def constant_part(self, p: Polynomial, written: Expr) -> Expr:
         """An entry of B or g with a name for the coefficient of every monomial in sines, cosines and variables."""

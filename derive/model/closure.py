@@ -17,7 +17,7 @@ from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.inverse.loops.linkage import SolvedLoop, assembled, gaps, linkage, positions, reach, slopes
-from derive.inverse.numeric.in_numbers import array_value
+from derive.inverse.numeric.in_numbers import with_lines
 from derive.inverse.words.elementary import PrintedLine, reduced
 from derive.inverse.words.solutions import InverseKinematics, Solution
 from derive.lecture.point import DIGITS, value_of, written
@@ -133,9 +133,7 @@ def _branch(
 
     def _gap(solution: Solution) -> Any:
         own = {sympy.Symbol(name): np.float64(x) for name, x in values.items()} | others
-        for line in solution.lines:
-            with np.errstate(all="ignore"):  # at poses that another solution does not reach
-                own[line.symbol] = array_value(line.value, own)
+        own = with_lines(own, solution.lines)
         gaps = [np.exp(1j * own[name]) - np.exp(1j * x) for name, x in unknown.items()]
         return np.nan_to_num(np.abs(gaps), nan=2.0).sum()
 

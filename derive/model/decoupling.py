@@ -16,7 +16,7 @@ import sympy
 
 from derive.algebra.angles import decompose
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.generators import Kind, canonical
+from derive.algebra.generators import MOVING, Kind, canonical
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr
@@ -74,8 +74,7 @@ def find_decoupling(model: DynamicModel) -> Decoupling:
     write: Callable[[Polynomial], Expr] = partial(model.form.dynamic, grouping=Grouping.EXPANDED)
     can_vanish, every, entries = _can_vanish(domain), set[Zeros](), dict[tuple[int, int], Entry]()
     slopes = {name.name for name in derivatives(robot).values()}
-    kinds = (Kind.SINE, Kind.COSINE, Kind.VARIABLE)
-    functions = [i for i, g in enumerate(domain.generators) if g.kind in kinds or g.name in slopes]
+    functions = [i for i, g in enumerate(domain.generators) if g.kind in MOVING or g.name in slopes]
     for i, j in combinations(range(robot.dof), 2):
         whole, own = dynamics.expand(dynamics.inertia_matrix[i][j]), set[Zeros]()
         for p in sorted(domain.ring.coefficients(whole, functions).values(), key=len):

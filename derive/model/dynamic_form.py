@@ -18,9 +18,8 @@ import sympy
 
 from derive.algebra.ring import Polynomial
 from derive.lecture.form import LectureForm
-from derive.lecture.plan import Plan, Term, flat, joined
+from derive.lecture.plan import Monomial, Plan, Term, divide, flat, joined, project
 from derive.lecture.sympy_conversion import Expr
-from derive.lecture.terms import Monomial, divide, project
 from derive.mechanics.exact import Dynamics
 from derive.mechanics.regressor import coulomb_column
 from derive.robot import tree
@@ -53,8 +52,7 @@ class DynamicForm:
     """Writes the polynomials of `Dynamics`."""
 
     def __init__(self, dynamics: Dynamics, form: LectureForm) -> None:
-        self.dynamics = dynamics
-        self.form = form
+        self.dynamics, self.form = dynamics, form
         self._lumps: dict[int, Expr] = {}
         self._coefficients: dict[object, Expr] = {}
         self._cache: dict[object, Expr] = {}

@@ -54,7 +54,6 @@ class TreeModel:
         return labels.index(row) if row in labels else 0
 
     def _label(self, i: int | str) -> str:
-        """The label of a row of a tree."""
         number, labels = self.frame_number(i) if isinstance(i, str) else i, tree.labels(self.robot)
         if not 0 <= number < len(labels):
             raise QuantityError(f"frame {number} of {self.robot.name}", allowed=f"allowed: 0 to {len(labels) - 1}")

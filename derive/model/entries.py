@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
+from itertools import accumulate
 from math import prod
 from typing import NamedTuple
 
@@ -43,12 +44,7 @@ class Entries:
 
     def is_short(self, limit: int) -> bool:
         """Whether all entries together have at most so many terms; a long matrix is not counted to its end."""
-        total = 0
-        for place in self.places:
-            total += self.terms(*place)
-            if total > limit:
-                return False
-        return True
+        return all(total <= limit for total in accumulate(self.terms(*place) for place in self.places))
 
     def part(self, rows: Sequence[int], columns: Sequence[int]) -> Entries:
         """Some rows and columns."""
@@ -71,9 +67,8 @@ class ModelEntries:
     """The closed forms of a model, entry by entry; joints, links and frames count from 1 as in `Model`."""
 
     def __init__(self, model: Model) -> None:
-        self.model = model
-        self.robot = model.robot
-        self._long = model.long_chain
+        self.model, self.robot, self._long = model, model.robot, model.long_chain
+        self._joints = range(1, model.n + 1)
         self._kept: dict[tuple[object, ...], Entries] = {}
 
     # -- kinematics
@@ -290,10 +285,6 @@ class ModelEntries:
         size, write, grouping = model.dynamics.expanded_size(p), model.dynamic_form.entry, model.style.christoffel
         return Entries((1, 1), lambda _, __: size, lambda _, __: write(p, model.christoffel_limit, grouping))
 
-    @property
-    def _joints(self) -> range:
-        return range(1, self.model.n + 1)
-
     # -- C, N and tau by Christoffel symbols
 
     @cached_property
@@ -336,8 +327,7 @@ class ModelEntries:
         """Friction of joint i [N m or N], as the file gives it: b qd + f sign(qd); S^T of that of coupled joints."""
         if self.robot.coupled:
             return self.model.friction[i - 1]
-        link, rate = self.robot.links[i - 1], self.model.qd[i - 1]
-        return friction_torque(link, rate, expression_to_sympy)
+        return friction_torque(self.robot.links[i - 1], self.model.qd[i - 1], expression_to_sympy)
 
     def is_skew(self, limit: int) -> bool:
         """Whether the entries of N + N^T, N = dB/dt - 2C, cancel when multiplied out."""

@@ -113,12 +113,11 @@ def _key(word: str) -> str:
     return letters if len(letters) == 1 else letters.casefold()
 
 
-_NAMES = {_key(name): (quantity,) for name, quantity in REGISTRY.items() if len(name) > 1}
 _WORDS: dict[str, tuple[Quantity, ...]] = {}
 for _quantity in REGISTRY.values():
     for _word in _quantity.words:
         _WORDS[_key(_word)] = (*_WORDS.get(_key(_word), ()), _quantity)
-_WORDS |= _NAMES
+_WORDS |= {_key(name): (quantity,) for name, quantity in REGISTRY.items() if len(name) > 1}
 
 
 def _spoken(model: DynamicModel, word: str) -> tuple[Quantity, tuple[int, ...]]:
@@ -186,8 +185,7 @@ def pick(value: Expr, entry: tuple[int, ...], text: str) -> Expr:
     if len(entry) > 2:
         raise QuantityError(f"{len(entry)} indices of an entry in {text!r}", allowed="allowed: a row and a column")
     row, column = (entry[0], 1) if len(entry) == 1 else (entry[0], entry[1])
-    vector = len(entry) == 1 and shape[1] != 1
-    if vector or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
+    if (len(entry) == 1 and shape[1] != 1) or not (1 <= row <= shape[0] and 1 <= column <= shape[1]):
         found = f"entry {list(entry)} of {text!r} is out of range"
         raise QuantityError(found, allowed=f"allowed: rows 1 to {shape[0]}, columns 1 to {shape[1]}")
     return value[row - 1, column - 1]

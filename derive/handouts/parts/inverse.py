@@ -19,7 +19,7 @@ from derive.inverse.words.derivation import OriginForm, PrintedStep
 from derive.inverse.words.elementary import PrintedLine
 from derive.inverse.words.solutions import InverseKinematics
 from derive.model.model import Model
-from derive.model.singularities.coincidences import coincidences
+from derive.model.singularities.aspects import coincidences
 from derive.model.singularities.singularities import Posture, SingularFactor
 from derive.robot.expression import ZERO
 from derive.robot.options.inverse import POSE, InverseOptions

@@ -19,16 +19,16 @@ Symbols with a number count as that number, all others and angles that are no mu
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
 from derive.algebra.constants import exact_number
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
-from derive.algebra.generators import Kind
+from derive.algebra.generators import MOVING
 from derive.algebra.quotients import Quotient
 from derive.algebra.residues import NoPointError, Residue, ResidueDomain, echelon
-from derive.algebra.ring import Polynomial, TooManyTerms, determinant
+from derive.algebra.ring import Polynomial, TooManyTerms, determinant, in_lowest_terms
 from derive.errors import DeriveError, ExpressionError, QuantityError
 from derive.mechanics.chain import build_chain
 from derive.mechanics.regressor import with_unit_rotors
@@ -39,7 +39,6 @@ from derive.robot.expression import ZERO, Expression, substitute
 from derive.robot.inertial_parameters import FRICTION_PARTS, JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
 from derive.robot.robot import Robot
 
-MOVING = frozenset({Kind.SINE, Kind.COSINE, Kind.VARIABLE})  # generators that joint variables enter
 # By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry.
 RegressorColumn = Mapping[Hashable, Polynomial]
 REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
@@ -57,8 +56,7 @@ class ColumnSolver:
     """Solves for columns of B and g in other columns."""
 
     def __init__(self, domain: PolynomialDomain, residues: ResidueDomain) -> None:
-        self.domain = domain
-        self.residues = residues
+        self.domain, self.residues = domain, residues
         coupling = domain.coupling if domain.robot.coupled else ()
         self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), False, coupling)
         self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
@@ -67,8 +65,7 @@ class ColumnSolver:
         """The coefficients of independent columns in a column that depends on them, by Cramer's rule."""
         right, columns = self._column(wanted), [self._column(parameter) for parameter in basis]
         keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
-        zero = self.domain.ring.zero
-        rows = [[column.get(key, zero) for column in (*columns, right)] for key in keys]
+        rows = [[column.get(key, self.domain.ring.zero) for column in (*columns, right)] for key in keys]
         rows.sort(key=lambda row: sum(map(len, row)))
         # As many rows as columns, the first whose left parts are independent; then Cramer's rule over polynomials.
         chosen = []
@@ -90,23 +87,18 @@ class ColumnSolver:
     def _column(self, parameter: Parameter) -> RegressorColumn:
         entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self._units.inertia(parameter).items()}
         entries |= {i: value for i, value in self._units.gravity(parameter).items()}
-        ring = self.domain.ring
         return {
             (place, monomial): coefficient
             for place, value in entries.items()
-            for monomial, coefficient in ring.coefficients(value, self._moving).items()
+            for monomial, coefficient in self.domain.ring.coefficients(value, self._moving).items()
         }
 
 
 def _reduced(top: Polynomial, bottom: Polynomial) -> Quotient:
     """top / bottom without common factors, a constant denominator being 1."""
-    ring = top.ring
-    if not top:
-        return Quotient(ring.zero, ring.one)
-    common = top.raw.gcd(bottom.raw)
-    numerator, denominator = ring.wrap(divmod(top.raw, common)[0]), ring.wrap(divmod(bottom.raw, common)[0])
+    numerator, denominator = in_lowest_terms(top, bottom)
     if denominator.is_constant:
-        return Quotient(numerator * (1 / denominator.constant_term), ring.one)
+        return Quotient(numerator * (1 / denominator.constant_term), top.ring.one)
     return Quotient(numerator, denominator)
 
 
@@ -279,10 +271,7 @@ def _ordered(parameters: Sequence[Parameter]) -> tuple[Parameter, ...]:
 
 def _geometry(robot: Robot, numbers: Mapping[str, Expression]) -> Robot:
     """What decides on dependence: numbers put in, no tool, joint variables counted from where they are simplest."""
-
-    def _put(cell: Expression) -> Expression:
-        return substitute(cell, dict(numbers))
-
+    _put = partial(substitute, values=dict(numbers))
     joints = []
     for joint in robot.joints:
         theta, d = _put(joint.theta), _put(joint.d)

@@ -19,6 +19,12 @@ from derive.robot.robot import Robot
 MAX_TEXT = 1000  # longest formula, in characters, that is written
 
 
+def parameters_of(body: Body[S]) -> list[S]:
+    """A body's ten parameters in the order of `LINK_PARTS`."""
+    i = body.inertia
+    return [body.mass, *body.first_moment, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]
+
+
 def standard_values(robot: Robot, parameters: Sequence[Parameter], domain: Domain[S]) -> list[S]:
     """The parameters as the file gives them, each link's in its DH frame, about the frame's origin."""
     bodies = []
@@ -67,14 +73,9 @@ def grouped_values(robot: Robot, base: BaseSet, domain: Domain[S]) -> dict[Param
 
 def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain[S]) -> S:
     """One of a body's ten parameters, or that of a rotor, armature or friction."""
-    link, body = robot.links[p.joint - 1], bodies[p.joint - 1]
-    if p.part == "m":
-        return body.mass
-    if p.part in LINK_PARTS[1:4]:
-        return body.first_moment["xyz".index(p.part[1])]
     if p.of_link:
-        value: S = getattr(body.inertia, p.part[1:])
-        return value
+        return parameters_of(bodies[p.joint - 1])[LINK_PARTS.index(p.part)]
+    link = robot.links[p.joint - 1]
     motor = link.motor or Motor()
     cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous}
     cells |= coulomb_parts(link)

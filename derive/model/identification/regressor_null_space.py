@@ -21,6 +21,7 @@ from derive.mechanics.joint_motion import body_to_parent
 from derive.mechanics.vectors import Symmetric
 from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
+from derive.model.identification.parameter_values import parameters_of
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 
@@ -31,12 +32,6 @@ Direction = list[Exact]  # a change of all links' parameters
 def bare_chain(robot: Robot, domain: ExactDomain) -> Chain[Exact]:
     """The links of an arm without the rotors that they carry."""
     return build_chain(replace(robot, links=tuple(replace(link, motor=None) for link in robot.links)), domain)
-
-
-def parameters_of(body: Body[Exact]) -> list[Exact]:
-    """A body's ten parameters in the order of `LINK_PARTS`."""
-    i = body.inertia
-    return [body.mass, *body.first_moment, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]
 
 
 def body_of(parameters: Sequence[Exact]) -> Body[Exact]:

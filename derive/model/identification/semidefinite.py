@@ -71,8 +71,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
     x = np.array(found.x)
     if "Infeasible" in str(found.status) or not np.isfinite(x).all():
         raise DeriveError(f"the search for consistent inertias failed by rounding: {found.status}")
-    ends = np.cumsum([len(limit.constant) for limit in limits])
-    return Optimum(x, tuple(np.split(np.array(found.z), ends[:-1])))
+    return Optimum(x, tuple(np.split(np.array(found.z), np.cumsum([len(limit.constant) for limit in limits])[:-1])))
 
 
 def packed(matrices: Array) -> Array:

@@ -81,8 +81,7 @@ class UnitDynamics(Generic[S]):
         if not self.coupling:
             return felt
         zero = self.chain.zero
-        values = projected([felt.get(k, zero) for k in range(self.chain.n)], self.coupling, zero)
-        return dict(enumerate(values))
+        return dict(enumerate(projected([felt.get(k, zero) for k in range(self.chain.n)], self.coupling, zero)))
 
     def _rotor_velocities(self, i: int) -> dict[int, Vector[S]]:
         joint = self.chain.joints[i]

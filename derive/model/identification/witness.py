@@ -31,7 +31,8 @@ from derive.mechanics.regressor import with_unit_rotors
 from derive.mechanics.vectors import add, scale
 from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import Exact, as_fraction, is_zero, null_space
-from derive.model.identification.regressor_null_space import WIDTH, Direction, combined, parameters_of
+from derive.model.identification.parameter_values import parameters_of
+from derive.model.identification.regressor_null_space import WIDTH, Direction, combined
 from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter

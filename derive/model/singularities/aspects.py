@@ -13,20 +13,26 @@ Kavraki et al., Probabilistic roadmaps for path planning in high-dimensional con
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
+from typing import Any
 
+import mpmath
 import numpy as np
 import sympy
 
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.numeric.chain import Array, NumericChain
-from derive.inverse.numeric.in_numbers import Numbers, array_value
+from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers, with_lines
+from derive.inverse.words.elementary import Sign
 from derive.inverse.words.solutions import InverseKinematics
+from derive.lecture.point import DIGITS, value_of
 from derive.lecture.sympy_conversion import Expr
-from derive.model.singularities.singularities import Condition, Outcome, Singularities
+from derive.model.singularities.singularities import Condition, Outcome, SingularFactor, Singularities
 
 POSES = 200  # random poses whose solutions are looked at: few have more than two in an arm that is hardly cuspidal
 _LOOKED_AT = 12  # random poses at which the signs of each branch are looked at
@@ -195,10 +201,7 @@ class _Look:
         goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, _LOOKED_AT, 10))
         places: Numbers = {self._inverse.pose[i, j]: goal[:, i, j] for i in range(3) for j in range(4)}
         for solution in self._inverse.solutions if self.conditions else ():
-            known: Numbers = self._known | places
-            with np.errstate(all="ignore"):
-                for line in solution.lines:
-                    known[line.symbol] = array_value(line.value, known)
+            known = with_lines(self._known | places, solution.lines)
             found = np.stack([np.broadcast_to(known[symbol], len(goal)) for symbol in self._q], axis=-1)
             seen = set(map(tuple, self.signs(found[np.isfinite(found).all(axis=-1)]).tolist()))
             yield seen.pop() if len(seen) == 1 else None
@@ -359,3 +362,80 @@ def _widest(start: int, end: int, pairs: Sequence[tuple[int, int]], clear: Seque
     while found[-1] != start and end in before:
         found.append(before[found[-1]])
     return found[::-1] if end in before else None
+
+
+# -- which singularities are seen in the inverse kinematics, found by looking: at zeros of a factor of det J solutions
+# meet, or are infinitely many; there the conditions of every step of the derivation are computed
+
+LOOKED_AT = 3  # zeros of a factor that are looked at
+# Below it a condition of a step is zero: a square root halves the digits of a zero of the factor.
+_VANISHES = mpmath.mpf(10) ** -12
+_TRIES = 40
+_GRID = 24  # intervals of a joint's way in which a factor is looked for a change of its sign
+
+
+def coincidences(
+    found: InverseKinematics, factors: Sequence[SingularFactor]
+) -> tuple[tuple[tuple[SingularFactor, ...], tuple[SingularFactor, ...]], ...]:
+    """For each step the factors of det J at whose zeros its two values are one, and those at whose zeros it is free."""
+    moving = [factor for factor in factors if factor.condition is not None]
+    places = [(factor, list(_zeros(found, factor))) for factor in moving]
+
+    def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
+        vanishing = []
+        for factor, zeros in places if conditions else ():
+            pairs = product(conditions, zeros)
+            with mpmath.workdps(DIGITS), suppress(ArithmeticError, ValueError):  # what has no value is not zero
+                if zeros and all(abs(value_of(e, known)) < _VANISHES for e, known in pairs):
+                    vanishing.append(factor)
+        return tuple(vanishing)
+
+    # Values of a step become one where its condition, an inequality, holds with equality.
+    merged = (() if step.exists is sympy.true else (step.exists.lhs - step.exists.rhs,) for step in found.steps)
+    return tuple((_where_zero(own), _where_zero(step.free)) for own, step in zip(merged, found.steps, strict=True))
+
+
+def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers]:
+    """Numbers of everything that is named, at configurations at which a factor is zero."""
+    rng, seen = random.Random(5), 0
+    variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
+    with mpmath.workdps(DIGITS):
+        for _ in range(_TRIES):
+            values = parameter_numbers(found.robot, rng)
+            q = {symbol: mpmath.mpf(rng.randint(-300, 300)) / 101 for symbol in variables}
+            joint = variables[factor.condition.joints[-1] - 1] if factor.condition else variables[-1]
+            zero = _zero(factor.expression, {**values, **q}, joint)
+            if zero is not None:
+                yield _known(found, values, {**q, joint: zero})
+                seen += 1
+            if seen == LOOKED_AT:
+                return
+
+
+def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:
+    """A zero of an expression in one joint variable, by halving an interval; None where its sign does not change."""
+    # A little more than a full turn, so that no change of sign lies at its ends.
+    grid = [mpmath.mpf(7 * k) / _GRID - mpmath.mpf("3.4") for k in range(_GRID + 1)]
+    values = [value_of(expression, {**known, joint: x}) for x in grid]
+    size = max(map(abs, values))
+    for k in range(_GRID):
+        if values[k] * values[k + 1] < 0:
+            ends, tolerance = (grid[k], grid[k + 1]), mpmath.mpf(10) ** -(2 * 28)
+            return mpmath.findroot(
+                lambda x: value_of(expression, {**known, joint: x}) / size, ends, solver="anderson", tol=tolerance
+            )
+    return None
+
+
+def _known(found: InverseKinematics, values: Numbers, q: Numbers) -> Numbers:
+    """Numbers of pose, joint variables, their sums and all named quantities; a choice of sign is plus."""
+    known = found.values_at(values, q) | q
+    known |= {name: value_of(total, known) for total, name in found.sums.items()}
+    for line in found.lines:
+        signs: Numbers = {symbol: mpmath.mpf(1) for symbol in line.value.free_symbols if isinstance(symbol, Sign)}
+        if line.symbol.is_Symbol and line.symbol not in known:
+            try:
+                known[line.symbol] = value_of(line.value, {**known, **signs})
+            except (ArithmeticError, ValueError):  # a root that vanishes here is negative by rounding
+                known[line.symbol] = mpmath.mpf(0)
+    return known

@@ -77,8 +77,7 @@ def _shortest(
     kinematics: Kinematics, name: str, places: tuple[int, ...], references: Sequence[Reference]
 ) -> JacobianBlock:
     """The diagonal block about the reference where its entries have the fewest terms; the first of equals."""
-    blocks = [_block(name, places, places, r, jacobian_columns(kinematics, r)) for r in references]
-    return min(blocks, key=_length)
+    return min((_block(name, places, places, r, jacobian_columns(kinematics, r)) for r in references), key=_length)
 
 
 def _length(block: JacobianBlock) -> int:
@@ -159,8 +158,7 @@ def _block(
     turns = rows[sum(r <= 3 for r in rows) :]
     names = ("x", "y", "z", "rotation about x", "rotation about y", "phi" if len(turns) == 1 else "rotation about z")
     words = ("orientation",) if turns == (4, 5, 6) else task_words([names[r - 1] for r in rows])
-    task = words if len(entries) < 6 else ()
-    return JacobianBlock(name, rows, columns, reference, not any(others), chosen, task)
+    return JacobianBlock(name, rows, columns, reference, not any(others), chosen, (words if len(entries) < 6 else ()))
 
 
 def find_singularities(robot: Robot, style: Style | None = None) -> Singularities:
@@ -310,8 +308,7 @@ def zero_condition(
 
 def _in_one_turn(angle: Expr) -> Expr:
     """An angle with its multiple of pi in (-1, 1]."""
-    turns = sympy.ceiling((angle.coeff(sympy.pi) - 1) / 2)
-    return angle - 2 * turns * sympy.pi
+    return angle - 2 * sympy.ceiling((angle.coeff(sympy.pi) - 1) / 2) * sympy.pi
 
 
 def _solved(domain: PolynomialDomain, p: Polynomial, joint: int, write: Write) -> tuple[Expr, ...]:

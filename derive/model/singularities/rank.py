@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.factors import Factor, Factoring
-from derive.algebra.generators import Kind
+from derive.algebra.generators import MOVING, Kind
 from derive.algebra.ring import Polynomial, TooManyTerms, determinant
 from derive.errors import ExpressionError
 from derive.robot.evaluate import to_float
@@ -34,7 +34,6 @@ Array = npt.NDArray[np.float64]
 
 # The number of each term, and its exponents of the generators without a number.
 _Terms = Sequence[tuple[float, dict[int, int]]]
-_MOVING = (Kind.SINE, Kind.COSINE, Kind.VARIABLE)
 _ZERO = 1e-12  # sums below this part of their terms are zero in the numbers of a file
 _SAMPLES = 2000
 _CELLS = 16  # along each angle, at first; those in which a zero is not excluded are halved
@@ -50,7 +49,7 @@ class RealZeros:
         self._values: list[float | None] = [None] * len(domain.generators)
         for i, g in enumerate(domain.generators):
             with suppress(ExpressionError):  # a symbol without a number
-                self._values[i] = None if g.kind in _MOVING else to_float(g.expression, numbers)
+                self._values[i] = None if g.kind in MOVING else to_float(g.expression, numbers)
         places = domain.places
         self._angles = [(i, places[Kind.COSINE, joint]) for (kind, joint), i in places.items() if kind is Kind.SINE]
         self._slides = [i for i, g in enumerate(domain.generators) if g.kind is Kind.VARIABLE]

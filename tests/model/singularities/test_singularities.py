@@ -14,7 +14,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.model.kinematic_model import KinematicModel
 from derive.model.model import Model
-from derive.model.singularities.coincidences import coincidences
+from derive.model.singularities.aspects import coincidences
 from derive.model.singularities.determinant import find_singularities
 from derive.model.singularities.rank import RealZeros, rank_loss
 from derive.model.singularities.singularities import Outcome, Posture, statement
