@@ -6,8 +6,8 @@ from pathlib import Path
 
 from derive.api.robots import RobotLike, load, tell
 from derive.checking import report as reporting
+from derive.checking.files import document_named, file_printout, formula_lines, formula_printout
 from derive.checking.formulas.findings import Finding, judge
-from derive.checking.printouts import document_named, file_printout, formula_lines, formula_printout
 from derive.checking.report import Printout
 from derive.errors import CheckError
 

@@ -15,13 +15,12 @@ import numpy as np
 import sympy
 from mpmath import findroot
 
-from derive.checking.absolute import turning
 from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.left import AXES, Left
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
-from derive.checking.latex.quantities import own_quantity, slope
+from derive.checking.latex.quantities import own_quantity, slope, turning
 from derive.checking.motions import MOST_ACCELERATED, Array, Motions, matrix_value
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.model import Model
@@ -148,7 +147,6 @@ class ByValue:
         return self._known[is_dynamic]
 
     def _numbers(self, matrix: Matrix) -> Array:
-        """The values of a matrix at the points."""
         return np.array([matrix_value(matrix, at) for at in self._at])
 
     def _all(self, is_dynamic: bool) -> Iterator[Named]:
@@ -216,8 +214,7 @@ class ByValue:
 
     def _turns_a_link(self, used: set[str], e: Expression, *others: Expression) -> bool:
         """Whether a formula is the sum of the angles of joints about parallel axes, up to the last one of these."""
-        joints = self._robot.joints
-        places = [k for k, joint in enumerate(joints) if joint.variable in used and joint.is_revolute]
+        places = [k for k, joint in enumerate(self._robot.joints) if joint.variable in used and joint.is_revolute]
         if others or not isinstance(e, Sum) or not len(places) == len(used) == len(e.terms) > 1:
             return False
         axes = self._numbers(self._model.quantity("J"))[0, 3:].T
@@ -230,9 +227,8 @@ class ByValue:
             return False
         pose = self._model.quantity("T")
         used = {name for e in values.values() for name in names(e)} | {*map(str, pose.free_symbols)}
-        here = [{name: at[name] for name in used} for at in self._at]
-        there = [at | {name: float_value(e, at) for name, e in values.items()} for at in here]
-        pairs = zip(here, there, strict=True)
+        here = ({name: at[name] for name in used} for at in self._at)
+        pairs = ((at, at | {name: float_value(e, at) for name, e in values.items()}) for at in here)
         return all(np.allclose(matrix_value(pose, one), matrix_value(pose, other)) for one, other in pairs)
 
     def _exponentials(self) -> Iterator[Named]:

@@ -1,6 +1,6 @@
 """Printed formulas against derived ones, entry by entry, and of several robots the one that each is about."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
@@ -13,7 +13,7 @@ from derive.checking.formulas.findings import FileReport, Finding, Role, Skipped
 from derive.checking.formulas.printed import CorpusFile, Factorisation, Printed, PrintedQuantity, PrintedText, Solution
 from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import LatexReport, check_latex
-from derive.errors import CheckError, DeriveError, Location, UnknownNameError
+from derive.errors import CheckError, DeriveError, Location, UnknownNameError, placed
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.equality import compare, evaluate, passive_positions, scalar_quantity
@@ -30,7 +30,9 @@ def check_file(file: CorpusFile) -> FileReport:
     model = Model(file.robot)
     findings: list[Finding] = []
     for item in file.expected:
-        for found in _placed(_quantity(model, item), item.location):
+        with placed(item.location):
+            of_item = list(_quantity(model, item))
+        for found in of_item:
             # the status of an item is that of what is printed, not of its corrections
             erratum = item.status == "erratum" and found.role not in (Role.CORRECTION, Role.REST)
             findings.append(replace(found, erratum=erratum, remark=item.remark))
@@ -43,7 +45,8 @@ def check_file(file: CorpusFile) -> FileReport:
             found = compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location)
         findings.append(replace(found, erratum=identity.status == "erratum"))
     if file.factorisation is not None:
-        findings += _placed(_factorisation(model, file.factorisation), file.factorisation.location)
+        with placed(file.factorisation.location):
+            findings += _factorisation(model, file.factorisation)
     findings += solution_findings(model, file.solutions)
     for text in file.inverse:
         try:
@@ -60,8 +63,7 @@ def check_expression(model: Model, quantity: str, text: str) -> Finding:
     start = Location("--expression")
     formula = read_formula(text, model.robot, start)
     right = scalar_quantity(model, quantity)
-    others = other_orders(model, quantity)
-    question = Question(model.robot, formula, expression_from_sympy(right), others=others)
+    question = Question(model.robot, formula, expression_from_sympy(right), others=other_orders(model, quantity))
     return compared(question, quantity, (0, 0), Role.PRINTED, text, right, start)
 
 
@@ -72,14 +74,6 @@ def derived_matrix(model: Model, item: PrintedQuantity) -> Matrix:
     if item.shape == (1, 1) and getattr(value, "shape", (1, 1)) != (1, 1):
         value = scalar_quantity(model, item.quantity)
     return value if hasattr(value, "shape") else sympy.ImmutableMatrix([[value]])
-
-
-def _placed(findings: Iterable[Finding], location: Location) -> Iterator[Finding]:
-    """Errors about an item are placed at it."""
-    try:
-        yield from findings
-    except DeriveError as error:
-        raise error.at(location) from None
 
 
 def _latex(model: Model, item: PrintedQuantity, text: PrintedText) -> Iterator[Finding]:
@@ -135,8 +129,7 @@ def _factorisation(model: Model, item: Factorisation) -> Iterator[Finding]:
     multiplied = reduce(lambda a, b: a * b, (sympy.Matrix(factor) for factor in factors))
     text = "*".join(item.factors)
     for i, j in product(range(whole.shape[0]), range(whole.shape[1])):
-        formula = expression_from_sympy(multiplied[i, j])
-        verdict = compare(model.robot, expression_from_sympy(whole[i, j]), formula)
+        verdict = compare(model.robot, expression_from_sympy(whole[i, j]), expression_from_sympy(multiplied[i, j]))
         yield Finding(item.of, i + 1, j + 1, Role.FACTORISATION, text, verdict, whole[i, j], item.location)
 
 
@@ -227,9 +220,8 @@ def _said(
 
 def _by_equation(report: LatexReport) -> list[LatexReport]:
     begins = [(place.line, place.column) for place in report.equations]
-    ends = [*begins[1:], (10**9, 0)]
     parts = []
-    for begin, end in zip(begins, ends, strict=True):
+    for begin, end in pairwise([*begins, (10**9, 0)]):
         findings = tuple(f for f in report.findings if begin <= (f.location.line, f.location.column) < end)
         skipped = tuple(s for s in report.skipped if begin <= (s.location.line, s.location.column) < end)
         parts.append(replace(report, findings=findings, skipped=skipped))

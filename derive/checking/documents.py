@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from derive.checking.latex.typography import blank, without_comments
-from derive.checking.spelling import Spelled, from_plain_text, spelled
+from derive.checking.latex.typography import Spelled, blank, from_plain_text, spelled, without_comments
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {
@@ -49,8 +48,7 @@ class Manuscript:
         return Location(f"{self.name}, {part}" if part else self.name, line, column)
 
     def _offset(self, found: Location) -> int:
-        lines = self.text.splitlines(keepends=True)
-        return sum(map(len, lines[: found.line - 1])) + found.column - 1
+        return sum(map(len, self.text.splitlines(keepends=True)[: found.line - 1])) + found.column - 1
 
     def placed(self, found: Location) -> Location:
         """The place in the file of a place in the text."""
@@ -90,8 +88,8 @@ class Manuscript:
                 return begin, next(rest, len(self.text))
         headings = [heading for *_, heading in found]
         allowed = f"allowed: {', '.join(map(quoted, headings[:12]))}" if headings else "the document has no headings"
-        remedy = near_miss(title, headings)
-        raise CheckError(f"{self.name} has no section {quoted(title)}", allowed=allowed, remedy=remedy)
+        what = f"{self.name} has no section {quoted(title)}"
+        raise CheckError(what, allowed=allowed, remedy=near_miss(title, headings))
 
 
 _HEADING = re.compile(

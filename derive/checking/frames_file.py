@@ -17,7 +17,7 @@ from derive.algebra.domain import PolynomialDomain
 from derive.checking.formulas import reading
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import FileReport, Finding, Role, verdict_at
-from derive.errors import CheckError, DeriveError, ExpressionError, Location, quoted
+from derive.errors import CheckError, ExpressionError, Location, placed, quoted
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.robot.description import Convention
@@ -93,12 +93,8 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     name = reading.text_of(item, "id")
     texts = [reading.scalar(f, "a factor") for f in reading.items(item.entries["factors"][1], "factors")]
     factors = [_factor(text, known) for text in texts]
-    try:
-        # rotations alone are 3x3 and stand alone; everything else is composed
-        alone = len(factors) == 1 and factors[0].shape == (3, 3)
-        product = factors[0] if alone else compose(*factors)
-    except DeriveError as error:
-        raise error.at(item.location) from None
+    with placed(item.location):  # rotations alone are 3x3 and stand alone; everything else is composed
+        product = factors[0] if [factor.shape for factor in factors] == [(3, 3)] else compose(*factors)
     known[name] = product
     values = reading.pairs(item, "at", "a value")
     at = {sympy.Symbol(key.text): expression_to_sympy(_formula(text.text, text.inner)) for key, text in values}
@@ -138,10 +134,8 @@ def _factor(text: YamlScalar, known: Mapping[str, Matrix]) -> Matrix:
         raise CheckError(f"{name} with {len(arguments)} arguments", allowed=allowed, location=where)
     if not turns:
         return translation(*numbers) if name == "Trans" else point(*numbers)
-    try:
+    with placed(where):
         turn = rotation(arguments[0], numbers[0])
-    except DeriveError as error:
-        raise error.at(where) from None
     return turn if name == "Rot" else turn[:3, :3]
 
 

@@ -187,8 +187,7 @@ class Vector:
                 rest = (f" - {str(p)[1:]}" if p.operation == "-" else f" + {p}" for p in self.parts[1:])
                 return str(self.parts[0]) + "".join(rest)
             case _:
-                sign = " @ " if self.operation == "@" else "*"
-                return sign.join(map(_bracketed, self.parts))
+                return (" @ " if self.operation == "@" else "*").join(map(_bracketed, self.parts))
 
 
 def _bracketed(part: Vector) -> str:

@@ -295,5 +295,4 @@ def _code(text: str) -> str:
 
 def _plain(text: str) -> str:
     """Text whose signs Markdown leaves alone."""
-    one_line = " ".join(text.split())
-    return "".join(f"\\{c}" if c in "\\`*_[]<>#|" else c for c in one_line if c.isprintable())
+    return "".join(f"\\{c}" if c in "\\`*_[]<>#|" else c for c in " ".join(text.split()) if c.isprintable())

@@ -63,7 +63,7 @@ def _tables(document: Manuscript) -> Iterator[tuple[Location, bool, list[_Row]]]
     for match in (*_LATEX.finditer(typed), *re.finditer(r"(?m)(?:^[ \t]*\|?[^\n|]*\|[^\n]*\n)+", typed)):
         if not any(match.start() <= origin < match.end() for origin in kept):
             continue
-        lines = _split(match, typed)
+        lines = list(_split(match))
         start, head = next(((i, head) for i, (_, cells) in enumerate(lines) if (head := _head(cells))), (0, None))
         if head is None:
             continue
@@ -87,23 +87,18 @@ def _location(document: Manuscript, origin: int) -> Location:
     return Location(document.name, line, origin - document.typed.rfind("\n", 0, origin))
 
 
-def _split(match: re.Match[str], typed: str) -> list[tuple[int, list[str]]]:
+def _split(match: re.Match[str]) -> Iterator[tuple[int, list[str]]]:
     """The rows of a table as cells, each with its offset."""
-    found = []
-    if "kind" in match.re.groupindex:
-        offset = match.start("body")
-        for row in re.split(r"(\\\\(?:\[[^\]]*\])?|\\tabularnewline)", match["body"]):
-            text = re.sub(r"\\(?:hline|toprule|midrule|bottomrule)|\\c(?:line|midrule)\{[^}]*\}", "", row)
-            if "&" in text:
-                found.append((offset + len(row) - len(row.lstrip()), re.split(r"(?<!\\)&", text)))
-            offset += len(row)
-        return found
-    offset = match.start()
-    for line in match[0].splitlines(keepends=True):
-        if not re.fullmatch(r"[\s|:\-]*", line):
-            found.append((offset + len(line) - len(line.lstrip()), line.strip().strip("|").split("|")))
+    is_latex = "kind" in match.re.groupindex
+    offset, lines = match.start(), match[0].splitlines(keepends=True)
+    if is_latex:
+        offset, lines = match.start("body"), re.split(r"(\\\\(?:\[[^\]]*\])?|\\tabularnewline)", match["body"])
+    for line in lines:
+        row = re.sub(r"\\(?:hline|toprule|midrule|bottomrule)|\\c(?:line|midrule)\{[^}]*\}", "", line)
+        if "&" in row if is_latex else not re.fullmatch(r"[\s|:\-]*", line):
+            cells = re.split(r"(?<!\\)&", row) if is_latex else line.strip().strip("|").split("|")
+            yield offset + len(line) - len(line.lstrip()), cells
         offset += len(line)
-    return found
 
 
 def _head(cells: Sequence[str]) -> dict[str, int] | None:

@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
     if arguments.quantity is None and not formulas:
         from derive.api.robots import tell
-        from derive.checking.printouts import file_printout
+        from derive.checking.files import file_printout
         from derive.checking.report import as_dict, report_lines
 
         checked = []
@@ -106,8 +106,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _formula(arguments: argparse.Namespace, text: str) -> int:
     """What is given without a file, of each robot of a document; an unknown name is a verdict where a program reads."""
     from derive.api.robots import Robot, load
+    from derive.checking.files import document_named, document_printouts, formula_lines, formula_printout
     from derive.checking.formulas.findings import Outcome
-    from derive.checking.printouts import document_named, document_printouts, formula_lines, formula_printout
     from derive.checking.report import as_dict, finding_dict
 
     quantity, latex, where = arguments.quantity or "", arguments.latex is not None, None

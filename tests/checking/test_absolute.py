@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.checking.absolute import AbsoluteModel, may_count_from_one_direction, turning
+from derive.checking.latex.quantities import AbsoluteModel, may_count_from_one_direction, turning
 from derive.model.model import Model
 from derive.robot.robot import Robot
 from tests.checking.test_pages import checked

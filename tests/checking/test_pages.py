@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 from derive.checking.documents import document_of
+from derive.checking.files import document_printouts, formula_printout
 from derive.checking.formulas.findings import FileReport, Outcome, judge
 from derive.checking.latex.conditions import AMONG
-from derive.checking.printouts import document_printouts, formula_printout
 from derive.cli.main import main
 from derive.errors import CheckError
 from derive.robot.robot import Robot

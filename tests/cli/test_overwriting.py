@@ -22,7 +22,7 @@ expected:
 """
 HANDOUT = "derive.api.handout.handout_files"
 MOVE = "derive.motion.motion.Motion.load"
-PRINTOUT = "derive.checking.printouts.formula_printout"
+PRINTOUT = "derive.checking.files.formula_printout"
 FORMULA = "--quantity 'p[1]' --expression 'a1*c1'"
 
 WRITING = {
@@ -39,9 +39,9 @@ WRITING = {
     ("handout --pdf", "out"): ("handout arm.yaml --pdf", "pendulum.pdf", HANDOUT),
     ("handout --exercise", "out"): ("handout arm.yaml --exercise", "pendulum-solutions.tex", HANDOUT),
     ("handout --fragment", "out"): ("handout arm.yaml --fragment B -o b.tex", "b.tex", "derive.api.handout.fragment"),
-    ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.checking.printouts.file_printout"),
+    ("check", "out"): ("check notes.yaml -o r.md", "r.md", "derive.checking.files.file_printout"),
     ("check FORMULA", "out"): (f"check arm.yaml {FORMULA} -o r.md", "r.md", PRINTOUT),
-    ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.checking.printouts.file_printout"),
+    ("check --report", "out"): ("check notes.yaml --report r.md", "r.md", "derive.checking.files.file_printout"),
     ("import", "out"): ("import arm.urdf -o b.yaml", "b.yaml", "derive.api.importing.import_urdf"),
     ("import --all", "out"): ("import arm.urdf --all -o arms", "arms/arm-b.yaml", ""),
     ("excite", "out"): ("excite arm.yaml -o e.yaml", "e.yaml", "derive.api.excite.load"),

@@ -6,8 +6,7 @@ from itertools import permutations
 import numpy as np
 from sympy import Expr, Rational, pi, sqrt, sstr
 
-from derive.checking.files import check_path
-from derive.checking.printouts import printout_of
+from derive.checking.files import check_path, printout_of
 from derive.checking.report import Printout, errata_report
 from derive.motion.motion import Motion
 from derive.robot.evaluate import evaluate

@@ -50,8 +50,7 @@ def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
     variants = variants[: 1 + any(count_calls(side, "Atan2") > 0 for side in (one, other))]
     points = alike = 0
     for sample in samples(robot, [name for name in wanted if name[0] != SIGN]):
-        values = {name: float(value) for name, value in sample.items()}
-        near = list(_nearness(variants, values, signs, modulus))
+        near = list(_nearness(variants, {name: float(value) for name, value in sample.items()}, signs, modulus))
         points += bool(near)
         alike += any(near)
         if points == POINTS:

@@ -260,8 +260,7 @@ def _text(edit: Edit, write: Callable[[Expression], str]) -> str:
     old, new = write(edit.old), write(edit.new) if edit.new is not None else ""
     match edit.kind:
         case SlipKind.SIGN if not new and parent is None:
-            whole = f"sign: {write(edit.node)} instead of {old}"
-            return "sign of the whole" if isinstance(edit.old, Sum) else whole
+            return "sign of the whole" if isinstance(edit.old, Sum) else f"sign: {write(edit.node)} instead of {old}"
         case SlipKind.SIGN if not new:
             inside = f" of {shown_parent}" if place.depth > 1 else ""
             return f"sign of the {ordinal(place.index + 1)} term{inside}, {old}"

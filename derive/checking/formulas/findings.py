@@ -18,7 +18,7 @@ from derive.checking.formulas.branches import ARCS, ONLY_AT_POINTS, branches, ha
 from derive.checking.formulas.diagnosis import Question, Repair, diagnose
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.printed import NO_CITATION, NO_REMARK, Citation, Remark
-from derive.errors import CheckError, DeriveError, Location
+from derive.errors import CheckError, DeriveError, Location, placed
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare, same_form, samples
@@ -86,10 +86,8 @@ class Finding:
 
 def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expression) -> Verdict:
     """Whether a printed formula is right."""
-    try:
+    with placed(where):
         verdict = compare(robot, right, printed)
-    except DeriveError as error:
-        raise error.at(where) from None
     if verdict.counter_example is None:
         return verdict
     numbers = dict(robot.parameters)
@@ -198,8 +196,7 @@ def significant(value: Fraction) -> int:
 
 def undecidable(quantity: str, place: tuple[int, int], role: Role, text: str, unknown: CheckError) -> Finding:
     """A formula with an unknown name; it is placed at that name."""
-    where = unknown.location or Location("")
-    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", where, unknown=unknown)
+    return Finding(quantity, *place, role, text, NOTHING_KNOWN, "", unknown.location or Location(""), unknown=unknown)
 
 
 @dataclass(frozen=True, slots=True)

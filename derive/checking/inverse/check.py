@@ -151,8 +151,7 @@ class _InverseCheck:
             for edit in (edit for spot in spots(line.formulas[0].expression) for edit in edits(spot, may, kind)):
                 changed = self._printed.changed(line, line.formulas[0], edit.formula)
                 if all(self._leads_back(changed, place) for place in self._places[:3]):
-                    text = changes_text((edit,), robot)
-                    return line, Repair((kind,), text, Name(notation_text(edit.formula, robot)))
+                    return line, Repair((kind,), changes_text((edit,), robot), Name(notation_text(edit.formula, robot)))
         return None
 
     def lines(self) -> Iterator[Finding]:
@@ -321,8 +320,7 @@ class _InverseCheck:
     def _finding(
         self, quantity: str, formula: PrintedFormula, verdict: Verdict, right: str = "", repair: Repair | None = None
     ) -> Finding:
-        where = formula.location
-        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, where, repair=repair)
+        return Finding(quantity, 0, 0, Role.SOLUTION, formula.text, verdict, right, formula.location, repair=repair)
 
     def branches(self) -> Finding:
         """Whether all branches are given, or which are missing."""

@@ -16,7 +16,7 @@ from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names
 from derive.inverse.closed.solve import Freedom
-from derive.inverse.numeric.in_numbers import array_value
+from derive.inverse.numeric.in_numbers import with_lines
 from derive.inverse.words.elementary import PrintedLine as OurLine
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -151,10 +151,7 @@ class OurSolution:
             values[inverse.pose[i, j]] = np.array([place.pose[i][j] for place in places])
         for solution in inverse.solutions:
             # the lines of a branch one after the other, as arrays (places,); NaN where the branch does not exist
-            known = dict(values)
-            with np.errstate(all="ignore"):
-                for line in solution.lines:
-                    known[line.symbol] = array_value(line.value, known)
+            known = with_lines(values, solution.lines)
             own = {j.variable: np.broadcast_to(known[sympy.Symbol(j.variable)], len(places)) for j in joints}
             angles = ({n: float(q[k]) for n, q in own.items()} for k in range(len(places)))
             pairs = zip(places, angles, strict=True)

@@ -22,7 +22,7 @@ from derive.checking.formulas.edits import float_value
 from derive.checking.inverse.printed import Place
 from derive.errors import DeriveError
 from derive.inverse.numeric.in_numbers import ArrayDomain
-from derive.inverse.words.postures import Placed, nearest, parallel, placed
+from derive.inverse.words.postures import Placed, common_point, parallel, placed
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.evaluate import evaluate, parameter_values
@@ -131,13 +131,7 @@ class _Arm:
             return arm.points[2] if is_planar else arm.end
         if len(arm.axes) < 6 or not all(joint.is_revolute for joint in self._robot.joints[-3:]):
             return None
-        # the point nearest to the first two axes; the third one must pass through it, too (Pieper's condition)
-        (a, b, c), (p, q, r) = arm.axes[-3:], arm.points[-3:]
-        if parallel(a, b) or parallel(b, c):
-            return None
-        centre = nearest(p, a, q, b)
-        gaps = [float(np.linalg.norm(np.cross(centre - point, axis))) for point, axis in ((p, a), (q, b), (r, c))]
-        return centre if max(gaps) < 1e-9 else None
+        return common_point(arm.points[-3:], arm.axes[-3:])
 
 
 def places(names: PoseNames, sums: Mapping[str, Expression], *, numbers: bool = False) -> tuple[Place, ...]:
@@ -177,8 +171,7 @@ def _places(names: PoseNames, sums: Mapping[str, Expression], rng: random.Random
         known["(phi)"] = float(np.arctan2(arm.pose[1][0][k], arm.pose[0][0][k]))
         if centre is not None:
             known.update({name: float(centre[k][axis]) for name, axis in names.wrist.items()})
-        pose = [[float(x[k]) for x in row] for row in arm.pose]
-        yield Place(known, pose, bool(required[k]))
+        yield Place(known, [[float(x[k]) for x in row] for row in arm.pose], bool(required[k]))
 
 
 def _limits(limits: tuple[Expression, Expression] | None, values: Mapping[str, float]) -> tuple[float, float] | None:

@@ -21,8 +21,7 @@ from derive.checking.formulas.branches import SIGN, count_calls
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
 from derive.checking.formulas.findings import ROUNDED, significant
 from derive.errors import CheckError, Location, listed
-from derive.robot import expression as tree
-from derive.robot.expression import ZERO, Call, Expression, Name, Number, names
+from derive.robot.expression import ZERO, Call, Expression, Name, Number, children, linear_terms, names, substitute
 from derive.robot.robot import Robot
 
 MAX_SIGNS = 10  # plus-minus signs that one line may depend on
@@ -114,7 +113,7 @@ class PrintedInverse:
         """The linear combination of joint variables that an expression is, constants aside; None if it is none."""
         variables = [joint.variable for joint in self.robot.joints]
         vector = [Fraction(0)] * len(variables)
-        for factor, term in tree.linear_terms(e):
+        for factor, term in linear_terms(e):
             if isinstance(term, Name) and term.name in self.sums:
                 whole = self.combination(self.sums[term.name])
                 vector = [a + factor * b for a, b in zip(vector, whole or vector, strict=True)]
@@ -137,7 +136,7 @@ class PrintedInverse:
         if isinstance(e, Name | Call) and (found := self.meaning(e)):
             yield found
         elif not isinstance(e, Name):
-            for part in tree.children(e):
+            for part in children(e):
                 yield from self.needed(part)
 
     def named_before(self, line: PrintedLine) -> tuple[PrintedLine, ...]:
@@ -311,8 +310,7 @@ def determined_joints(printed: PrintedInverse) -> tuple[str, ...]:
     if left:
         whole = listed(dict.fromkeys(line.quantity for line in left))
         found = f"{whole} are given by each other" if len(left) > 1 else f"{whole} is given by itself"
-        where = left[0].formulas[0].location
-        raise CheckError(found, remedy="give one of them by the pose alone", location=where)
+        raise CheckError(found, remedy="give one of them by the pose alone", location=left[0].formulas[0].location)
     return tuple(name for name, unit in _units(printed).items() if name not in free and known.has("", unit))
 
 
@@ -341,4 +339,4 @@ def _needs(printed: PrintedInverse, line: PrintedLine) -> Iterator[tuple[str, Ve
     for part in (*printed.named_before(line), line):
         for formula in part.formulas:
             own = {formula.first: ZERO} if formula.first else {}
-            yield from printed.needed(tree.substitute(formula.expression, own))
+            yield from printed.needed(substitute(formula.expression, own))

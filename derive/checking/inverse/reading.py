@@ -119,8 +119,7 @@ def assembled(
     robot: Robot, equations: Sequence[Sequence[Side]], words: Sequence[str], refused: list[Skipped] | None = None
 ) -> tuple[PrintedInverse, Vocabulary]:
     """The lines of a printed solution; equations that are not understood go to refused, None to refuse the whole."""
-    defined = [side.word for sides in equations for side in sides if side.word]
-    vocabulary = Vocabulary.of(robot, words, defined)
+    vocabulary = Vocabulary.of(robot, words, [side.word for sides in equations for side in sides if side.word])
     lines: list[PrintedLine] = []
     for sides in equations:
         before = len(lines)
@@ -196,8 +195,7 @@ def _about(vocabulary: Vocabulary, target: Side, formulas: tuple[PrintedFormula,
     what = notation_text(e, vocabulary.robot)
     if any(name in vocabulary.new or name[0] == SIGN for name in names(e)):
         # r*cos(theta1) = x with a printed r: the difference of both sides must be zero
-        whole = tuple(replace(f, expression=add(e, negate(f.expression))) for f in formulas)
-        return PrintedLine(what, whole, ZERO)
+        return PrintedLine(what, tuple(replace(f, expression=add(e, negate(f.expression))) for f in formulas), ZERO)
     return PrintedLine(what, formulas, e)
 
 
@@ -281,10 +279,9 @@ def _formula(
     """A formula, with errors at places of the text as it was typed."""
     known = dict(meanings)
     rewritten, origins = _rewritten(text, known, signs)
-    own = Location("")
     functions = FORMULA_FUNCTIONS | {*INVERSE.values(), COSINE_MAY_BE_FIRST}
     try:
-        return read_formula(rewritten, robot, own, known, functions)
+        return read_formula(rewritten, robot, Location(""), known, functions)
     except CheckError as error:
         column = error.location.column - 1 if error.location else 0
         offset = origins[column] if column < len(origins) else len(text)
@@ -307,8 +304,7 @@ def _rewritten(text: str, known: dict[str, Expression], signs: PlusMinus) -> tup
         elif kind in ("word", "tan") and text[match.end() :].lstrip()[:1] == "(":
             token = _function(token, text[match.end() :])
         pieces.append((" " if token in "\n\r\t" else token, match.start()))
-    origins = [offset for token, offset in pieces for _ in token]
-    return "".join(token for token, _ in pieces), origins
+    return "".join(token for token, _ in pieces), [offset for token, offset in pieces for _ in token]
 
 
 def _function(word: str, behind: str) -> str:

@@ -143,7 +143,6 @@ def _atan2(spot: Spot) -> Iterator[Edit]:
 
 
 def _quotient(e: Expression) -> tuple[Expression, Expression]:
-    """Numerator and denominator."""
     factors = e.factors if isinstance(e, Product) else (e,)
     below = [tree.power(f.base, -f.exponent) for f in factors if isinstance(f, Power) and f.exponent < 0]
     above = [f for f in factors if not (isinstance(f, Power) and f.exponent < 0)]

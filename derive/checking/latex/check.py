@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from derive.checking.absolute import AbsoluteModel, ModelOfOneEnd, may_count_from_one_direction
 from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
 from derive.checking.latex import whole
@@ -20,7 +19,7 @@ from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, Settled, names_of_pose
-from derive.checking.latex.quantities import OF_LINK
+from derive.checking.latex.quantities import OF_LINK, AbsoluteModel, ModelOfOneEnd, may_count_from_one_direction
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target

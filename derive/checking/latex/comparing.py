@@ -77,8 +77,12 @@ class Comparing:
     def _by_value(self, value: Expression | Table, name: str, text: str, where: Location) -> Finding | None:
         """That a formula is a quantity of the robot, whatever the author calls it; None where it has no such values."""
         quantity = self._values.quantity(value, taken_apart(name))
-        right = Verdict(equal=True, exact=False)
-        return Finding(quantity, 0, 0, Role.PRINTED, text, right, "", where) if quantity else None
+        return Finding(quantity, 0, 0, Role.PRINTED, text, Verdict(True, False), "", where) if quantity else None
+
+    def _about(self, side: LatexPiece, quantity: str, verdict: Verdict, repair: Repair | None = None) -> Finding:
+        """What is said of a side as a whole."""
+        text, where = self._typed(side), self.plain.location(side.start)
+        return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, "", where, repair=repair)
 
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
         line, end, letters = self.plain.location(side.start).line or 0, side.end, "".join(text.split())
@@ -240,10 +244,8 @@ class Comparing:
             chosen = tuple(self._entries(exchanged, exchanged.fitting(table) or table, offset))
             is_right, exchanged = True, None
         if exchanged is not None:
-            text, where = self._typed(name.piece), self.plain.location(name.piece.start)
             repair = Repair((), f"the frames exchanged: the matrix is {exchanged.quantity}", ZERO)
-            quantity = chosen[0].quantity
-            yield Finding(quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+            yield self._about(name.piece, chosen[0].quantity, NOTHING_KNOWN, repair=repair)
             return
         if chosen and not is_right and self.document and (elsewhere := self._elsewhere(name, table)):
             chosen = (elsewhere,)

@@ -146,8 +146,7 @@ class LatexReader:
         """What a derivative is taken of, or by: of a letter for an energy that the text does not define, the energy."""
         left = taken_apart(text)
         energy = None if left is None or self.names.knows(left.flat) else self.names.entry(f"{ENERGY}{left.flat}")
-        is_matrix = MATRIX_MARK in text
-        found = None if is_matrix else energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
+        found = None if MATRIX_MARK in text else energy or parsed(_RUN.sub(self._long_name, text), self.names, {})
         if found is None or isinstance(found, Table):
             raise CheckError("derivative of a matrix")
         return found
@@ -162,8 +161,7 @@ class LatexReader:
         is_defined = run + sub in self.names.abbreviations
         if not knows(run + sub) or (not is_defined and all(map(knows, (*run[:-1], run[-1] + sub)))):
             return match[0]
-        sign = self.names.sign(run)
-        return sign.rjust(len(run)) + match[0][len(run) :]
+        return self.names.sign(run).rjust(len(run)) + match[0][len(run) :]
 
     def _seen_from(self, match: re.Match[str]) -> str:
         """One sign for a coordinate of a frame, or an entry of its axes, that is seen from another one; none for 0."""

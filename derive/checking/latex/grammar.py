@@ -44,8 +44,7 @@ class MisplacedError(Exception):
 
     def __init__(self, offset: int | None, error: DeriveError) -> None:
         super().__init__(str(error))
-        self.offset = offset or 0
-        self.error = error
+        self.offset, self.error = offset or 0, error
 
 
 def _refused(offset: int | None, found: str, allowed: str = "", remedy: str = "") -> MisplacedError:
@@ -69,8 +68,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
 
     def __init__(self, names: LatexNames, tables: Mapping[int, Expression | Table]) -> None:
         super().__init__()
-        self._names = names
-        self._tables = tables
+        self._names, self._tables = names, tables
 
     def __default__(self, data: str, children: Children, meta: object) -> Any:
         """What a rule makes of what its parts have become."""
@@ -177,7 +175,6 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         return value
 
     def _tree(self, value: Value) -> Expression:
-        """The expression that a value stands for."""
         settled = self._settled(value)
         if isinstance(settled, Table):
             raise CheckError("matrix where a formula is expected", remedy="multiply and add matrices only")

@@ -73,8 +73,7 @@ class Table:
             terms = (multiply(a.formula, b.formula) for a, b in zip(row, column, strict=True))
             return _computed(add(*terms), *row, *column)
 
-        columns = other.transposed.rows
-        return Table(tuple(tuple(product(row, column) for column in columns) for row in self.rows))
+        return Table(tuple(tuple(product(row, column) for column in other.transposed.rows) for row in self.rows))
 
     @property
     def determinant(self) -> Entry:
@@ -83,8 +82,7 @@ class Table:
         if size != self.shape[1] or size > LARGEST_DETERMINANT:
             allowed = f"allowed: square matrices of up to {LARGEST_DETERMINANT} rows"
             raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
-        formula = _expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows))
-        return _computed(formula, *self.entries)
+        return _computed(_expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows)), *self.entries)
 
 
 def joined_blocks(rows: Sequence[Sequence[Expression | Table]]) -> Table:

@@ -67,8 +67,7 @@ class LatexNames:
 
     def sign(self, word: str) -> str:
         """One character that stands for a word in a text; the same for the same word."""
-        known = {meaning: sign for sign, meaning in self.words.items()}
-        sign = known.get(word, chr(0xE100 + len(self.words)))
+        sign = next((sign for sign, known in self.words.items() if known == word), chr(0xE100 + len(self.words)))
         self.words[sign] = word
         return sign
 
@@ -134,17 +133,16 @@ class LatexNames:
     def _derivative(self, text: str, dots: int) -> Expression:
         """The velocity or acceleration of a joint, or of a sum of joint angles."""
         variables = [joint.variable for joint in self.robot.movers]
-        name = self._name(text)
-        terms = [name]
-        if name not in variables:
+        terms = [self._name(text)]
+        if terms[0] not in variables:
             match = _ANGLE_SUM.fullmatch(text)
             angles = sum_of_angles(self.robot, match[2]) if match else ()
             terms = [term.name for term in angles if isinstance(term, Name)]
         if not terms and dots < 3 and (entry := self.entry(text + "'" * dots)):
             return entry
         if not terms:
-            allowed = f"allowed: {', '.join(variables)}"
-            raise CheckError(f"derivative of {text}, which is not a joint variable", allowed=allowed)
+            found = f"derivative of {text}, which is not a joint variable"
+            raise CheckError(found, allowed=f"allowed: {', '.join(variables)}")
         if dots > 2:
             raise CheckError(f"{dots} dots", allowed="allowed: one for a velocity, two for an acceleration")
         return add(*(Name(velocity_name(term) if dots == 1 else acceleration_name(term)) for term in terms))

@@ -98,8 +98,7 @@ class Claim:
 
     def is_condition(self, robot: Robot) -> bool:
         """Whether a side has parameters alone: it says where the hand is, such as x^2 + y^2 = (l_1 + l_2)^2."""
-        joints = {joint.variable for joint in robot.movers}
-        is_still = joints.isdisjoint((*names(self.first), *names(self.other)))
+        is_still = {joint.variable for joint in robot.movers}.isdisjoint((*names(self.first), *names(self.other)))
         return is_still and not (names_of_pose(self.first) and names_of_pose(self.other))
 
     def read(self, robot: Robot, values: Mapping[str, Expression] | None = None) -> Finding:
@@ -248,8 +247,7 @@ class Poses:
             return Settled.POINT
         if not known.isdisjoint(self._names.wrist):
             return Settled.WRIST
-        is_turn = any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known)
-        return Settled.TURN if is_turn else Settled.PLACE
+        return Settled.TURN if any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known) else Settled.PLACE
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:

@@ -358,8 +358,7 @@ class Scope:
             if force_named(name) in self.meanings.forces:
                 continue
             # the last definition before the equation, else the first one behind it
-            ordered = sorted(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))
-            meanings[name] = ordered[0][1]
+            meanings[name] = min(defined, key=lambda pair: (pair[0] > index, abs(pair[0] - index)))[1]
         if any("\\ddot" in side.text for side in self.equations[index]):
             meanings |= self.torques
         meanings |= more or {}

@@ -56,16 +56,15 @@ class SideReading(Comparing):
         frames = {frames_of(target, self.robot): target for name in named for target in name.targets}
         whole = [target for target in frames.values() if target.quantity == "T"]  # also without the base and the tool
         frames |= dict.fromkeys([(0, self.robot.n)], whole[0]) if whole else {}
-        right, text, where = Verdict(True, True), self._typed(side.piece), self.plain.location(side.piece.start)
         if not side.factors or not named:
             return None
         # they lead from the one to the other frame of what is named
         if side.frames is not None and side.frames in frames:
-            return Finding(frames[side.frames].quantity, 0, 0, Role.PRINTED, text, right, "", where, same=True)
+            return replace(self._about(side.piece, frames[side.frames].quantity, Verdict(True, True)), same=True)
         is_turned = side.frames is not None and side.frames[::-1] in frames
         if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
             assert side.frames is not None  # of which nothing says the order
-            return Finding(between(*side.frames, self.robot), 0, 0, Role.PRINTED, text, right, "", where, same=True)
+            return replace(self._about(side.piece, between(*side.frames, self.robot), Verdict(True, True)), same=True)
         rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
         wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
         if wanted is None or None in rights or shapes != {wanted.value.shape}:
@@ -73,13 +72,13 @@ class SideReading(Comparing):
         product = reduce(mul, (right.value for right in rights if right is not None))
         table = Table(tuple(tuple(Entry(expression_from_sympy(e)) for e in row) for row in product.tolist()))
         if wanted.fits(table) == 1:
-            return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, replace(right, exact=False), "", where)
+            return self._about(side.piece, wanted.quantity, Verdict(True, False))
         lefts = [name.left for name in named if name.left is not None]
         kinds = {left.scripts for left in (*lefts, *side.factors)} - {None}
         if not lefts or lefts[0].scripts not in self.scope.settled or len(kinds) != 1:
             return None
         repair = Repair((), "the order of the factors: each begins at the frame to which the one before it leads", ZERO)
-        return Finding(wanted.quantity, 0, 0, Role.PRINTED, text, NOTHING_KNOWN, "", where, repair=repair)
+        return self._about(side.piece, wanted.quantity, NOTHING_KNOWN, repair=repair)
 
     def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
         """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
@@ -92,9 +91,8 @@ class SideReading(Comparing):
             # zeros times anything are zeros: they show nothing
             quantity = next((r.quantity for r in rights if r.fits(table) == 1 and any(r.value)), "")
             if quantity or any(are_alike(table, other) for other in tables):
-                text, where = self._typed(side.piece), self.plain.location(side.piece.start)
-                role = Role.PRINTED if quantity else Role.IDENTITY
-                return Finding(quantity or text, 0, 0, role, text, Verdict(True, False), "", where)
+                found = self._about(side.piece, quantity or self._typed(side.piece), Verdict(True, False))
+                return found if quantity else replace(found, role=Role.IDENTITY)
         return None
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
@@ -110,8 +108,7 @@ class SideReading(Comparing):
             with suppress(CheckError):
                 zero = add(self.reader.formula(first), negate(self.reader.formula(others[0])))
                 if not names_of_pose(zero) and self._values.is_singular(zero):
-                    where, right = self.plain.location(first.start), Verdict(equal=True, exact=False)
-                    return (Finding("singularities", 0, 0, Role.PRINTED, self._typed(first), right, "", where),)
+                    return (self._about(first, "singularities", Verdict(True, False)),)
         return ()
 
     def _of_motion(self, equation: Sides) -> tuple[Finding, ...]:
@@ -187,8 +184,7 @@ class SideReading(Comparing):
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """That a formula is right if what no formula explains are torques, a length, an angle, or a constant energy."""
-        definitions = self.scope.definitions.items()
-        several = {name: Name(f"?{name}") for name, formulas in definitions if len(formulas) > 1}
+        several = {name: Name(f"?{name}") for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
         left = taken_apart(equation[0].text)
         energy = self.meanings.formula(left, ("potential",)) if left else None
         moves = energy and not self.joints.keys().isdisjoint(names(energy))
@@ -433,8 +429,7 @@ class SideReading(Comparing):
         rights = [f.question.right for f in findings if f.question and "screw" not in f.quantity]
         moves = not all(map(is_constant, rights))
         still = frozenset() if self.conditions else self.parameters - self._moving
-        is_still = all(e is not None and still.issuperset(names(e)) for e in entries)
-        is_example = len(entries) > 1 and moves and is_still
+        is_example = len(entries) > 1 and moves and all(e is not None and still.issuperset(names(e)) for e in entries)
         is_of_pose = moves and all(finding.quantity[:1] in "Tp" or finding.quantity == "tau" for finding in findings)
         is_condition = side.piece.inline and is_of_pose and len(entries) == 1 and isinstance(entries[0], Number)
         if self.document and (len(decimals) * 2 > len(entries) or is_example or is_condition):
