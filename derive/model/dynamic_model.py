@@ -55,7 +55,11 @@ class DynamicModel(KinematicModel):
 
     @cached_property
     def dynamics(self) -> Dynamics:
-        """Exact B and Christoffel symbols; QuantityError where the robot file gives no links."""
+        """Exact B and Christoffel symbols.
+
+        Raises:
+            QuantityError: The robot file gives no links.
+        """
         self._require_links("dynamics")
         if isinstance(self._alike, DynamicModel):
             return self._alike.dynamics
@@ -75,15 +79,24 @@ class DynamicModel(KinematicModel):
         return self.dynamic_form.limit(self.dynamics.christoffel(i, j, k) for i in n for j in n for k in n if j <= k)
 
     def rate_coefficient(self, quantity: str) -> Callable[[int, int, int], Polynomial] | None:
-        """By i, j, k, from 0, the exact coefficient of qd_k in entry (i, j) of C, N or Bdot; None for other ones."""
+        """By i, j, k, from 0, the exact coefficient of qd_k in entry (i, j) of a matrix; None for other quantities.
+
+        Args:
+            quantity: ``C``, ``N`` or ``Bdot``.
+        """
         d = self.dynamics
         return {"C": d.christoffel, "N": d.skew, "Bdot": d.derivative}.get(quantity)
 
     def terms(self, quantity: str, row: int, column: int = 1) -> int:
-        """Number of terms of an entry expanded in the user's symbols, counted without writing it; places from 1.
+        """Number of terms of an entry expanded in the user's symbols, counted without writing it.
+
+        Args:
+            quantity: ``B``, ``C``, ``Bdot``, ``N`` or ``g``.
+            row: From 1.
+            column: From 1.
 
         Raises:
-            QuantityError: No such quantity; ``B``, ``C``, ``Bdot``, ``N`` and ``g`` have one.
+            QuantityError: No such quantity.
         """
         i, j = row - 1, column - 1
         if quantity == "B":
@@ -102,7 +115,10 @@ class DynamicModel(KinematicModel):
     # -- Jacobians of bodies
 
     def Jv_com(self, i: int) -> Matrix:
-        """J_v, 3xn, world frame, of the centre of mass of link i: its velocity is J_v qd (Siciliano et al., 7.1.1).
+        """J_v, 3xn, world frame, of the centre of mass of a link: its velocity is J_v qd (Siciliano et al., 7.1.1).
+
+        Args:
+            i: The link, from 1.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -111,7 +127,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.com(i)), write=self.form.kinematic)
 
     def Jw_com(self, i: int) -> Matrix:
-        """J_w, 3xn, world frame, of link i: its angular velocity is J_w qd (Siciliano et al., Robotics, section 7.1.1).
+        """J_w, 3xn, world frame, of a link: its angular velocity is J_w qd (Siciliano et al., Robotics, section 7.1.1).
+
+        Args:
+            i: The link, from 1.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -120,7 +139,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.angular_columns(i), write=self.form.kinematic)
 
     def Jv_motor(self, i: int) -> Matrix:
-        """J_v, 3xn, world frame, of the rotor of joint i: the velocity of its place is J_v qd.
+        """J_v, 3xn, world frame, of the rotor of a joint: the velocity of its place is J_v qd.
+
+        Args:
+            i: The joint, from 1.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -129,7 +151,10 @@ class DynamicModel(KinematicModel):
         return columns_matrix(self.kinematics.linear_columns(self.kinematics.motor_place(i)), write=self.form.kinematic)
 
     def Jw_motor(self, i: int) -> Matrix:
-        """J_w, 3xn, world frame, of the rotor of joint i, its spin included: that of link i-1, ratio * z in column i.
+        """J_w, 3xn, world frame, of the rotor of a joint, its spin included: that of link i-1, ratio * z in column i.
+
+        Args:
+            i: The joint, from 1.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -159,7 +184,10 @@ class DynamicModel(KinematicModel):
         return self._inertia(self.dynamic_form)
 
     def B_link(self, i: int) -> Matrix:
-        """The part of B, nxn, that link i contributes, without any rotor.
+        """The part of B, nxn, that one link contributes, without any rotor.
+
+        Args:
+            i: The link, from 1.
 
         Raises:
             QuantityError: No such link, or the file gives none.
@@ -173,7 +201,10 @@ class DynamicModel(KinematicModel):
     def christoffel(self, i: int, j: int, k: int) -> Expr:
         """c_ijk = c_ikj = 1/2 (db_ij/dq_k + db_ik/dq_j - db_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1).
 
-        Joint i is that of the torque, j and k are those of the velocities, from 1.
+        Args:
+            i: Joint of the torque, from 1.
+            j: Joint of one velocity, from 1.
+            k: Joint of the other, from 1.
 
         Raises:
             QuantityError: No such joint, or the file gives no links.
@@ -268,7 +299,11 @@ class DynamicModel(KinematicModel):
         return grouping if self.style.torques is Grouping.USUAL else self.style.torques
 
     def velocity_pairs(self, i: int) -> list[tuple[Polynomial, Expr]]:
-        """What row i of C qd, from 0, consists of: exact c_ijk, and qd_j qd_k of each pair once, with the factor 2."""
+        """What C qd consists of: exact c_ijk, and qd_j qd_k of each pair of joints once, with the factor 2.
+
+        Args:
+            i: The joint, from 0.
+        """
         n, qd, c = range(self.n), self.qd, self.dynamics.christoffel
         return [(c(i, j, k), (1 if j == k else 2) * qd[j] * qd[k]) for j in n for k in n if j <= k]
 

@@ -68,7 +68,11 @@ class KinematicModel(TreeModel):
         return {name: value for name, value in named if name in ITSELF or not (is_long or name in MADE_AGAIN)}
 
     def with_style(self, style: Style) -> Self:
-        """The same model written in another style; what does not depend on it is not derived again."""
+        """The same model written in another style; what does not depend on it is not derived again.
+
+        Args:
+            style: How expressions are grouped.
+        """
         other = type(self)(self.robot, style)
         if style.contraction is self.style.contraction:
             other._alike = self
@@ -127,8 +131,11 @@ class KinematicModel(TreeModel):
         section 2.8.2); modified: Rot(x, alpha_{i-1}) Trans(x, a_{i-1}) Rot(z, theta_i) Trans(z, d_i) (Craig,
         Introduction to Robotics, ch. 3).
 
+        Args:
+            i: Row of the table, from 1.
+
         Raises:
-            QuantityError: No such row of the table; they count from 1.
+            QuantityError: No such row.
         """
         self._require_index(i, 1, self.robot.n)
         return frame_matrix(self.kinematics.row(i), self.form.kinematic)
@@ -207,7 +214,8 @@ class KinematicModel(TreeModel):
         """Euler angles phi, theta, psi, 3x1 [rad]: R = Rot(z, phi) Rot(y, theta) Rot(z, psi), theta in (0, pi).
 
         Singular where r13 = r23 = 0 (theta = 0 or pi): only phi + psi or phi - psi is then determined. Where that
-        holds in every configuration, as for planar arms, psi is taken as 0 (Siciliano et al., section 2.4.1).
+        holds in every configuration, as for planar arms, psi is taken as 0 (Siciliano et al., Robotics, section
+        2.4.1).
         """
         r = self.R
         if r[0, 2] == 0 and r[1, 2] == 0:
@@ -238,7 +246,8 @@ class KinematicModel(TreeModel):
     def J(self) -> Matrix:
         """Geometric Jacobian of the end effector, 6xn: (v, omega) = J qd, linear rows first, world frame.
 
-        Column i is (z x (p - o), z) of a revolute joint, (z, 0) of a prismatic one (Siciliano et al., section 3.1.3).
+        Column i is (z x (p - o), z) of a revolute joint, (z, 0) of a prismatic one (Siciliano et al., Robotics,
+        section 3.1.3).
         """
         if self._is_long:
             return columns_matrix(self.long_chain.kinematics.linear, self.long_chain.kinematics.angular)
@@ -260,7 +269,11 @@ class KinematicModel(TreeModel):
 
     @cached_property
     def jacobian_columns(self) -> tuple[list[Vector[Polynomial]], list[Vector[Polynomial]]]:
-        """Linear and angular columns of J, exact; QuantityError where the arm is too long to multiply them out."""
+        """Linear and angular columns of J, exact.
+
+        Raises:
+            QuantityError: The arm is too long to multiply them out.
+        """
         if self._is_long:
             raise QuantityError(f"J of {self.robot.name}, multiplied out", allowed="arms whose T is shorter")
         k = self.kinematics
@@ -277,7 +290,10 @@ class KinematicModel(TreeModel):
         return sympy.ImmutableMatrix(sum(rates, sympy.zeros(6, self.n)))
 
     def hessian(self, k: int) -> Matrix:
-        """dJ/dq_k, 6xn: the derivative of the geometric Jacobian by the variable of joint k, from 1, world frame.
+        """dJ/dq_k, 6xn: the derivative of the geometric Jacobian by a joint variable, world frame.
+
+        Args:
+            k: The joint, from 1.
 
         Raises:
             QuantityError: No such joint.
@@ -294,10 +310,13 @@ class KinematicModel(TreeModel):
 
     @of_each_end_by_joints
     def J_analytic(self, kind: str) -> Matrix:
-        """Analytic Jacobian, 6xn: rows of velocity in the world frame, then of the rates of ``rpy`` or ``zyz`` angles.
+        """Analytic Jacobian, 6xn: rows of velocity in the world frame, then of the rates of orientation angles.
 
         The matrix that turns angular velocity into rates is written in entries of R, so that no inverse trigonometric
         function occurs (Siciliano et al., Robotics, section 3.6).
+
+        Args:
+            kind: ``rpy`` (roll, pitch, yaw) or ``zyz`` (phi, theta, psi).
 
         Raises:
             QuantityError: Another kind, or angles that are singular in every configuration.
@@ -372,7 +391,8 @@ class KinematicModel(TreeModel):
     def singularities(self) -> Singularities:
         """Where J loses rank: the zeros of the determinant of a task in factors, or of all minors.
 
-        With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., section 3.3).
+        With a spherical wrist det J = det J_11 det J_22 about the wrist centre (Siciliano et al., Robotics, section
+        3.3).
         """
         require_chain(self.robot, "the singularities")
         from derive.model.singularities.determinant import find_singularities
