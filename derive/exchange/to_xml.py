@@ -306,8 +306,7 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
         for each in written:
             if arm.segments[each.joints.start].parent == parent:
                 body = _body(arm, each, radius)
-                last = arm.segments[each.joints[-1]]
-                body["name"] = names.get(last.joint.label, body["name"])
+                body["name"] = names.get(arm.segments[each.joints[-1]].joint.label, body["name"])
                 found.append((depth, body))
                 _add(each.joints[-1], depth + 1)
 
@@ -398,8 +397,7 @@ def _inertial(body: RigidBody) -> dict[str, str]:
     if axes.x[0] + axes.y[1] + axes.z[2] > BESIDE:
         moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
-    tensor = " ".join(repr(float(moment)) for moment in moments)
-    return {"mass": mass, **_place(axes), "diaginertia": tensor}
+    return {"mass": mass, **_place(axes), "diaginertia": " ".join(repr(float(moment)) for moment in moments)}
 
 
 def _unless_zero(value: arb) -> str:

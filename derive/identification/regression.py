@@ -47,8 +47,7 @@ class Factors:
         """Take in some rows: (rows, n, p) and (rows, n)."""
         self.rows += len(torques)
         for j, own in enumerate(self.columns):
-            rows = np.column_stack([regressor[:, j, own], torques[:, j]])
-            self.factors[j] = _triangle([self.factors[j], rows])
+            self.factors[j] = _triangle([self.factors[j], np.column_stack([regressor[:, j, own], torques[:, j]])])
 
     def squares(self, beta: Array) -> Array:
         """(n,) the sum of squares of each joint's tau - Y_b beta."""

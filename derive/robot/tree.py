@@ -61,8 +61,7 @@ def table(robot: Description) -> tuple[Joint | FixedRow, ...]:
 def joint_places(robot: Description) -> tuple[Place, ...]:
     """The place of each joint in the file."""
     roots: list[Place] = [("root",)] * len(robot.root.variables if robot.root else ())
-    rows = (("joints", place) for place, row in enumerate(table(robot)) if isinstance(row, Joint))
-    return (*roots, *rows)
+    return (*roots, *(("joints", place) for place, row in enumerate(table(robot)) if isinstance(row, Joint)))
 
 
 def located_links(robot: Description) -> Iterator[tuple[Place, Link]]:

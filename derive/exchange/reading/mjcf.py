@@ -28,8 +28,7 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
     try:
         import mujoco
     except ImportError:
-        remedy = "pip install mujoco"
-        raise TargetError("reading MJCF needs mujoco, which is not installed", remedy=remedy) from None
+        raise TargetError("reading MJCF needs mujoco, which is not installed", remedy="pip install mujoco") from None
     try:
         kind = mujoco.MjModel
         model = kind.from_xml_path(str(path)) if path else kind.from_xml_string(data.decode("utf-8", "replace"))
@@ -87,8 +86,7 @@ class _Reader:
 
     def name(self, kind: str, k: int) -> str:
         kinds = self._mujoco.mjtObj
-        found = self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k)
-        return str(found or f"{kind}{k}")
+        return str(self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k) or f"{kind}{k}")
 
     def refuse_loops(self) -> None:
         """Refuse what ties joints together, and joints with several variables that are not the root's."""

@@ -117,8 +117,7 @@ class _Columns:
             return inverse_dynamics(alone, *self.arguments)
         _, qd, qdd = self.arguments
         ways = {"f": np.sign(qd), "fp": 1.0 * (qd > 0), "fm": -1.0 * (qd < 0)}
-        own = ({"Ia": qdd, "b": qd} | ways)[parameter.part]
-        return np.asarray(own * (np.arange(self.arm.n) == i))
+        return np.asarray(({"Ia": qdd, "b": qd} | ways)[parameter.part] * (np.arange(self.arm.n) == i))
 
     def _body_wrench(self, i: int, part: str) -> tuple[Array, Array]:
         """Force, and moment about the frame's origin, that move a unit parameter of link i."""
