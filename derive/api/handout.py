@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, load, tell
 from derive.errors import DeriveError, TargetError, listed
-from derive.handouts.render import Addition, Format, fragment_text, handout_files, sheet_names
+from derive.handouts.render import Format, fragment_text, handout_files, sheet_names
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.options.handout import chosen_pages
 from derive.robot.options.style import Style
@@ -140,9 +141,7 @@ def handout(
             raise DeriveError(f"the plan moves {moved.name}, not {shown.name}", remedy="name that robot")
         alike = replace(moved, handout=shown.handout, style=shown.style, figure=shown.figure)
         own, drawn = Motion(replace(motion.plan, robot=alike)), wanted != {Format.HTML}  # a page has plots of its own
-        addition = Addition(
-            lambda context: plan_part(own, context, drawn=drawn), lambda context: motion_figure(own, context)
-        )
+        addition = partial(plan_part, own, drawn=drawn), partial(motion_figure, own)
     made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress, addition=addition)
     paths = write_files({folder / name: data for name, data in made.files.items()}, force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)

@@ -97,7 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
     print("\n\n".join("\n".join(lines) for _, lines in written))
     if robot.passive:
-        from derive.handouts.notation.closure import loop_remarks
+        from derive.handouts.parts.closure import loop_remarks
 
         for line in loop_remarks(model, shown, arguments.robot):
             print(f"{COMMENTS[form]} {line}")
@@ -177,9 +177,9 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
         from derive.handouts.notation import derivation, singularities
-        from derive.handouts.notation.closure import closure_lines, closure_parts
         from derive.handouts.notation.notation import Notation
         from derive.handouts.notation.printer import TextPrinter
+        from derive.handouts.parts.closure import closure_lines, closure_parts
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
         from derive.model.closure import Closure

@@ -156,10 +156,9 @@ class Motion:
     @cached_property
     def base(self) -> BaseCurve | None:
         """How the base moves; None where it stands."""
-        moving = self.plan.base
-        if moving is None:
+        if not self.plan.base:
             return None
-        named = zip(PATHS, (*moving.place, *moving.angles), strict=True)
+        named = zip(PATHS, self.plan.base, strict=True)
         x, y, z, *angles = (self._followed(formula, f"base, {name}", self.duration) for name, formula in named)
         return BaseCurve.of((x, y, z), tuple(angles))
 

@@ -272,7 +272,7 @@ class MotionCode:
             "width": max(len(row_of(piece)) for _, pieces in self._pieces for piece in pieces),
             "firsts": ", ".join(map(str, counts.tolist())),
             "has_sign": Op.SIGN in ({node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}),
-            "has_base": plan.base is not None,
+            "has_base": bool(plan.base),
             "is_long": int(counts[-1]) > LONG,
             "symbol": "MX" if counts[-1] > LONG else "SX",
         }

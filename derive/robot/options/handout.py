@@ -21,58 +21,18 @@ USUAL_PARTS = tuple(part for part in PARTS if part != "conversion")
 
 MOST_PAGES = 9999  # largest number of pages that can be asked for
 
-
-class Derivation(StrEnum):
-    """Whether the handout shows how a result is found."""
-
-    RESULT = "result"
-    STEPS = "steps"
-
-
-class AngleLetter(StrEnum):
-    """How the variable of a revolute joint is written."""
-
-    NAME = "name"
-    THETA = "theta"
-    VARTHETA = "vartheta"
-    Q = "q"
-
-
-class SliderLetter(StrEnum):
-    """How the variable of a prismatic joint is written."""
-
-    NAME = "name"
-    D = "d"
-    Q = "q"
-
-
-class Functions(StrEnum):
-    r"""Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."""
-
-    SHORT = "short"
-    FULL = "full"
-
-
-class FrameIndices(StrEnum):
-    """Where the frames of a transform are written: A_1^0, or {}^0A_1."""
-
-    RIGHT = "right"
-    LEFT = "left"
-
-
-class InertiaLetter(StrEnum):
-    """Letter of the inertia matrix."""
-
-    B = "B"
-    M = "M"
-    D = "D"
-
-
-class PoseEntries(StrEnum):
-    r"""How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x."""
-
-    ENTRIES = "entries"
-    COLUMNS = "columns"
+# Whether the handout shows how a result is found.
+Derivation = StrEnum("Derivation", {"RESULT": "result", "STEPS": "steps"})
+# How the variables of revolute and of prismatic joints are written.
+AngleLetter = StrEnum("AngleLetter", {"NAME": "name", "THETA": "theta", "VARTHETA": "vartheta", "Q": "q"})
+SliderLetter = StrEnum("SliderLetter", {"NAME": "name", "D": "d", "Q": "q"})
+# Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2).
+Functions = StrEnum("Functions", {"SHORT": "short", "FULL": "full"})
+# Where the frames of a transform are written: A_1^0, or {}^0A_1.
+FrameIndices = StrEnum("FrameIndices", {"RIGHT": "right", "LEFT": "left"})
+InertiaLetter = StrEnum("InertiaLetter", {"B": "B", "M": "M", "D": "D"})
+# How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x.
+PoseEntries = StrEnum("PoseEntries", {"ENTRIES": "entries", "COLUMNS": "columns"})
 
 
 @dataclass(frozen=True, slots=True)
