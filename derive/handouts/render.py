@@ -37,12 +37,8 @@ if TYPE_CHECKING:
     from derive.handouts.page.viewer import Viewer
 
 
-class Format(StrEnum):
-    """A form of the handout; the value is the ending of its file."""
-
-    TEX = "tex"
-    PDF = "pdf"
-    HTML = "html"
+# Forms of the handout; the values are the endings of their files.
+Format = StrEnum("Format", {"TEX": "tex", "PDF": "pdf", "HTML": "html"})
 
 
 @dataclass(frozen=True, slots=True)

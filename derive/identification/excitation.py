@@ -51,11 +51,8 @@ IPOPT: dict[str, Any] = {
 }
 
 
-class Criterion(StrEnum):
-    """What is made small."""
-
-    DETERMINANT = "determinant"
-    CONDITION = "condition"
+# What is made small.
+Criterion = StrEnum("Criterion", {"DETERMINANT": "determinant", "CONDITION": "condition"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

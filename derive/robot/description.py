@@ -21,18 +21,10 @@ BASE = "base"  # what rows of a tree that stand on the base, or on a root that m
 FIXED = "fixed"  # the type of rows without motion
 
 
-class Convention(StrEnum):
-    """Which Denavit-Hartenberg table it is."""
-
-    STANDARD = "standard"
-    MODIFIED = "modified"
-
-
-class JointType(StrEnum):
-    """What the joint's variable is."""
-
-    REVOLUTE = "revolute"
-    PRISMATIC = "prismatic"
+# Which Denavit-Hartenberg table it is, what a joint's variable is, and how the root of a tree moves.
+Convention = StrEnum("Convention", {"STANDARD": "standard", "MODIFIED": "modified"})
+JointType = StrEnum("JointType", {"REVOLUTE": "revolute", "PRISMATIC": "prismatic"})
+RootType = StrEnum("RootType", {"PLANAR": "planar", "FLOATING": "floating"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +44,6 @@ def pair_text(cell: Expression | Ways, write: Callable[[Expression], str] = to_t
 def _cells_text(**cells: Expression | Ways) -> str:
     """Cells that are not zero as text: ``d=d1, alpha=pi/2``."""
     return ", ".join(f"{name}={pair_text(cell)}" for name, cell in cells.items() if cell != ZERO)
-
-
-class RootType(StrEnum):
-    """How the root of a tree moves."""
-
-    PLANAR = "planar"
-    FLOATING = "floating"
 
 
 @dataclass(frozen=True, slots=True)
