@@ -11,8 +11,7 @@ import numpy as np
 from derive.api.robots import RobotLike, load
 from derive.arrays import Array
 from derive.errors import DeriveError, listed
-from derive.identification.excitation import Criterion, Design, Excitation, Room, excited
-from derive.identification.fourier import FourierSeries
+from derive.identification.excitation import Criterion, Design, Excitation, FourierSeries, Room, excited
 from derive.identification.standard import Unknowns
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,46 +23,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class HandoutFile:
-    """A file of a handout.
+    """A file of a handout."""
 
-    Attributes:
-        path: Where it is.
-        bytes: Its size.
-        pages: Pages of a PDF; None for other files.
-    """
-
-    path: Path
-    bytes: int
-    pages: int | None
+    path: Path  #: where it is
+    bytes: int  #: its size
+    pages: int | None  #: pages of a PDF; None for other files
 
 
 @dataclass(frozen=True, slots=True)
 class HandoutResult:
-    """A handout that was written.
+    """A handout that was written."""
 
-    Attributes:
-        robot: Name of the robot.
-        files: Its files.
-        parts: The parts that it has, in their order.
-        seconds: Wall time.
-        shortened: Whether anything was left out on paper to keep to its number of pages; the sheet says what.
-    """
-
-    robot: str
-    files: tuple[HandoutFile, ...]
-    parts: tuple[str, ...]
-    seconds: float
+    robot: str  #: name of the robot
+    files: tuple[HandoutFile, ...]  #: its files
+    parts: tuple[str, ...]  #: the parts that it has, in their order
+    seconds: float  #: wall time
+    #: whether anything was left out on paper to keep to its number of pages; the sheet says what
     shortened: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        return {
-            "robot": self.robot,
-            "files": [{"path": str(file.path), "bytes": file.bytes, "pages": file.pages} for file in self.files],
-            "parts": list(self.parts),
-            "seconds": round(self.seconds, 3),
-            "shortened": self.shortened,
-        }
+        files = [asdict(file) | {"path": str(file.path)} for file in self.files]
+        return asdict(self) | {"files": files, "parts": list(self.parts), "seconds": round(self.seconds, 3)}
 
 
 def handout(

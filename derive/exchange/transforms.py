@@ -165,7 +165,6 @@ class _Split:
 
 
 def _table(product: Sequence[Elementary], name: str) -> Description:
-    """The rows in the standard convention."""
     words: list[list[Elementary]] = [[]]
     moving: list[Elementary] = []
     for part in product:

@@ -140,7 +140,6 @@ def read_inverse(document: Document, joints: Sequence[Joint | Variable]) -> Inve
     """What inverse kinematics is asked for."""
 
     def _chosen(path: KeyPath, choose: Callable[[list[str]], tuple[str, ...]]) -> tuple[str, ...] | None:
-        """The words of one key, whether it is a list or not."""
         if document.find(path) is None:
             return None
         words = [document.text(*path, index) for index in range(document.length(path))]

@@ -186,7 +186,6 @@ class CModel:
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
-        """The enumerators of the header."""
         return {name: int(number) for name, number in re.findall(r"^ +(\w+) = (\d+),", self.header, re.MULTILINE)}
 
     @cached_property

@@ -121,7 +121,6 @@ def _models(
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> VerifiedFunction:
-    """The worst error of one function over all calls."""
     compared, called, worst = 0, 0, 0.0
     for trial in calls:
         key = (function, trial.sample_set, *((a.shape, a.tobytes()) for a in trial.arguments))

@@ -78,7 +78,6 @@ class _Reader:
 
     @property
     def active(self) -> list[int]:
-        """The equalities that hold."""
         return [k for k in range(self._model.neq) if self._model.eq_active0[k]]
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
@@ -136,7 +135,6 @@ class _Reader:
             yield {self.name("joint", j): float(values[model.jnt_qposadr[j]]) for j in moving}
 
     def driven(self) -> frozenset[str]:
-        """Names of the joints on which something acts."""
         return frozenset(self.name("joint", j) for _, j in self._motors)
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:

@@ -90,7 +90,6 @@ def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> L
 
 
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:
-    """The factors of the arm with those of base and tool, where these are not the identity."""
     base = [BASE] if context.robot.base != IDENTITY else []
     return [*base, *factors, *([tool_of(context.end)] if context.robot.tool != IDENTITY else [])]
 

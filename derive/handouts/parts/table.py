@@ -121,7 +121,6 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
 
 
 def _units(context: Context) -> str:
-    """In which units the numbers of the tables are."""
     _, units = context.text, context.robot.units
     with_degrees = _("Angles with a degree sign are in degrees, all others in radians.")
     angles = with_degrees if units.degrees else _("Angles are in radians.")

@@ -119,7 +119,6 @@ def row_of(piece: AnyPiece) -> tuple[float, ...]:
 
 
 def _end(graph: Graph, place: int) -> Value:
-    """A value at an end of a piece."""
     return Value(graph, graph.input(ROW, place + 2))
 
 

@@ -112,7 +112,6 @@ class Way:
 
 
 def _about_one_axis(a: Array, b: Array) -> Callable[[float], tuple[Array, Array, Array]]:
-    """The rotation between two poses about a fixed axis."""
     start, turn = a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T)
     return lambda s: (rotation_of(s * turn) @ start, turn, np.zeros(3))
 

@@ -95,7 +95,6 @@ class _Columns:
         self.rotor_linear = point_jacobian(arm, frames, self.places, arm.moves[arm.parent])
 
     def of(self, parameters: tuple[Parameter, ...]) -> Array:
-        """A column for each parameter."""
         return np.stack([self._column(parameter) for parameter in parameters], axis=-1)
 
     def _column(self, parameter: Parameter) -> Array:
