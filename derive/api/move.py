@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from derive.motion.output.code import VerifiedCode
     from derive.motion.simulation.simulation import Run
 
-MotionLike = Motion | str | Path
-"""A motion, the path of a plan, or the name of a built-in one."""
+MotionLike = Motion | str | Path  #: a motion, the path of a plan, or the name of a built-in one
 
 FORMS: Mapping[str, tuple[str, ...]] = {
     "csv": (),

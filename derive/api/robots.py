@@ -16,8 +16,7 @@ from derive.robot.robot import Robot as PlainRobot
 if TYPE_CHECKING:
     from derive.exchange.from_urdf import ImportKeywords
 
-RobotLike = PlainRobot | str | Path
-"""A robot, the path of a robot file, or a name of the catalogue."""
+RobotLike = PlainRobot | str | Path  #: a robot, the path of a robot file, or a name of the catalogue
 
 
 class Robot(PlainRobot):

@@ -24,8 +24,7 @@ from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
 
 _LATEX = re.compile(r"[\\^{}_]")
-EXAMPLE = "--example"
-"""Where an example stands that was given in words, for messages."""
+EXAMPLE = "--example"  #: where an example stands that was given in words, for messages
 
 
 @dataclass(frozen=True, slots=True)
