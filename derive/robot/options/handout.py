@@ -21,18 +21,23 @@ USUAL_PARTS = tuple(part for part in PARTS if part != "conversion")
 
 MOST_PAGES = 9999  # largest number of pages that can be asked for
 
-# Whether the handout shows how a result is found.
+# Kinds of choices; what they are is in the JSON Schema, too.
 Derivation = StrEnum("Derivation", {"RESULT": "result", "STEPS": "steps"})
-# How the variables of revolute and of prismatic joints are written.
+Derivation.__doc__ = "Whether the handout shows how a result is found."
 AngleLetter = StrEnum("AngleLetter", {"NAME": "name", "THETA": "theta", "VARTHETA": "vartheta", "Q": "q"})
+AngleLetter.__doc__ = "How the variable of a revolute joint is written."
 SliderLetter = StrEnum("SliderLetter", {"NAME": "name", "D": "d", "Q": "q"})
-# Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2).
+SliderLetter.__doc__ = "How the variable of a prismatic joint is written."
 Functions = StrEnum("Functions", {"SHORT": "short", "FULL": "full"})
-# Where the frames of a transform are written: A_1^0, or {}^0A_1.
+Functions.__doc__ = r"Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."
 FrameIndices = StrEnum("FrameIndices", {"RIGHT": "right", "LEFT": "left"})
+FrameIndices.__doc__ = "Where the frames of a transform are written: A_1^0, or {}^0A_1."
 InertiaLetter = StrEnum("InertiaLetter", {"B": "B", "M": "M", "D": "D"})
-# How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x.
+InertiaLetter.__doc__ = "Letter of the inertia matrix."
 PoseEntries = StrEnum("PoseEntries", {"ENTRIES": "entries", "COLUMNS": "columns"})
+PoseEntries.__doc__ = (
+    "How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x."
+)
 
 
 @dataclass(frozen=True, slots=True)
