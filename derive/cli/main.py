@@ -107,10 +107,7 @@ class _Parser(argparse.ArgumentParser):
     old: Mapping[str, str] = {}  # names that options had before, with those that they have
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
-
-        Options may stand anywhere, also between a robot and its quantities.
-        """
+        """Parse options, which may stand anywhere; a value of one may begin with a minus sign, as formulas do."""
         typed = list(sys.argv[1:] if args is None else args)
         known = self._option_string_actions
         options: list[str] = []

@@ -283,11 +283,7 @@ def _entries(value: Any, printer: Printer) -> list[list[str]] | None:
 
 
 def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
-    """A quantity as text, LaTeX or Python.
-
-    LaTeX is for mathematics mode; amsmath's matrices take at most ten columns, an array any number. Python reads an
-    assignment once the symbols are defined.
-    """
+    """A quantity as text, as LaTeX for mathematics mode, or as an assignment in Python."""
     rows = _entries(value, printer)
     target = re.sub(r"\W+", "_", name).strip("_") if form == "python" else name
     if rows is None:
@@ -295,7 +291,7 @@ def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
     if form == "latex":
         from derive.handouts.layout.lines import matrix_rows
 
-        body = [f"  {row}" for row in matrix_rows(rows)]
+        body = [f"  {row}" for row in matrix_rows(rows)]  # an array: amsmath's matrices have at most ten columns
         body[-1] += r" \\"
         return [rf"\left[\begin{{array}}{{{'c' * len(rows[0])}}}", *body, r"\end{array}\right]"]
     if form == "python":

@@ -21,10 +21,7 @@ CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
 def inertia_matrix(arm: NumericArm, q: Array) -> Array:
-    """B = sum m Jv'Jv + Jw' R I R' Jw over the bodies, the same over the rotors, and the armatures.
-
-    Of a rotor only the inertia about its axis counts.
-    """
+    """B = sum m Jv'Jv + Jw' R I R' Jw over bodies, and rotors with inertia about their axes alone, and armatures."""
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
     linear, angular = link_jacobians(arm, frames)
