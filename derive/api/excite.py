@@ -99,7 +99,6 @@ def _check(right: bool, found: str, allowed: str) -> None:
 
 
 def _of_joints(robot: Robot, values: OfJoints, what: str) -> list[str]:
-    """One text a joint."""
     typed = values.split(",") if isinstance(values, str) else [values] if isinstance(values, float | int) else values
     texts = [str(value).strip() for value in typed]
     texts *= robot.dof if len(texts) == 1 else 1

@@ -42,11 +42,9 @@ OF_A_ROBOT = (
     "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
     "map", "new", "sample",
 )  # fmt: skip
+# Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
+# A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
-
-A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
-"""
 
 # Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports.
 COLLECTED_AFTER = (500_000, 10, 10)

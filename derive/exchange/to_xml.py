@@ -379,7 +379,6 @@ def is_too_thin(body: RigidBody) -> bool:
 
 
 def _inertial(body: RigidBody) -> dict[str, str]:
-    """Mass, place and tensor by its principal moments."""
     (a, b, c), axes = body.principal
     if not body.is_possible:
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}

@@ -277,7 +277,6 @@ def _arguments(function: str, sample_set: SampleSet) -> tuple[Array, ...]:
 def _trial(
     way: str, model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_set: SampleSet
 ) -> Trial:
-    """A call of a function of configurations: one by one, all at once, broadcast, or in a long batch."""
     numbers, call = sample_set.parameters, partial(model.call, function)
     if way == "one":
         run = partial(_one_by_one, model, function, arguments, numbers)
