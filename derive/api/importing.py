@@ -169,14 +169,14 @@ def verify_import(file: str | Path) -> ImportCheck | None:
         return ImportCheck(source.file or "standard input", promised, None, lack="not there")
     folders = [_moved(folder, path.parent, Path()) for folder in source.packages]
     try:
-        urdf, digest, _ = open_urdf(path, folders, dict(source.arguments))
+        urdf = open_urdf(path, folders, dict(source.arguments))
     except TargetError as error:
         return ImportCheck(str(path), promised, None, lack=f"{error.found} ({error.remedy})")
     robot = Robot.from_text(text, str(file))
     if robot.is_tree:
         return ImportCheck(str(path), promised, None, lack="its arm has become a tree")
     with exactly():
-        arm = arm_of(urdf, source.base, source.tip, Fraction(0))
+        arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
     ours, theirs = ("".join("R" if j.is_revolute else "P" for j in joints) for joints in (robot.joints, arm.axes))
     if ours != theirs:
         raise VerificationError(f"{file}: joints {ours}, but those of {path} are {theirs}", remedy="import it again")
@@ -187,23 +187,23 @@ def verify_import(file: str | Path) -> ImportCheck | None:
             allowed=f"promised: {promised.position:.2g} m and {promised.rotation:.2g} rad",
             remedy="import it again",
         )
-    return ImportCheck(str(path), promised, found, changed=digest != source.sha256)
+    return ImportCheck(str(path), promised, found, changed=urdf.sha256 != source.sha256)
 
 
 def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, ChainSource]:
     """The URDF that a user names, and how a robot file names it, but for the links at both ends."""
     if isinstance(file, bytes):
-        urdf, digest, _ = opened(file, "<stdin>", options.arguments)
-        return urdf, ChainSource("", "", "", digest)
+        given = opened(file, "<stdin>", options.arguments)
+        return given.urdf, ChainSource("", "", "", given.sha256)
     path = Path(file)
     if not path.is_file():
         found = f"no file {quoted(str(file), 200)}"
         raise RobotFileError(found, allowed="allowed: a URDF or a .xacro file, or - for standard input")
     folders = list(map(str, options.packages))
-    urdf, digest, is_xacro = open_urdf(path, folders, options.arguments)
-    packages = tuple(_moved(folder, Path(), path.parent) for folder in folders if is_xacro)
+    given = open_urdf(path, folders, options.arguments)
+    packages = tuple(_moved(folder, Path(), path.parent) for folder in folders if given.is_xacro)
     said = tuple((options.arguments or {}).items())
-    return urdf, ChainSource(relative(path, Path(options.folder)), "", "", digest, packages, said)
+    return given.urdf, ChainSource(relative(path, Path(options.folder)), "", "", given.sha256, packages, said)
 
 
 def _moved(package: str, from_folder: Path, to_folder: Path) -> str:

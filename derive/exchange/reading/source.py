@@ -73,8 +73,13 @@ class ChainSource:
             return None
 
 
-# A URDF as it was found, the SHA-256 of the bytes of its file, and whether xacro made it of that.
-Opened = tuple[Urdf, str, bool]
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A URDF as it was found."""
+
+    urdf: Urdf  # the robot
+    sha256: str  # of the bytes of the file
+    is_xacro: bool = False  # whether xacro made it of the file
 
 
 def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
@@ -89,7 +94,7 @@ def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, 
     if missing is not None:
         raise RobotFileError(f"--packages: no folder {quoted(missing, 200)}", remedy="name one that is there")
     urdf = read_urdf(_expanded(path, packages, arguments or {}), name)
-    return urdf, sha256(data).hexdigest(), True
+    return Opened(urdf, sha256(data).hexdigest(), is_xacro=True)
 
 
 def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
@@ -97,7 +102,7 @@ def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -
     if arguments:
         found = f"arguments of xacro, {', '.join(map(quoted, arguments))}, for a file without xacro"
         raise RobotFileError(found, remedy="leave out --arg")
-    return read_urdf(data, name if name.isprintable() else quoted(name, 200)), sha256(data).hexdigest(), False
+    return Opened(read_urdf(data, name if name.isprintable() else quoted(name, 200)), sha256(data).hexdigest())
 
 
 def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str]) -> bytes:
