@@ -15,8 +15,7 @@ from time import process_time
 import numpy as np
 
 from derive.api.excite import _noise, _of_joints, _room, excite
-from derive.identification.excitation import Criterion, Design, condition
-from derive.identification.fourier import FourierSeries
+from derive.identification.excitation import Criterion, Design, FourierSeries, condition
 from derive.identification.standard import Unknowns
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot

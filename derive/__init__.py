@@ -25,9 +25,8 @@ from derive.version import __version__
 if TYPE_CHECKING:
     from derive.api.build import build, build_all, stale, verify
     from derive.api.check import check, check_formula, check_inverse, check_latex
-    from derive.api.convert import convert, possible
+    from derive.api.convert import convert, export, possible
     from derive.api.excite import excite
-    from derive.api.export import export
     from derive.api.handout import fragment, handout
     from derive.api.identify import identify
     from derive.api.importing import import_all, import_tree, import_urdf, verify_import
@@ -81,9 +80,8 @@ __all__ = [
 _NAMES = {
     "derive.api.build": ("build", "build_all", "stale", "verify"),
     "derive.api.check": ("check", "check_formula", "check_inverse", "check_latex"),
-    "derive.api.convert": ("convert", "possible"),
+    "derive.api.convert": ("convert", "export", "possible"),
     "derive.api.excite": ("excite",),
-    "derive.api.export": ("export",),
     "derive.api.handout": ("fragment", "handout"),
     "derive.api.identify": ("identify",),
     "derive.api.importing": ("import_all", "import_tree", "import_urdf", "verify_import"),

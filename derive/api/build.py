@@ -16,8 +16,7 @@ if TYPE_CHECKING:  # what builds and verifies takes longer to import than a refu
     from derive.publish.build import BuildFailure, BuildResult, CheckResult, Progress
     from derive.verification.verify import Report
 
-FOLDER = Path("generated")
-"""The parent folder of all robots unless another one is named."""
+FOLDER = Path("generated")  #: the parent folder of all robots unless another one is named
 
 
 def build(

@@ -11,8 +11,7 @@ import numpy as np
 from derive.api.robots import RobotLike, load
 from derive.arrays import Array
 from derive.errors import DeriveError, listed
-from derive.identification.excitation import Criterion, Design, Excitation, Room, excited
-from derive.identification.fourier import FourierSeries
+from derive.identification.excitation import Criterion, Design, Excitation, FourierSeries, Room, excited
 from derive.identification.standard import Unknowns
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.cells import joint_value
@@ -100,7 +99,6 @@ def _check(right: bool, found: str, allowed: str) -> None:
 
 
 def _of_joints(robot: Robot, values: OfJoints, what: str) -> list[str]:
-    """One text a joint."""
     typed = values.split(",") if isinstance(values, str) else [values] if isinstance(values, float | int) else values
     texts = [str(value).strip() for value in typed]
     texts *= robot.dof if len(texts) == 1 else 1

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.api.robots import RobotLike, load, tell
 from derive.errors import DeriveError, TargetError, listed
-from derive.handouts.render import Addition, Format, fragment_text, handout_files, sheet_names
+from derive.handouts.render import Format, fragment_text, handout_files, sheet_names
 from derive.publish.atomic_folder import refuse_taken, write_files
 from derive.robot.options.handout import chosen_pages
 from derive.robot.options.style import Style
@@ -22,46 +23,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class HandoutFile:
-    """A file of a handout.
+    """A file of a handout."""
 
-    Attributes:
-        path: Where it is.
-        bytes: Its size.
-        pages: Pages of a PDF; None for other files.
-    """
-
-    path: Path
-    bytes: int
-    pages: int | None
+    path: Path  #: where it is
+    bytes: int  #: its size
+    pages: int | None  #: pages of a PDF; None for other files
 
 
 @dataclass(frozen=True, slots=True)
 class HandoutResult:
-    """A handout that was written.
+    """A handout that was written."""
 
-    Attributes:
-        robot: Name of the robot.
-        files: Its files.
-        parts: The parts that it has, in their order.
-        seconds: Wall time.
-        shortened: Whether anything was left out on paper to keep to its number of pages; the sheet says what.
-    """
-
-    robot: str
-    files: tuple[HandoutFile, ...]
-    parts: tuple[str, ...]
-    seconds: float
+    robot: str  #: name of the robot
+    files: tuple[HandoutFile, ...]  #: its files
+    parts: tuple[str, ...]  #: the parts that it has, in their order
+    seconds: float  #: wall time
+    #: whether anything was left out on paper to keep to its number of pages; the sheet says what
     shortened: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        return {
-            "robot": self.robot,
-            "files": [{"path": str(file.path), "bytes": file.bytes, "pages": file.pages} for file in self.files],
-            "parts": list(self.parts),
-            "seconds": round(self.seconds, 3),
-            "shortened": self.shortened,
-        }
+        files = [asdict(file) | {"path": str(file.path)} for file in self.files]
+        return asdict(self) | {"files": files, "parts": list(self.parts), "seconds": round(self.seconds, 3)}
 
 
 def handout(
@@ -140,9 +123,7 @@ def handout(
             raise DeriveError(f"the plan moves {moved.name}, not {shown.name}", remedy="name that robot")
         alike = replace(moved, handout=shown.handout, style=shown.style, figure=shown.figure)
         own, drawn = Motion(replace(motion.plan, robot=alike)), wanted != {Format.HTML}  # a page has plots of its own
-        addition = Addition(
-            lambda context: plan_part(own, context, drawn=drawn), lambda context: motion_figure(own, context)
-        )
+        addition = partial(plan_part, own, drawn=drawn), partial(motion_figure, own)
     made = handout_files(shown, shown.handout, forms, exercise_sheets=exercise, progress=progress, addition=addition)
     paths = write_files({folder / name: data for name, data in made.files.items()}, force=force)
     files = tuple(HandoutFile(path, len(made.files[path.name]), made.pages.get(path.name)) for path in paths)

@@ -15,8 +15,7 @@ from derive.identification.standard import Unknowns
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.robot.robot import Robot
 
-ENDINGS = (".html", ".htm")
-"""What the name of a report may end with."""
+ENDINGS = (".html", ".htm")  #: what the name of a report may end with
 
 
 def identify(

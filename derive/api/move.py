@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from derive.motion.output.code import VerifiedCode
     from derive.motion.simulation.simulation import Run
 
-MotionLike = Motion | str | Path
-"""A motion, the path of a plan, or the name of a built-in one."""
+MotionLike = Motion | str | Path  #: a motion, the path of a plan, or the name of a built-in one
 
 FORMS: Mapping[str, tuple[str, ...]] = {
     "csv": (),
@@ -36,19 +35,12 @@ FORMS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """What was computed and written.
+    """What was computed and written."""
 
-    Attributes:
-        motion: The motion.
-        run: Its simulation, where it was asked for.
-        files: The files.
-        code: The motion as code, where it was asked for, and how it was verified.
-    """
-
-    motion: Motion
-    run: Run | None
-    files: tuple[Path, ...]
-    code: VerifiedCode | None = None
+    motion: Motion  #: the motion
+    run: Run | None  #: its simulation, where it was asked for
+    files: tuple[Path, ...]  #: the files
+    code: VerifiedCode | None = None  #: the motion as code, where it was asked for, and how it was verified
 
 
 def move(

@@ -16,8 +16,7 @@ from derive.robot.robot import Robot as PlainRobot
 if TYPE_CHECKING:
     from derive.exchange.from_urdf import ImportKeywords
 
-RobotLike = PlainRobot | str | Path
-"""A robot, the path of a robot file, or a name of the catalogue."""
+RobotLike = PlainRobot | str | Path  #: a robot, the path of a robot file, or a name of the catalogue
 
 
 class Robot(PlainRobot):
@@ -67,16 +66,7 @@ class Robot(PlainRobot):
             file: Path of a URDF or a .xacro file, or the contents of a URDF.
             tip: Last link; None where only one carries no other.
             base: Link that stands; None for the one on which everything hangs.
-            options: ``convention="modified"``; ``snap=0.001``, how near angles are to fractions of pi that they are
-                taken for [rad]; ``name``; ``inertia="possible"``, bodies that exist; ``symbols=True``, lengths by
-                name; ``packages`` and ``arguments`` of xacro.
-
-        Returns:
-            The robot.
-
-        Raises:
-            RobotFileError: The file is no URDF, has no such chain, or a joint of it has no place in a table.
-            TargetError: lxml or xacrodoc is not installed.
+            options: Such as ``convention="modified"``: those of `derive.import_urdf`, which raises the same errors.
         """
         from derive.api.importing import import_urdf
 
@@ -166,10 +156,6 @@ def load_all(robots: Iterable[RobotLike] | None) -> list[Robot]:
         robots: Robots, paths or names; None for the whole catalogue.
 
     Returns:
-        The validated robots in that order.
-
-    Raises:
-        RobotFileError: A file cannot be read or does not describe a robot.
-        UnknownRobotError: Neither a file nor a catalogue name.
+        The validated robots in that order, as `load` gives them.
     """
     return [load(robot) for robot in (catalogue() if robots is None else robots)]

@@ -24,29 +24,19 @@ from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
 
 _LATEX = re.compile(r"[\\^{}_]")
-EXAMPLE = "--example"
-"""Where an example stands that was given in words, for messages."""
+EXAMPLE = "--example"  #: where an example stands that was given in words, for messages
 
 
 @dataclass(frozen=True, slots=True)
 class ExampleVerdict:
-    """What the style that was found makes of one printed formula.
+    """What the style that was found makes of one printed formula."""
 
-    Attributes:
-        quantity: What it is printed for, such as ``tau[1]``.
-        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
-        printed: The formula as printed.
-        written: The derived formula in the style that was found.
-        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
-        place: File, line and column of the formula.
-    """
-
-    quantity: str
-    outcome: str
-    printed: str
-    written: str
-    reason: str
-    place: str
+    quantity: str  #: what it is printed for, such as ``tau[1]``
+    outcome: str  #: ``same form``, ``equal`` where it is written otherwise, or ``wrong``
+    printed: str  #: the formula as printed
+    written: str  #: the derived formula in the style that was found
+    reason: str  #: why it is not as printed: the options that would write it so, or that none do; empty where it is
+    place: str  #: file, line and column of the formula
 
     @property
     def reproduced(self) -> bool:
@@ -56,17 +46,12 @@ class ExampleVerdict:
 
 @dataclass(frozen=True, slots=True)
 class FoundStyle:
-    """The style that reproduces most of some printed formulas; as text, what ``derive style`` prints.
+    """The style that reproduces most of some printed formulas; as text, what ``derive style`` prints."""
 
-    Attributes:
-        style: The style.
-        verdicts: One for each formula that contains a sum, in their order; the others have one form only.
-        default: How many of them the default style reproduces.
-    """
-
-    style: Options
+    style: Options  #: the style
+    #: one for each formula that contains a sum, in their order; the others have one form only
     verdicts: tuple[ExampleVerdict, ...]
-    default: int
+    default: int  #: how many of them the default style reproduces
 
     @property
     def reproduced(self) -> int:

@@ -135,8 +135,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     except UnknownNameError as error:
         if not arguments.json:
             raise
-        verdict = Outcome.UNDECIDABLE.value
-        print_json({"quantity": quantity, "printed": text, "verdict": verdict, "reason": str(error)})
+        print_json({"quantity": quantity, "printed": text, "verdict": Outcome.UNDECIDABLE.value, "reason": str(error)})
         print_error(error)
         return error.exit_status
     if where is not None:

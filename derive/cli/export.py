@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Write the file, or print it."""
-    from derive.api.export import export_file
+    from derive.api.convert import export_file
     from derive.api.robots import load
     from derive.errors import DeriveError, quoted
     from derive.model.identification.possible import wants_possible

@@ -42,11 +42,9 @@ OF_A_ROBOT = (
     "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
     "map", "new", "sample",
 )  # fmt: skip
+# Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
+# A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
-
-A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
-"""
 
 # Objects after which Python looks for garbage; its own 700 cost a tenth of a command that is mostly imports.
 COLLECTED_AFTER = (500_000, 10, 10)
@@ -107,10 +105,7 @@ class _Parser(argparse.ArgumentParser):
     old: Mapping[str, str] = {}  # names that options had before, with those that they have
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; a formula or an angle that begins with a minus sign is the value of the option before it.
-
-        Options may stand anywhere, also between a robot and its quantities.
-        """
+        """Parse options, which may stand anywhere; a value of one may begin with a minus sign, as formulas do."""
         typed = list(sys.argv[1:] if args is None else args)
         known = self._option_string_actions
         options: list[str] = []

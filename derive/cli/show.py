@@ -97,7 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"{COMMENTS[form]} numbers are rounded to {digits} significant digits; --exact prints all of them")
     print("\n\n".join("\n".join(lines) for _, lines in written))
     if robot.passive:
-        from derive.handouts.notation.closure import loop_remarks
+        from derive.handouts.parts.closure import loop_remarks
 
         for line in loop_remarks(model, shown, arguments.robot):
             print(f"{COMMENTS[form]} {line}")
@@ -177,9 +177,9 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
         from derive.handouts.notation import derivation, singularities
-        from derive.handouts.notation.closure import closure_lines, closure_parts
         from derive.handouts.notation.notation import Notation
         from derive.handouts.notation.printer import TextPrinter
+        from derive.handouts.parts.closure import closure_lines, closure_parts
         from derive.inverse.words.reach import Reach
         from derive.inverse.words.solutions import InverseKinematics
         from derive.model.closure import Closure
@@ -283,11 +283,7 @@ def _entries(value: Any, printer: Printer) -> list[list[str]] | None:
 
 
 def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
-    """A quantity as text, LaTeX or Python.
-
-    LaTeX is for mathematics mode; amsmath's matrices take at most ten columns, an array any number. Python reads an
-    assignment once the symbols are defined.
-    """
+    """A quantity as text, as LaTeX for mathematics mode, or as an assignment in Python."""
     rows = _entries(value, printer)
     target = re.sub(r"\W+", "_", name).strip("_") if form == "python" else name
     if rows is None:
@@ -295,7 +291,7 @@ def _lines(form: str, name: str, value: Any, printer: Printer) -> list[str]:
     if form == "latex":
         from derive.handouts.layout.lines import matrix_rows
 
-        body = [f"  {row}" for row in matrix_rows(rows)]
+        body = [f"  {row}" for row in matrix_rows(rows)]  # an array: amsmath's matrices have at most ten columns
         body[-1] += r" \\"
         return [rf"\left[\begin{{array}}{{{'c' * len(rows[0])}}}", *body, r"\end{array}\right]"]
     if form == "python":

@@ -114,8 +114,7 @@ def _on_branch(robot: Robot, at: Sequence[np.ndarray]) -> Robot | None:
     q, loops = [places[variable.variable] for variable in robot.variables], list(robot.loops)
     for k in range(len(loops)):
         solved = linkage(replace(robot, loops=tuple(loops[: k + 1])))[-1]
-        count = sum(node.formulas[0].branches > 1 for node in solved.graph.nodes)
-        for signs in product("+-", repeat=count):
+        for signs in product("+-", repeat=sum(node.formulas[0].branches > 1 for node in solved.graph.nodes)):
             loops[k] = replace(loops[k], branch="".join(signs))
             part = replace(robot, loops=tuple(loops[: k + 1]))
             try:

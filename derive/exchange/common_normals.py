@@ -78,8 +78,7 @@ def place(arm: Arm, convention: Convention, snap: float) -> Placement:
             if all(other.distance(spot) > ALIKE for other in options[i]):
                 options[i].append(Line(spot, line.direction))
     columns = [*options, free] if standard else [free, *options]
-    candidates = _candidates(arm, columns, spots, standard, snap)
-    frames = _cheapest(arm, candidates, standard, min(max(snap, ROUNDING), ALIKE))
+    frames = _cheapest(arm, _candidates(arm, columns, spots, standard, snap), standard, min(max(snap, ROUNDING), ALIKE))
     # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha), about and along the z before and the x behind;
     # modified: Trans(x, a) Rot(x, alpha) Rot(z, theta) Trans(z, d), about and along the x before and the z behind.
     rows = []

@@ -250,11 +250,11 @@ def _remarks_of_mujoco(arm: BodyChain) -> Iterator[str]:
             "some hundredths of a second, and one that stands creeps under a load"
         )
     written = written_bodies(arm)
-    bodies = [(str(each.joints.stop), each.body) for each in written if each.body is not None]
+    bodies = [(str(joints.stop), body) for joints, body in written if body is not None]
     bodies += [(part.name, part.body) for part in (*arm.parts, *([arm.root] if arm.root else [])) if part.body]
     if refused := [link for link, body in bodies if not body.is_possible]:
         yield f"MuJoCo refuses link {', '.join(refused)}: inconsistent inertia; inertia: possible finds a valid one"
-    if gone := [str(link) for each in written for link in each.joints[1:]]:
+    if gone := [str(link) for joints, _ in written for link in joints[1:]]:
         yield (
             f"MuJoCo has no body for link {', '.join(gone)}, without mass or with mass along a joint's axis alone, "
             "which the link beyond it carries; their joints move the body of the next link"

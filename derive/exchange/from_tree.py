@@ -84,8 +84,7 @@ def import_tree(
         raise RobotFileError(f"{urdf.source}: {moved}", remedy="write a smaller --snap")
     notes = tuple(plain_text(note) for note in tree.notes)
     if tree.joins:
-        labels = {joint.name: row.label for row, joint in tree.moved}
-        robot, note = closed(made, urdf, tree.joins, labels)
+        robot, note = closed(made, urdf, tree.joins, {joint.name: row.label for row, joint in tree.moved})
         notes = (*notes, *filter(None, [note]))
     text = robot_text(robot, [*([head] if head else []), str(found), *notes])
     names = tuple(plain_text(joint.name) for joint in tree.joints if joint.type in MOVING)

@@ -63,8 +63,7 @@ def row_of(axis: Axis, variable: str, cells: tuple[Expression, ...] = (ZERO,) * 
     speed, torque = (number(rounded(most)) if most and 0 < most < UNLIMITED else None for most in largest)
     kind, label = JointType.REVOLUTE if axis.is_revolute else JointType.PRISMATIC, label_of(axis.joint.name)
     theta, d, a, alpha = cells
-    name = "" if label == variable else label
-    return Joint(kind, variable, 1, theta, d, a, alpha, limits, speed, torque, name)
+    return Joint(kind, variable, 1, theta, d, a, alpha, limits, speed, torque, "" if label == variable else label)
 
 
 def label_of(name: str) -> str:

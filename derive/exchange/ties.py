@@ -105,8 +105,7 @@ def _open(robot: Robot, bare: Robot, ties: Ties) -> tuple[Robot, Ties]:
     nearest = int(np.argmin(sum(np.square(x) for x in q)))
     closed = tuple(float(x[nearest]) for x in full)
     whole = tuple(replace(end, name=end.name or "tool") for end in ends(bare))
-    passive = frozenset(joint.label for joint in robot.passive)
-    ties = replace(ties, passive=passive, loops=tuple(loops), closed=closed)
+    ties = replace(ties, passive=frozenset(joint.label for joint in robot.passive), loops=tuple(loops), closed=closed)
     return replace(bare, ends=(*whole, *more), loops=()), ties
 
 

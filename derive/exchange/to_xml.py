@@ -1,7 +1,7 @@
 """A robot as URDF, and as MJCF, the format of MuJoCo."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate
 from math import atan2, hypot
 from typing import Any
@@ -245,12 +245,9 @@ def coupled_by_tendon(rotor: Rotor) -> bool:
     return rotor.is_coupled and rotor.drag is not None
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenBody:
-    """A body of the file."""
-
-    joints: range  # from 0, against the body before; the last one's link is the body, the others weigh nothing
-    body: RigidBody | None  # what it weighs, in the frame of that link; None without dynamics
+# A body of the file: its joints, from 0, against the body before, of which the last one's link is the body and the
+# others weigh nothing; and what it weighs, in the frame of that link, None without dynamics.
+WrittenBody = tuple[range, RigidBody | None]
 
 
 def written_bodies(arm: BodyChain) -> list[WrittenBody]:
@@ -277,7 +274,7 @@ def written_bodies(arm: BodyChain) -> list[WrittenBody]:
         hung = [s.parent for s in arm.segments[1:]] + [part.parent for part in arm.parts]
         is_alone = i == last or arm.segments[i + 1].parent != i or hung.count(i) > 1
         if body is None or not _is_nothing(body) or is_alone or i + 1 - first == MOST_JOINTS:
-            found.append(WrittenBody(range(first, i + 1), body))
+            found.append((range(first, i + 1), body))
             first = i + 1
     return found
 
@@ -303,13 +300,12 @@ def _nested(arm: BodyChain, radius: float) -> list[tuple[int, dict[str, Any]]]:
 
     def _add(parent: int, depth: int) -> None:
         _hang(None, parent, depth)
-        for each in written:
-            if arm.segments[each.joints.start].parent == parent:
-                body = _body(arm, each, radius)
-                last = arm.segments[each.joints[-1]]
-                body["name"] = names.get(last.joint.label, body["name"])
+        for joints, weight in written:
+            if arm.segments[joints.start].parent == parent:
+                body = _body(arm, joints, weight, radius)
+                body["name"] = names.get(arm.segments[joints[-1]].joint.label, body["name"])
                 found.append((depth, body))
-                _add(each.joints[-1], depth + 1)
+                _add(joints[-1], depth + 1)
 
     if arm.root:
         found.append((0, _frame(ROOT, WORLD, arm.root.body) | {"is_free": True}))
@@ -333,28 +329,24 @@ def _place(frame: Frame) -> dict[str, str]:
     return {"pos": texts(frame.origin), "quat": texts(body_chain.quaternion(frame))}
 
 
-def _body(arm: BodyChain, written: WrittenBody, radius: float) -> dict[str, Any]:
+def _body(arm: BodyChain, joints: range, body: RigidBody | None, radius: float) -> dict[str, Any]:
     """A body with its joints; `first` is what shows the first of several where it is: in the body before."""
     # Places of the frames of all its joints in the body before; each joint's axis is seen from the last one.
-    start, *others = (arm.segments[k].origin for k in written.joints)
-    if arm.segments[written.joints.start].parent < 0:
+    start, *others = (arm.segments[k].origin for k in joints)
+    if arm.segments[joints.start].parent < 0:
         start = arm.base.then(start)
     frames = list(accumulate(others, Frame.then, initial=start))
     place = frames[-1]
-    *before, last = (arm.segments[k] for k in written.joints)
-    shown = {
-        "name": f"link{written.joints.start + 1}",
-        **_place(start),
-        "thread": any(rod(segment.end, radius) for segment in before),
-    }
+    *before, last = (arm.segments[k] for k in joints)
+    has_thread = any(rod(segment.end, radius) for segment in before)
     return {
         **UNSAID,
-        "name": f"link{written.joints.stop}",
+        "name": f"link{joints.stop}",
         **_place(place),
-        "joints": [_moved(arm, k, frame.seen_from(place)) for k, frame in zip(written.joints, frames, strict=True)],
-        "inertial": None if written.body is None else _inertial(written.body),
+        "joints": [_moved(arm, k, frame.seen_from(place)) for k, frame in zip(joints, frames, strict=True)],
+        "inertial": None if body is None else _inertial(body),
         "rod": rod(last.end, radius),
-        "first": shown if before else None,
+        "first": {"name": f"link{joints.start + 1}", **_place(start), "thread": has_thread} if before else None,
     }
 
 
@@ -387,7 +379,6 @@ def is_too_thin(body: RigidBody) -> bool:
 
 
 def _inertial(body: RigidBody) -> dict[str, str]:
-    """Mass, place and tensor by its principal moments."""
     (a, b, c), axes = body.principal
     if not body.is_possible:
         return {"mass": text(body.mass), "pos": texts(body.com), "fullinertia": texts(body.entries)}
@@ -398,8 +389,7 @@ def _inertial(body: RigidBody) -> dict[str, str]:
     if axes.x[0] + axes.y[1] + axes.z[2] > BESIDE:
         moments, axes = [*moments[1:], moments[0]], Frame(axes.origin, axes.y, axes.z, axes.x)
     mass = text(body.mass) if body.mass >= LEAST else repr(LEAST)
-    tensor = " ".join(repr(float(moment)) for moment in moments)
-    return {"mass": mass, **_place(axes), "diaginertia": tensor}
+    return {"mass": mass, **_place(axes), "diaginertia": " ".join(repr(float(moment)) for moment in moments)}
 
 
 def _unless_zero(value: arb) -> str:

@@ -60,12 +60,7 @@ class Elementary:
 
 
 def robot_of_transforms(text: str, name: str, convention: Convention = Convention.STANDARD) -> str:
-    """The robot file of a product of elementary transforms, proven to have the same T.
-
-    Raises:
-        RobotFileError: No joint, or constants whose common normal no cell can say.
-        ExpressionError: A letter, a name or a cell that cannot be read, with its place.
-    """
+    """The robot file of a product of elementary transforms, proven to have the same T."""
     product = tuple(_read(text))
     comment = f"The product {' '.join(text.split())}, as a table with the same T (proven)."
     robot = Robot.from_text(robot_text(_table(product, name), [comment]), f"{name}.yaml")
@@ -165,7 +160,6 @@ class _Split:
 
 
 def _table(product: Sequence[Elementary], name: str) -> Description:
-    """The rows in the standard convention."""
     words: list[list[Elementary]] = [[]]
     moving: list[Elementary] = []
     for part in product:

@@ -36,11 +36,9 @@ class _Question:
 
     @property
     def points(self) -> int:
-        """What the answers are worth."""
         return max(1, min(_MOST_POINTS, math.ceil(sum(map(_symbols, self.formulas)) / _SYMBOLS_OF_A_POINT)))
 
     def blank(self, text: Text) -> Blank:
-        """The question with room for its answers."""
         gaps: list[Gap] = []
         for formula in self.formulas:
             lines, count = _lines(formula), len(formula.blanks)

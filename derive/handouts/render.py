@@ -37,12 +37,8 @@ if TYPE_CHECKING:
     from derive.handouts.page.viewer import Viewer
 
 
-class Format(StrEnum):
-    """A form of the handout; the value is the ending of its file."""
-
-    TEX = "tex"
-    PDF = "pdf"
-    HTML = "html"
+# Forms of the handout; the values are the endings of their files.
+Format = StrEnum("Format", {"TEX": "tex", "PDF": "pdf", "HTML": "html"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +51,9 @@ class Handout:
     shortened: bool = False  # whether anything was left out on paper to keep to its number of pages
 
 
-@dataclass(frozen=True)
-class Addition:
-    """What stands in a handout beside the parts of its robot."""
-
-    section: Callable[[Context], Section]  # a part after all others
-    # The arm of the web page, which moves in another way than by the sliders alone.
-    figure: Callable[[Context], Viewer]
+# What stands in a handout beside the parts of its robot: a part after all others, and the arm of the web page, which
+# moves in another way than by the sliders alone.
+Addition = tuple[Callable[[Context], Section], "Callable[[Context], Viewer]"]
 
 
 def sheet_names(robot: Robot, *, exercise_sheets: bool) -> tuple[str, ...]:
@@ -84,7 +76,7 @@ def handout_files(
     context = context_of(robot, options)
     whole = document(context)
     if addition is not None:
-        whole = replace(whole, sections=(*whole.sections, addition.section(context)))
+        whole = replace(whole, sections=(*whole.sections, addition[0](context)))
     paper = within(whole, options.pages, context.text)
     makers: list[Callable[[Document], Document]] = [lambda sheet: sheet]
     if exercise_sheets:
@@ -111,7 +103,7 @@ def handout_files(
             tell(robot.name, "web page")
             from derive.handouts.page.writer import page
 
-            figure = addition.figure(context) if addition else _arm(context)
+            figure = addition[1](context) if addition else _arm(context)
             mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
             html = page(made_from(whole), context.text, figure).replace("<!DOCTYPE html>", mark, 1)
             files[f"{name}.html"] = html.encode()

@@ -65,7 +65,6 @@ class Log:
 
     @cached_property
     def _store(self) -> Any:
-        """The table or the Parquet file."""
         arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
         if self.path is None:
             return arrow.table(dict(self.source)) if isinstance(self.source, Mapping) else self.source

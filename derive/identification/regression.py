@@ -23,12 +23,9 @@ SMALLEST = 1e-4  # part of them that no model meets: what it counts when bodies 
 OPPOSITE, ALIKE, OTHER_UNIT = -0.7, 0.9, 10.0
 
 
-class Method(StrEnum):
-    """How base parameters are estimated."""
-
-    OLS = "ols"  # least squares of all torques
-    WLS = "wls"  # each joint's torques by the size of its noise
-    POSSIBLE = "possible"  # that, within what physically consistent bodies can have
+# How base parameters are estimated: by least squares of all torques, with each joint's torques by the size of its
+# noise, or so within what physically consistent bodies can have.
+Method = StrEnum("Method", {"OLS": "ols", "WLS": "wls", "POSSIBLE": "possible"})
 
 
 @dataclass(eq=False)
@@ -47,8 +44,7 @@ class Factors:
         """Take in some rows: (rows, n, p) and (rows, n)."""
         self.rows += len(torques)
         for j, own in enumerate(self.columns):
-            rows = np.column_stack([regressor[:, j, own], torques[:, j]])
-            self.factors[j] = _triangle([self.factors[j], rows])
+            self.factors[j] = _triangle([self.factors[j], np.column_stack([regressor[:, j, own], torques[:, j]])])
 
     def squares(self, beta: Array) -> Array:
         """(n,) the sum of squares of each joint's tau - Y_b beta."""

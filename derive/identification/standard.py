@@ -273,7 +273,6 @@ class Unknowns:
 
 
 def _with_part(link: Link, part: str, cell: Expression) -> Link:
-    """A link with another cell of its joint."""
     motor, (ahead, back) = link.motor or Motor(), link.dry
     cells: dict[str, Any] = {"Ia": {"armature": cell}, "b": {"viscous": cell}, "f": {"coulomb": cell}}
     cells |= {"fp": {"coulomb": (cell, back)}, "fm": {"coulomb": (ahead, cell)}}

@@ -42,13 +42,9 @@ MOST_SAMPLES = 1_000_000  # of a motion: a thousand seconds at a kilohertz
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion of a robot.
+    """A motion of a robot."""
 
-    Attributes:
-        plan: What its file says.
-    """
-
-    plan: Plan
+    plan: Plan  #: what its file says
 
     def __getstate__(self) -> dict[str, Plan]:
         """The plan; what follows from it holds compiled code, and is made again."""
@@ -156,10 +152,9 @@ class Motion:
     @cached_property
     def base(self) -> BaseCurve | None:
         """How the base moves; None where it stands."""
-        moving = self.plan.base
-        if moving is None:
+        if not self.plan.base:
             return None
-        named = zip(PATHS, (*moving.place, *moving.angles), strict=True)
+        named = zip(PATHS, self.plan.base, strict=True)
         x, y, z, *angles = (self._followed(formula, f"base, {name}", self.duration) for name, formula in named)
         return BaseCurve.of((x, y, z), tuple(angles))
 

@@ -31,8 +31,7 @@ class PlanCells:
             if name == TIME or any(joint.variable == name for joint in (*robot.joints, *robot.variables)):
                 what = "the time" if name == TIME else "a joint variable"
                 raise document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
-            value = self.cells.symbol(path, robot, name)
-            self.values[name] = self._with_numbers(path, value, parameter_values(robot))
+            self.values[name] = self._with_numbers(path, self.cells.symbol(path, robot, name), parameter_values(robot))
 
     @cached_property
     def numbers(self) -> Mapping[str, Fraction | float]:

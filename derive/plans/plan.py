@@ -13,7 +13,7 @@ from derive.plans.cells import PlanCells, Read
 from derive.plans.profile import Profile
 from derive.plans.schema import PlanFile
 from derive.plans.segments import Payload, Point, Pose, Step, Vector
-from derive.plans.surroundings import PATHS, PAYLOAD, Disturbance, MovingBase, disturbances, plant_numbers, read_base
+from derive.plans.surroundings import PATHS, PAYLOAD, Disturbance, disturbances, plant_numbers, read_base
 from derive.robot.description import Remark
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
@@ -54,7 +54,7 @@ class Plan:
     curves: Mapping[str, Expression]  # each joint variable as an expression in `TIME`; empty where a path is given
     duration: Expression  # how long curves last [s]
     recording: Path | None  # a CSV file with the motion, or None
-    base: MovingBase | None  # how the base moves, or None
+    base: tuple[Expression, ...]  # where the base stands, as `read_base` has it; empty where it does not move
     speed: Most  # largest speed of each joint, by default that of the robot; None where nothing limits it
     acceleration: Most  # largest acceleration of each joint
     torque: Most  # largest torque of each joint, by default that of the robot

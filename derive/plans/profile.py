@@ -20,16 +20,8 @@ from derive.plans.hermite import TIME, ZERO, Piece, Span, joined
 KEPT = 4096  # how many parts of formulas a process keeps as functions
 
 
-class Profile(StrEnum):
-    """Names of the profiles."""
-
-    CUBIC = "cubic"
-    QUINTIC = "quintic"
-    SEPTIC = "septic"
-    TRAPEZOIDAL = "trapezoidal"
-    HARMONIC = "harmonic"
-    SPLINE = "spline"
-    FASTEST = "fastest"
+# The profiles; their names in a plan are these in small letters.
+Profile = StrEnum("Profile", ("CUBIC", "QUINTIC", "SEPTIC", "TRAPEZOIDAL", "HARMONIC", "SPLINE", "FASTEST"))
 
 
 # How many values a polynomial from point to point is given at each end.

@@ -71,21 +71,12 @@ def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[
 # -- a base that moves
 
 
-@dataclass(frozen=True, slots=True)
-class MovingBase:
-    """Where the base of the robot file stands in the world."""
-
-    place: tuple[Expression, ...]  # x, y, z as formulas of t [m]
-    angles: tuple[Expression, ...]  # roll, pitch, yaw as formulas of t [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)
-
-
-def read_base(document: Document, numbers: PlanCells) -> MovingBase | None:
-    """The block ``base`` of a plan; None where the base stands still."""
+def read_base(document: Document, numbers: PlanCells) -> tuple[Expression, ...]:
+    """The formulas of the block ``base`` of a plan: x, y, z [m], roll, pitch, yaw [rad]; none of a base that stands."""
     if document.find(("base",)) is None:
-        return None
-    paths, cells = list(PATHS.values()), numbers.cells
-    place = tuple(numbers.formula(path, cells.length) for path in paths[:3])
-    return MovingBase(place, tuple(numbers.formula(path, cells.angle) for path in paths[3:]))
+        return ()
+    kinds = (*[numbers.cells.length] * 3, *[numbers.cells.angle] * 3)
+    return tuple(numbers.formula(path, kind) for path, kind in zip(PATHS.values(), kinds, strict=True))
 
 
 @dataclass(frozen=True)

@@ -67,13 +67,12 @@ def without_lost_symbols(before: Description, after: Some) -> Some:
     """A changed robot without numbers of symbols that went with the change: a file may hold none that no cell has."""
     # Where a symbol has no clear unit any more, a file can give their numbers in SI units alone.
     lost = {*file_symbols(before)} - {*file_symbols(after)}
-    values = tuple(pair for pair in after.figure.values if pair[0] not in lost)
     return replace(
         after,
         units=replace(after.units, parameters=after.units.parameters and are_units_clear(after)),
         parameters=tuple(pair for pair in after.parameters if pair[0] not in lost),
         runtime=tuple(name for name in after.runtime if name not in lost),
-        figure=replace(after.figure, values=values),
+        figure=replace(after.figure, values=tuple(pair for pair in after.figure.values if pair[0] not in lost)),
     )
 
 

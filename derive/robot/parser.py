@@ -12,7 +12,7 @@ character and every construction that is not in the grammar is refused with what
 
 import re
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 from fractions import Fraction
 from typing import Final
 
@@ -21,14 +21,7 @@ from derive.robot import expression as tree
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power
 from derive.robot.reading.size_limits import CELL_LIMITS, FILE_LIMITS, Limits
 
-
-class TokenKind(Enum):
-    """What a token is."""
-
-    NUMBER = "number"
-    NAME = "name"
-    OPERATOR = "operator"
-    END = "end"
+TokenKind = StrEnum("TokenKind", ("NUMBER", "NAME", "OPERATOR", "END"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,7 +140,6 @@ def read_inverse(document: Document, joints: Sequence[Joint | Variable]) -> Inve
     """What inverse kinematics is asked for."""
 
     def _chosen(path: KeyPath, choose: Callable[[list[str]], tuple[str, ...]]) -> tuple[str, ...] | None:
-        """The words of one key, whether it is a list or not."""
         if document.find(path) is None:
             return None
         words = [document.text(*path, index) for index in range(document.length(path))]
@@ -153,14 +152,12 @@ def read_inverse(document: Document, joints: Sequence[Joint | Variable]) -> Inve
     task = _chosen(("inverse", "task"), lambda words: chosen_task(words, len(joints)))
     given = _chosen(("inverse", "given"), lambda words: chosen_given(words, variables))
     key = "inverse" if task is None and given is None else "given" if given is not None else "task"
-    location = None if key == "inverse" else document.location(("inverse", key))
-    return InverseOptions(task or POSE, given, location)
+    return InverseOptions(task or POSE, given, None if key == "inverse" else document.location(("inverse", key)))
 
 
 def _number(cells: Cells, path: KeyPath, read: Callable[[KeyPath], Expression]) -> Expression:
     """A cell without names whose value exists."""
-    allowed = "allowed: numbers and constant expressions such as pi/6"
-    value = cells.constant(path, read(path), "a number", allowed)
+    value = cells.constant(path, read(path), "a number", "allowed: numbers and constant expressions such as pi/6")
     try:
         evaluate(value, {})
     except ArithmeticError as error:

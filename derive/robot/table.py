@@ -41,7 +41,6 @@ class _Row:
             self._refuse_variables(key, raw[key])
         sign, raw[self._moving], drive = self._moving_cell()
         read = self._cells.angle if self._type is JointType.REVOLUTE else self._cells.length
-        limits = read_limits(self._document, self._cells, self._path, read, self._variables)
         return Joint(
             type=self._type,
             variable=self._variable,
@@ -50,7 +49,7 @@ class _Row:
             d=length_in_metres(raw["d"], self._cells.units),
             a=length_in_metres(raw["a"], self._cells.units),
             alpha=self._cells.to_radians((*self._path, "alpha"), raw["alpha"]),
-            limits=limits,
+            limits=read_limits(self._document, self._cells, self._path, read, self._variables),
             speed=read_bound(self._document, self._cells, self._path, "speed", read),
             torque=read_bound(self._document, self._cells, self._path, "torque", self._cells.plain),
             drive=drive,
@@ -162,8 +161,7 @@ def check_rotation(document: Document, path: KeyPath, matrix: Matrix, trials: It
                 found = f"rows {j + 1} and {i + 1} of the rotation block have the scalar product {product:.3g}"
                 if i == j:
                     found = f"row {i + 1} of the rotation block has length {product**0.5:.9g}"
-                allowed = f"allowed: a rotation to within {tolerance:g}"
-                raise document.error((*path, i), found, allowed, remedy)
+                raise document.error((*path, i), found, f"allowed: a rotation to within {tolerance:g}", remedy)
         # orthogonal with determinant -1: a reflection, that is a left-handed frame
         cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         if sum(m[0][i] * (m[1][j] * m[2][k] - m[1][k] * m[2][j]) for i, j, k in cycles) < 0:

@@ -61,8 +61,7 @@ def table(robot: Description) -> tuple[Joint | FixedRow, ...]:
 def joint_places(robot: Description) -> tuple[Place, ...]:
     """The place of each joint in the file."""
     roots: list[Place] = [("root",)] * len(robot.root.variables if robot.root else ())
-    rows = (("joints", place) for place, row in enumerate(table(robot)) if isinstance(row, Joint))
-    return (*roots, *rows)
+    return (*roots, *(("joints", place) for place, row in enumerate(table(robot)) if isinstance(row, Joint)))
 
 
 def located_links(robot: Description) -> Iterator[tuple[Place, Link]]:
@@ -205,17 +204,14 @@ def mapped_stand(stand: Stand, put: Callable[[Expression], Expression]) -> Stand
     return replace(stand, mount=mount, gamma=put(stand.gamma), b=put(stand.b))
 
 
-def mapped_row(row: FixedRow, put: Callable[[Expression], Expression]) -> FixedRow:
-    """A row without motion with other cells; its body stays."""
-    theta, d, a, alpha = map(put, (row.theta, row.d, row.a, row.alpha))
-    return replace(row, stand=mapped_stand(row.stand, put), theta=theta, d=d, a=a, alpha=alpha)
-
-
 def mapped(robot: Some, put: Callable[[Expression], Expression]) -> Some:
     """The robot with other cells between the rows, on rows without motion and on ends."""
     joints = (replace(j, stand=mapped_stand(j.stand, put)) if j.stand else j for j in robot.joints)
     ends = (replace(end, tool=tuple(tuple(map(put, row)) for row in end.tool)) for end in robot.ends)
-    fixed = (mapped_row(row, put) for row in robot.fixed)
+    fixed = []
+    for row in robot.fixed:
+        theta, d, a, alpha = map(put, (row.theta, row.d, row.a, row.alpha))
+        fixed.append(replace(row, stand=mapped_stand(row.stand, put), theta=theta, d=d, a=a, alpha=alpha))
     return replace(robot, joints=tuple(joints), fixed=tuple(fixed), ends=tuple(ends))
 
 

@@ -365,7 +365,6 @@ def _check_possible(document: Document, path: KeyPath, expression: Expression, v
 
 
 def _check_limits(document: Document, place: KeyPath, joint: Joint | Variable, values: Mapping[str, float]) -> None:
-    """The limits of a joint or a variable are in order."""
     lower, upper = (_value(limit, values) for limit in joint.limits or (ZERO, ONE))
     if lower is not None and upper is not None and not lower < upper:
         found, remedy = "lower limit is not below the upper", "exchange or correct them"

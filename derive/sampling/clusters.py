@@ -68,10 +68,7 @@ class Cluster:
 
 @contextmanager
 def cluster(workers: int | None = None, scheduler: str | None = None) -> Iterator[Cluster]:
-    """Threads of this process, or the workers of a scheduler.
-
-    Threads suffice for compiled functions. Dask's collections that are computed in the context use these workers.
-    """
+    """Threads, which suffice for compiled functions, or a scheduler's workers, which Dask's collections use, too."""
     if scheduler is None:
         count, dask = workers or os.cpu_count() or 1, data_module("dask") if find_spec("dask") else None
         with ThreadPoolExecutor(count) as pool, dask.config.set(pool=pool) if dask else nullcontext():

@@ -102,8 +102,7 @@ class MapFunctions:
 def functions_of(grid: MapGrid) -> MapFunctions:
     """What computes a map here; compiled where there is a compiler."""
     with _one_at_a_time:
-        bare = replace(grid.robot, title="", digest="", source="", remarks=())
-        return _functions_of(bare, grid.ranges)
+        return _functions_of(replace(grid.robot, title="", digest="", source="", remarks=()), grid.ranges)
 
 
 @lru_cache(8)

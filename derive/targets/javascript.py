@@ -34,12 +34,11 @@ def camel_case(name: str) -> str:
 
 
 def _body_context(robot: Robot, program: Program) -> dict[str, object]:
-    limits = [f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]
     return {
         "dof": robot.dof,
         "joint_names": wrapped([javascript_string(joint.label) for joint in robot.variables]),
         "joint_types": wrapped([javascript_string(joint.type.value) for joint in robot.variables]),
-        "limits": wrapped(limits),
+        "limits": wrapped([f"[{pair[0]!r}, {pair[1]!r}]" if pair else "null" for pair in joint_limits(robot)]),
         "bounds": {
             name: wrapped(["null" if most is None else repr(most) for most in row])
             for name, row in joint_bounds(robot).items()

@@ -83,7 +83,6 @@ def render(source: Source) -> dict[str, str]:
 
 
 def _functions(program: Program) -> list[dict[str, str]]:
-    """The rows of the table of functions; inverse kinematics, with all its branches, is the last."""
     shown = [(function, function.arguments, function.shape) for function in program]
     own = program.inverse or program.search
     for solved in (*([own] if own else []), *(each.inverse for each in program.of_ends)):

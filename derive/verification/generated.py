@@ -28,11 +28,9 @@ from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
 
+# What is right without optimisation is right; compiling is most of the time spent here.
+# Every kernel is compiled once, and not once more for each function that it is to be inlined into.
 C_OPTIONS = ("-std=c99", "-O0", "-Dalways_inline=unused")
-"""What is right without optimisation is right; compiling is most of the time spent here.
-
-Every kernel is compiled once, and not once more for each function that it is to be inlined into.
-"""
 CASADI_OPTIONS = ("-O0",)
 
 
@@ -186,7 +184,6 @@ class CModel:
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
-        """The enumerators of the header."""
         return {name: int(number) for name, number in re.findall(r"^ +(\w+) = (\d+),", self.header, re.MULTILINE)}
 
     @cached_property

@@ -151,7 +151,6 @@ class OctaveModel:
             timer.cancel()
 
     def _numbers(self, parameters: Parameters) -> list[Array]:
-        """The vector of the parameters, where there are any."""
         return [np.array([[float(parameters[name])] for name in self.constants["PARAMETERS"]])] if parameters else []
 
     def _received(self) -> Array:

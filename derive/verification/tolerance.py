@@ -48,8 +48,7 @@ class Bounds:
     def __init__(self, oracle: Oracle, q: Array, function: str = "") -> None:
         arm = oracle.seen(function)
         # The longest way from joint i to anything beyond it: all lengths, slides extended, and the farthest mass.
-        travel = np.where(arm.revolute, 0.0, largest(q))
-        lengths = np.abs(arm.a) + np.abs(arm.d) + travel
+        lengths = np.abs(arm.a) + np.abs(arm.d) + np.where(arm.revolute, 0.0, largest(q))
         if arm.start is not None:
             lengths = lengths + np.linalg.norm(arm.start[:, :3, 3], axis=-1)
         com, beyond = np.linalg.norm(arm.com, axis=-1), arm.moves.T

@@ -121,7 +121,6 @@ def _models(
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> VerifiedFunction:
-    """The worst error of one function over all calls."""
     compared, called, worst = 0, 0, 0.0
     for trial in calls:
         key = (function, trial.sample_set, *((a.shape, a.tobytes()) for a in trial.arguments))
@@ -278,7 +277,6 @@ def _arguments(function: str, sample_set: SampleSet) -> tuple[Array, ...]:
 def _trial(
     way: str, model: GeneratedModel, function: str, arguments: tuple[Array, ...], sample_set: SampleSet
 ) -> Trial:
-    """A call of a function of configurations: one by one, all at once, broadcast, or in a long batch."""
     numbers, call = sample_set.parameters, partial(model.call, function)
     if way == "one":
         run = partial(_one_by_one, model, function, arguments, numbers)

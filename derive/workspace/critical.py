@@ -216,8 +216,7 @@ def _image(plane: PlaneMap, ends: Array) -> Array:
     near, far = segments[passing, 0], segments[passing, 1]
     share = (near[:, 0] / (near[:, 0] + far[:, 0]))[:, None]
     on_axis = (near + share * (far - near)) * (0.0, 1.0)
-    parts = [np.stack(pair, axis=1) for pair in ((near, on_axis), (on_axis, far))]
-    return np.concatenate([segments[~passing], *parts])
+    return np.concatenate([segments[~passing], *[np.stack(pair, axis=1) for pair in ((near, on_axis), (on_axis, far))]])
 
 
 def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = (False, False)) -> Array:

@@ -28,13 +28,9 @@ _SETTLED = 1e-8  # a step that makes the squared distance smaller by less than t
 _SOFT, _STIFF = 1e-12, 1e3
 
 
-class Picture(StrEnum):
-    """What a map into a plane shows."""
-
-    SECTION = "section"  # distance from the axis of symmetry, and height along it
-    TOP = "top view"  # seen along the axis
-    SIDE = "side view"  # seen across the axis, for an arm without symmetry
-    SPACE = "space"  # all three coordinates
+# What a map shows: distance from the axis of symmetry and height along it, what is seen along the axis, or across it,
+# for an arm without symmetry, or all three coordinates.
+Picture = StrEnum("Picture", {"SECTION": "section", "TOP": "top view", "SIDE": "side view", "SPACE": "space"})
 
 
 # Coordinates in the frame of the axis that a picture shows as they are.

@@ -91,10 +91,7 @@ class RobotPoses:
 
     @cached_property
     def zero_cells(self) -> tuple[Expression, ...]:
-        """Zero for each variable; where its limits exclude that, the middle of the limits.
-
-        Of closed loops a configuration in which they close, away from dead points.
-        """
+        """Zero, or the middle of limits that exclude it; of loops a place where they close, away from dead points."""
         found: list[Expression] = []
         for joint, bounds in zip(self.robot.variables, self.limits, strict=True):
             limits = joint.limits

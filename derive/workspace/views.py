@@ -152,7 +152,6 @@ class _Search:
 
     @cached_property
     def views(self) -> tuple[WorkspaceView, ...]:
-        """The pictures with what is reached and what is dexterous."""
         found = []
         for picture in self.pictures:
             self.tell(str(picture))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.api.export import export
+from derive.api.convert import export
 from derive.errors import DeriveError, OutputError, RobotFileWarning
 
 

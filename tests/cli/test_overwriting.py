@@ -48,7 +48,7 @@ WRITING = {
     ("map", "plot"): ("map arm.yaml -o reach.zarr --plot a.png", "a.png", "derive.api.map.load"),
     ("identify", "out"): ("identify arm.yaml log.csv -o b.yaml", "b.yaml", "derive.api.identify.load"),
     ("identify", "report"): ("identify arm.yaml log.csv --report a.html", "a.html", "derive.api.identify.load"),
-    ("export", "out"): ("export kuka-kr5 --format csv -o a.csv", "a.csv", "derive.api.export.exported"),
+    ("export", "out"): ("export kuka-kr5 --format csv -o a.csv", "a.csv", "derive.api.convert.exported"),
     ("convert", "out"): ("convert arm.yaml -o m.yaml", "m.yaml", "derive.api.convert.converted"),
     ("new", "name"): ("new arm", "arm.yaml", ""),
 }

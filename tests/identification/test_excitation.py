@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 
 from derive.api.excite import _noise, _room, excite
-from derive.identification.excitation import Criterion, Design, Excitation, condition, information, written
-from derive.identification.fourier import FourierSeries
+from derive.identification.excitation import (
+    Criterion,
+    Design,
+    Excitation,
+    FourierSeries,
+    condition,
+    information,
+    written,
+)
 from derive.identification.standard import Unknowns
 from derive.motion.motion import Motion
 from derive.motion.torques.functions import Functions

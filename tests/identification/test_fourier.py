@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy
 
-from derive.identification.fourier import BETWEEN, FourierSeries
+from derive.identification.excitation import BETWEEN, FourierSeries
 
 
 @pytest.mark.parametrize(("period", "harmonics"), [(10.0, 5), (2.5, 2), (0.7, 9)])

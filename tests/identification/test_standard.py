@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from derive.api.export import export
+from derive.api.convert import export
 from derive.api.robots import load
 from derive.errors import DeriveError
 from derive.identification.regression import Estimate

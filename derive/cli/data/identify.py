@@ -37,8 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--cutoff", metavar="HZ", type=float, help=cutoff)
     add("--decimate", metavar="N", type=positive, default=1, help="keep one of N rows, filtered")
     add("--drop", action="store_true", help="pass over rows without numbers, and gaps in time")
-    trust = "take torques that look like another unit's or sign's as they are"
-    add("--trust-torques", action="store_true", help=trust)
+    add("--trust-torques", action="store_true", help="take torques that look like another unit's or sign's as they are")
     add_shared(parser, "force", "quiet", "json")
 
 

@@ -29,8 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("functions", metavar="FUNCTION", nargs="+", help="such as tau, J or inertia_matrix")
     add("--over", metavar="WHERE", default="limits", help="limits: at random within them (default), or grid")
     add("--number", metavar="N", type=float, default=1e6, help="configurations, such as 1e8 (default 1e6)")
-    kinds = "of min, mean, max, quantiles (default min,mean,max)"
-    add("--reduce", metavar="KINDS", default="min,mean,max", help=kinds)
+    add("--reduce", metavar="KINDS", default="min,mean,max", help="of min, mean, max, quantiles (default min,mean,max)")
     add("--speed", metavar="V", type=_bounds, help="largest joint speeds (default: those of the robot file)")
     add("--qdd", metavar="A", type=_bounds, help="largest joint accelerations")
     add("--tau", metavar="M", type=_bounds, help="largest joint torques, as an argument (default: the robot file's)")

@@ -28,8 +28,7 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
     try:
         import mujoco
     except ImportError:
-        remedy = "pip install mujoco"
-        raise TargetError("reading MJCF needs mujoco, which is not installed", remedy=remedy) from None
+        raise TargetError("reading MJCF needs mujoco, which is not installed", remedy="pip install mujoco") from None
     try:
         kind = mujoco.MjModel
         model = kind.from_xml_path(str(path)) if path else kind.from_xml_string(data.decode("utf-8", "replace"))
@@ -79,7 +78,6 @@ class _Reader:
 
     @property
     def active(self) -> list[int]:
-        """The equalities that hold."""
         return [k for k in range(self._model.neq) if self._model.eq_active0[k]]
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
@@ -87,8 +85,7 @@ class _Reader:
 
     def name(self, kind: str, k: int) -> str:
         kinds = self._mujoco.mjtObj
-        found = self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k)
-        return str(found or f"{kind}{k}")
+        return str(self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k) or f"{kind}{k}")
 
     def refuse_loops(self) -> None:
         """Refuse what ties joints together, and joints with several variables that are not the root's."""
@@ -138,7 +135,6 @@ class _Reader:
             yield {self.name("joint", j): float(values[model.jnt_qposadr[j]]) for j in moving}
 
     def driven(self) -> frozenset[str]:
-        """Names of the joints on which something acts."""
         return frozenset(self.name("joint", j) for _, j in self._motors)
 
     def body(self, k: int, offset: Triple) -> UrdfBody | None:

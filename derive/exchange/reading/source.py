@@ -121,8 +121,7 @@ def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str])
             contextlib.chdir(whole.parent),
             guarded() as refused,
         ):
-            document = xacrodoc.XacroDoc.from_file(str(whole), subargs=asked, resolve_packages=False)
-            text = str(document.to_urdf_string())
+            text = str(xacrodoc.XacroDoc.from_file(str(whole), subargs=asked, resolve_packages=False).to_urdf_string())
     except (Exception, SystemExit) as error:
         if refused:
             found = f"xacro: an expression uses {refused[0]}, which leads out of the file, and is not evaluated"

@@ -224,7 +224,6 @@ class _UrdfReader:
         return tuple(self._number(element, attribute, word, infinite) for word in words)
 
     def number(self, element: etree._Element | None, attribute: str, *, infinite: bool = False) -> Fraction | None:
-        """The decimal of an attribute; None where it or the element is not there."""
         found = self.numbers(element, attribute, 1, infinite=infinite)
         return found[0] if found else None
 

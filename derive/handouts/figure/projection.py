@@ -233,8 +233,7 @@ class View:
         first = np.array((1.0, 0.0, 0.0)) if abs(up[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
         first = first - up * (first @ up)
         first = first / np.linalg.norm(first)
-        second = np.cross(up, first)
-        flat = math.cos(self.azimuth) * first + math.sin(self.azimuth) * second
+        flat = math.cos(self.azimuth) * first + math.sin(self.azimuth) * np.cross(up, first)
         toward = math.cos(self.elevation) * flat + math.sin(self.elevation) * up
         right = np.cross(up, toward)
         right = right / np.linalg.norm(right)

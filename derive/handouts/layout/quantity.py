@@ -157,8 +157,7 @@ class Layouter:
         symbols = {symbol.name: self.term_symbol(group, k) for k, (symbol, _) in enumerate(definitions, 1)}
         printer = LatexPrinter(self.printer.notation.with_terms({key: Glyph(box) for key, box in symbols.items()}))
         named = [Equation(symbols[symbol.name], tuple(printer.pieces(value))) for symbol, value in definitions]
-        entries = [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
-        return named, entries
+        return named, [Equation(name, tuple(printer.pieces(e))) for name, e in zip(names, expressions, strict=True)]
 
 
 def omitted(item: Item, word: str, *, comma: bool = False) -> Box:

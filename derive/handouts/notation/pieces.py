@@ -121,13 +121,8 @@ def minus(box: Box) -> Box:
     return Box(f"-{box.tex}", MINUS_WIDTH + box.width)
 
 
-class Break(IntEnum):
-    """Whether a new line may start before a piece, and with what."""
-
-    NEVER = 0
-    BINARY = 1
-    FACTOR = 2
-    COMMA = 3
+# Whether a new line may start before a piece, and with what.
+Break = IntEnum("Break", {"NEVER": 0, "BINARY": 1, "FACTOR": 2, "COMMA": 3})
 
 
 class TexPiece(NamedTuple):

@@ -208,8 +208,7 @@ def _bracket(inner: Pieces, exponent: Box, depth: int) -> Pieces:
     height = _nested(inner)
     left, right = _BRACKETS[height % len(_BRACKETS)]
     opening = TexPiece(Box(left, BRACKET_WIDTH), depth=depth, nest=height + 1)
-    closing = TexPiece(script(Box(right, BRACKET_WIDTH), sup=exponent), depth=depth, nest=height + 1)
-    return [opening, *inner, closing]
+    return [opening, *inner, TexPiece(script(Box(right, BRACKET_WIDTH), sup=exponent), depth=depth, nest=height + 1)]
 
 
 def _nested(pieces: Pieces) -> int:

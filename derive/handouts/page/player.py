@@ -34,15 +34,9 @@ class PlayedPiece:
     formulas: tuple[Formula, ...] = ()  # position, velocity and acceleration of a curve as trees in t; else nothing
 
 
-@dataclass(frozen=True, slots=True)
-class PlayedSegment:
-    """The way from one point to the next."""
-
-    name: str  # ``rest -> A``
-    start: float  # when it begins [s]
-    # Columns of the regressor, and the parameters of the payload that belong to them.
-    payload: tuple[tuple[int, float], ...] = ()
-    load: int = 0  # which of `Playback.base_torques` is what a base that moves adds
+# The way from one point to the next: its name ``rest -> A``, when it begins [s], columns of the regressor with the
+# parameters of the payload that belong to them, and which of `Playback.base_torques` is what a base that moves adds.
+PlayedSegment = tuple[str, float, tuple[tuple[int, float], ...], int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +96,7 @@ class Playback:
         return {
             "tracks": [_joined(track, grids) for track in self.tracks],
             "grids": grids,
-            "segments": [[each.name, each.start, each.payload, each.load] for each in self.segments],
+            "segments": self.segments,
             "basis": {str(k): rows for k, rows in self.basis.items()},
             "duration": self.duration,
             "sample": self.sample,
@@ -183,7 +177,7 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
         for j, (row, joint) in enumerate(zip(rows, robot.variables, strict=True))
     ]
     return {
-        "segments": [html_text(segment.name.replace("->", "\N{RIGHTWARDS ARROW}")) for segment in playback.segments],
+        "segments": [html_text(name.replace("->", "\N{RIGHTWARDS ARROW}")) for name, *_ in playback.segments],
         "speeds": [(speed, html_text(text.number(f"{speed:g}")), speed == 1.0) for speed in SPEEDS],
         "duration": repr(playback.duration),
         "plots": plots,

@@ -104,8 +104,7 @@ def viewer(
     notation = notation or Notation.of(robot, robot.handout.notation)
     target = None
     if dragged is not None and inverse is not None:
-        names = postures(robot, solve(robot, dragged.task.task, inverse.given)).names
-        target = _target(dragged, names, text, notation)
+        target = _target(dragged, postures(robot, solve(robot, dragged.task.task, inverse.given)).names, text, notation)
     script = render(
         "page/viewer.js.jinja",
         model=javascript_body(robot, needed),

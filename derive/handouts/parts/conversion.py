@@ -80,7 +80,6 @@ def _factor(letter: str, index: int) -> Box:
 
 
 def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
-    """T as the product of base, brackets and tool."""
     n = context.robot.n
     shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, n)
     opening, closing = Box("(", 5.0), Box(")\\,", 7.0)  # a line may end at the space

@@ -1,19 +1,27 @@
-"""The parts with pictures: the arm with its frames, and the convention with its four parameters."""
+"""The parts with pictures: the arm with its frames, and the convention with its four parameters.
+
+Source of the latter: the figures in Siciliano et al., Robotics: Modelling, Planning and Control, ch. 2.8 (standard),
+and Craig, Introduction to Robotics, ch. 3.4 (modified).
+"""
 
 import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+import numpy as np
+
+from derive.arrays import Array
 from derive.errors import DeriveError
 from derive.handouts.figure.arm import arm_drawing, arm_view
-from derive.handouts.figure.convention import convention_drawing
-from derive.handouts.figure.projection import View
+from derive.handouts.figure.drawing import BLACK, Color, Drawing, Path
+from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, arrow_head, moved
+from derive.handouts.figure.projection import REVOLUTE, View, paint, prism
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.notation.pieces import EMPTY, joined, magnitude
 from derive.handouts.sheet.context import Context, textbook
 from derive.handouts.sheet.document import Block, Figure, Paragraph
 from derive.robot import tree
-from derive.robot.description import Joint, Variable
+from derive.robot.description import Convention, Joint, Variable
 from derive.robot.expression import ZERO, Expression
 from derive.workspace.poses import RobotPoses
 
@@ -136,3 +144,91 @@ def convention(context: Context) -> Iterator[Block]:
             )
         )
     yield Paragraph(" ".join(texts))
+
+
+# -- the picture of the convention
+
+_X, _Z = np.array((1.0, 0.0, 0.0)), np.array((0.0, 0.0, 1.0))
+_ALPHA, _THETA = math.radians(38), math.radians(52)
+_A, _D = 150.0, 78.0
+_AXIS = 58.0
+_ARC = 34.0
+_GREY: Color = (0.45, 0.45, 0.45)
+_VIEW = View(math.radians(-58), math.radians(24))
+
+
+def convention_drawing(convention: Convention) -> Drawing:
+    """Frames i-1 and i with a, alpha, d and theta of row i."""
+    paper, origin, z_after = Paper(), np.zeros(3), _turned(_Z, _X, _ALPHA)
+    if convention is Convention.STANDARD:
+        # d along z_{i-1} to the common normal, a along it; theta turns x_{i-1} into x_i, alpha z_{i-1} into z_i
+        title = "d_i, theta_i, a_i, alpha_i between frames i-1 and i"
+        foot, x_before, x_after = _D * _Z, _turned(_X, _Z, -_THETA), _X
+        joint = second = foot + _A * _X
+        ends = [foot + 62 * _Z, second + 44 * z_after]
+        carried = [(second, 52 * _Z), (foot, 60 * x_before)]
+        solid = [(foot, second)]
+        arcs = [(foot, x_before, _Z, _THETA, r"\theta_{i}"), (second, _Z, _X, _ALPHA, r"\alpha_{i}")]
+        lengths = [(origin, foot, -24.0, "d_{i}"), (foot, second, -20.0, "a_{i}")]
+    else:
+        # a along x_{i-1}, the common normal, d along z_i; alpha turns z_{i-1} into z_i, theta x_{i-1} into x_i
+        title = "alpha_{i-1}, a_{i-1}, d_i, theta_i between frames i-1 and i"
+        joint = foot = _A * _X
+        second, x_before, x_after = foot + _D * z_after, _X, _turned(_X, z_after, _THETA)
+        ends = [origin + 84 * _Z, second + 80 * z_after]
+        carried = [(foot, 62 * _Z), (second, 60 * _X)]
+        solid = [(origin, foot), (foot, second)]
+        arcs = [(second, _X, z_after, _THETA, r"\theta_{i}"), (foot, _Z, _X, _ALPHA, r"\alpha_{i-1}")]
+        lengths = [(origin, foot, 18.0, "a_{i-1}")]
+    _joint(paper, origin - 34 * _Z, _Z)
+    _joint(paper, joint - 42 * z_after, z_after)
+    axes = zip((origin - 62 * _Z, joint - 68 * z_after), ends, strict=True)
+    for start, end in (*axes, *((place, place + way) for place, way in carried)):
+        # an axis, or a direction carried over from elsewhere
+        paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), stroke=_GREY, width=0.5, dashed=True), weight=0.7)
+    for start, end in solid:
+        paper.draw(Path((_VIEW.flat(start), _VIEW.flat(end)), width=1.1))
+    if convention is Convention.MODIFIED:
+        a, b = _VIEW.flat(foot), _VIEW.flat(second)
+        paper.label("d_{i}", around(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), (a[1] - b[1], b[0] - a[0]), 9.0))
+    _axis(paper, origin, _Z, 2, "z_{i-1}")
+    _axis(paper, origin, x_before, 0, "x_{i-1}")
+    _axis(paper, second, z_after, 2, "z_{i}")
+    _axis(paper, second, x_after, 0, "x_{i}")
+    for center, start, axis, angle, latex in arcs:
+        points = [_VIEW.flat(center + _ARC * _turned(start, axis, angle * k / 24)) for k in range(25)]
+        paper.draw(Path(tuple(points[:-2]), width=0.8))
+        paper.draw(arrow_head(points[-6], points[-1], BLACK, 0.8))
+        middle, heart = points[12], _VIEW.flat(center)
+        paper.label(latex, around(middle, (middle[0] - heart[0], middle[1] - heart[1]), 9.0))
+    for length in lengths:
+        _length(paper, *length)
+    return moved(paper.items, 4.0, title)
+
+
+def _joint(paper: Paper, center: Array, axis: Array) -> None:
+    for path in paint(prism(center - 13 * axis, center + 13 * axis, 10.0, REVOLUTE, sides=28), _VIEW):
+        paper.draw(path, weight=0.2)
+
+
+def _axis(paper: Paper, origin: Array, direction: Array, letter: int, latex: str) -> None:
+    start, tip = _VIEW.flat(origin), _VIEW.flat(origin + _AXIS * direction)
+    paper.arrow(start, tip, AXIS_COLORS[letter], 1.3)
+    paper.label(latex, around(tip, (tip[0] - start[0], tip[1] - start[1]), 10.0), AXIS_COLORS[letter])
+
+
+def _length(paper: Paper, start: Array, end: Array, offset: float, latex: str) -> None:
+    a, b = _VIEW.flat(start), _VIEW.flat(end)
+    size = math.hypot(b[0] - a[0], b[1] - a[1])
+    nx, ny = -(b[1] - a[1]) / size * -offset, (b[0] - a[0]) / size * -offset
+    c, d = (a[0] + nx, a[1] + ny), (b[0] + nx, b[1] + ny)
+    for near, far in ((a, c), (b, d)):
+        paper.draw(Path((near, far), stroke=DIMENSION, width=0.3), weight=0.4)
+    paper.arrow(c, d, DIMENSION, 0.5, both=True)
+    paper.label(latex, around(((c[0] + d[0]) / 2, (c[1] + d[1]) / 2), (nx, ny), 9.0))
+
+
+def _turned(vector: Array, axis: Array, angle: float) -> Array:
+    """A vector turned about a unit axis (Rodrigues)."""
+    along = axis * (axis @ vector)
+    return np.asarray(along + math.cos(angle) * (vector - along) + math.sin(angle) * np.cross(axis, vector))

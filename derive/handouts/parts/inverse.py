@@ -98,12 +98,11 @@ class InversePart:
             cells = [[joined(self._pieces(entry)) for entry in row] for row in pose.tolist()]
             yield Rows((equated(self.context.symbols.of_end("T"), matrix(cells)).tex,))
         else:
-            entries = and_list(self.context.text, [self._math(pose[i, j]) for i, j in self.found.graph.places])
             yield self.context.paragraph(
                 "Given the entries %(entries)s of the pose $%(end)s$ of the end effector, find all values of the "
                 "joint variables that reach them.",
                 end=self.context.symbols.of_end("T").tex,
-                entries=entries,
+                entries=and_list(self.context.text, [self._math(pose[i, j]) for i, j in self.found.graph.places]),
             )
 
     def why_not(self) -> Paragraph:
@@ -307,11 +306,10 @@ class InversePart:
             return
         where = and_list(_, [f"${self._tex(e)} = 0$" for e in step.fails])
         if step.instead:
-            instead = and_list(_, [f"${self._tex(e.left)} = {self._tex(e.right)}$" for e in step.instead[0]])
             yield _(
                 "Where %(zeros)s, it follows from %(equations)s instead (%(source)s).",
                 zeros=where,
-                equations=instead,
+                equations=and_list(_, [f"${self._tex(e.left)} = {self._tex(e.right)}$" for e in step.instead[0]]),
                 source=sources(self.context, step.instead[0]),
             )
             return

@@ -44,8 +44,7 @@ def jacobian(context: Context) -> Iterator[Block]:
         yield Steps(context.text("Axes, origins and columns"), tuple(_steps(context, axes)))
     name = partial(context.symbols.entry, "J")
     laid_out = context.layouter.lay_out(context.symbols.of_end("J"), name, context.J, group=Group.J)
-    task = context.text("Find the geometric Jacobian.")
-    yield formula(context, laid_out, context.function("jacobian"), task)
+    yield formula(context, laid_out, context.function("jacobian"), context.text("Find the geometric Jacobian."))
     end = context.entries.T
     if end.terms(1, 3) or end.terms(2, 3):  # else the angles ZYZ are singular in every configuration
         phi, theta, psi = (angle.tex.strip() for angle in euler_names(context))

@@ -47,8 +47,7 @@ def transforms(context: Context) -> Iterator[Block]:
         matrices = [(context.symbols.frame("A", *map(context.name, pair)), quantity) for pair, quantity in pairs]
     else:
         yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
-        numbers = range(1, context.robot.n + 1)
-        matrices = [(context.symbols.frame("A", i, i - 1), context.entries.A(i)) for i in numbers]
+        matrices = [(context.symbols.frame("A", i, i - 1), context.entries.A(i)) for i in range(1, context.robot.n + 1)]
     task = context.text("Write the transform of each row of the table.")
     rows: list[LaidOut] = []
     for i, (symbol, quantity) in enumerate(matrices, 1):
@@ -91,7 +90,6 @@ def _laid_out(context: Context, symbol: Box, quantity: Entries, group: int) -> L
 
 
 def _between_base_and_tool(context: Context, factors: Sequence[Box]) -> list[Box]:
-    """The factors of the arm with those of base and tool, where these are not the identity."""
     base = [BASE] if context.robot.base != IDENTITY else []
     return [*base, *factors, *([tool_of(context.end)] if context.robot.tool != IDENTITY else [])]
 

@@ -160,7 +160,6 @@ def _derivation(context: Context, k: int) -> Iterator[Block]:
 
 
 def _other_profiles(context: Context) -> dict[str, Steps]:
-    """Profiles that are no polynomials from rest to rest."""
     _ = context.text
     blend = ("t_b = T - \\frac{D}{V},\\quad \\frac{D}{T} < V \\le \\frac{2D}{T},\\quad a = \\frac{V}{t_b}",)
     cosine = (
@@ -227,7 +226,6 @@ def _exact(context: Context, value: Expr) -> str:
 
 
 def _decimal(context: Context, value: float) -> str:
-    """Six significant digits."""
     return LatexPrinter(replace(context.notation, decimals=True)).latex(Rational(f"{value:.{_DIGITS}g}"))
 
 

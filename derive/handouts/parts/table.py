@@ -114,15 +114,13 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
     tools = ((tool_of(end.name), end.tool) for end in tree.ends(robot))
-    frames = _matrices(context, ((BASE, robot.base), *tools))
     yield from context.announced(
         "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row.",
-        frames,
+        _matrices(context, ((BASE, robot.base), *tools)),
     )
 
 
 def _units(context: Context) -> str:
-    """In which units the numbers of the tables are."""
     _, units = context.text, context.robot.units
     with_degrees = _("Angles with a degree sign are in degrees, all others in radians.")
     angles = with_degrees if units.degrees else _("Angles are in radians.")

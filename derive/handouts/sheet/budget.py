@@ -159,7 +159,6 @@ def _shortened(
 
 
 def _least_useful(sections: dict[str, sheet.Section], parts: Sequence[str]) -> list[str]:
-    """The anchors of the sections, the least useful first."""
     return [anchor for part in parts for anchor, section in sections.items() if section.part == part]
 
 

@@ -188,8 +188,7 @@ def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Lai
         return None
     entries = {place: quantity.entry(*place) for place in quantity.places}
     rows, columns = (range(1, size + 1) for size in quantity.shape)
-    cells = [[joined(context.printer.pieces(entries[i, j])) for j in columns] for i in rows]
-    box = equated(symbol, matrix(cells))
+    box = equated(symbol, matrix([[joined(context.printer.pieces(entries[i, j])) for j in columns] for i in rows]))
     if not fits(box, len(rows)):
         return None
     values = tuple((namer(*place), value) for place, value in entries.items() if quantity.terms(*place))

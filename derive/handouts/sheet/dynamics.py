@@ -68,7 +68,6 @@ class DynamicsLayout:
         return self.layouter.lay_out(symbol, namer, quantity, group=group, symmetric=is_symmetric, limit=limit)
 
     def _rate_symbol(self, letter: str) -> Box:
-        """C or N, which depend on positions and velocities."""
         return Box(f"\\mathbf{{{letter}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})", 36.0)
 
     def body(self, symbol: Box, quantity: Entries, group: int, symmetric: bool = False) -> LaidOut:

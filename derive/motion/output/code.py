@@ -119,7 +119,6 @@ def row_of(piece: AnyPiece) -> tuple[float, ...]:
 
 
 def _end(graph: Graph, place: int) -> Value:
-    """A value at an end of a piece."""
     return Value(graph, graph.input(ROW, place + 2))
 
 
@@ -253,7 +252,6 @@ class MotionCode:
         segments = motion.trajectory.segments
         spans = [(each.name, float(each.start), float(each.start + each.duration)) for each in segments]
         title = plan.title or f"A motion of {plan.robot.title or plan.robot.name}"
-        operations = {node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}
         return {
             "title": c_comment(title),
             "docstring_title": python_docstring(title),
@@ -272,8 +270,8 @@ class MotionCode:
             "piece_count": int(counts[-1]),
             "width": max(len(row_of(piece)) for _, pieces in self._pieces for piece in pieces),
             "firsts": ", ".join(map(str, counts.tolist())),
-            "has_sign": Op.SIGN in operations,
-            "has_base": plan.base is not None,
+            "has_sign": Op.SIGN in ({node.op for kernel in self._kernels.values() for node in kernel.tape.nodes}),
+            "has_base": bool(plan.base),
             "is_long": int(counts[-1]) > LONG,
             "symbol": "MX" if counts[-1] > LONG else "SX",
         }

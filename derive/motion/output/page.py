@@ -9,7 +9,7 @@ from sympy import Abs, Add, Expr, Mul, Pow, atan, atan2, cos, sign, sin, tan
 
 from derive.arrays import Array
 from derive.handouts.assemble import context_of, section_of
-from derive.handouts.page.player import REGRESSOR, TORQUE, Formula, Playback, PlayedPiece, PlayedRun, PlayedSegment
+from derive.handouts.page.player import REGRESSOR, TORQUE, Formula, Playback, PlayedPiece, PlayedRun
 from derive.handouts.page.viewer import FUNCTIONS, Viewer, viewer
 from derive.handouts.page.writer import page
 from derive.handouts.parts.plan import HAND_SPLINE, plan_section, plan_sheet
@@ -105,7 +105,7 @@ def playback(motion: Motion, run: Run | None = None) -> Playback:
     base, base_rates, base_torques = _base_of(motion, loads if functions else ())
     end = motion.duration if run is None else max(float(run.t[-1]), motion.sample)
     segments = tuple(
-        PlayedSegment(segment.name, float(segment.start), payload, loads.index(body))
+        (segment.name, float(segment.start), payload, loads.index(body))
         for segment, payload, body in zip(trajectory.segments, payloads, carried, strict=True)
         if float(segment.start) < end
     )

@@ -132,7 +132,6 @@ class FastestMotion:
         return Rows(_at(zero, slope) - still, even, viscous, still, odd - viscous + lean)
 
     def _ends(self) -> tuple[Rows, Rows]:
-        """The coefficients at both ends of each interval."""
         ends = self._rows(INSIDE), self._rows(1 - INSIDE)
         # Between two intervals, the larger of the dry frictions of both sides: where a motion begins or ends, or a
         # joint turns back, its velocity is zero, and dry friction may have any value between.

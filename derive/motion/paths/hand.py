@@ -72,7 +72,7 @@ class Hand:
     def limits(self) -> Limits:
         """The largest speeds, accelerations and torques of the plan."""
         plan = self._plan
-        torque = plan.torque if plan.robot.has_dynamics and plan.base is None else (None,) * plan.robot.dof
+        torque = plan.torque if plan.robot.has_dynamics and not plan.base else (None,) * plan.robot.dof
         cells = (plan.speed, plan.acceleration, torque)
         return Limits(*(tuple(None if cell is None else self.exact(cell) for cell in most) for most in cells))
 
@@ -250,7 +250,7 @@ class Hand:
     def fastest(self, run: Sequence[Step], first: int, corners: Sequence[Corner]) -> list[Joints]:
         """The pieces of each joint, segment by segment, in the shortest time; the first begins at time 0."""
         step = run[0]
-        if self._plan.base is not None and any(self._plan.torque):
+        if self._plan.base and any(self._plan.torque):
             remedy = "leave out torque: or base:"
             found = "torques of a fastest motion on a base that moves are not known"
             raise RobotFileError(found, remedy=remedy, location=step.location)

@@ -112,7 +112,6 @@ class Way:
 
 
 def _about_one_axis(a: Array, b: Array) -> Callable[[float], tuple[Array, Array, Array]]:
-    """The rotation between two poses about a fixed axis."""
     start, turn = a[:3, :3], rotation_vector(b[:3, :3] @ a[:3, :3].T)
     return lambda s: (rotation_of(s * turn) @ start, turn, np.zeros(3))
 
@@ -128,8 +127,7 @@ def spline_way(times: Sequence[Expr], poses: Sequence[Array]) -> Way:
         axis = turn / angle if angle >= 1e-12 else np.zeros(3)
         turns.append(turn + 2 * np.pi * np.round((turns[-1] - turn) @ axis / (2 * np.pi)) * axis)
     rows = np.array([[*pose[:3, 3], *turn] for pose, turn in zip(poses, turns, strict=True)])
-    tracks = tuple(spline(times, [Float(value) for value in column]) for column in rows.T)
-    trajectory = Trajectory.of(tracks)
+    trajectory = Trajectory.of(tuple(spline(times, [Float(value) for value in column]) for column in rows.T))
 
     def _place(t: float) -> tuple[Array, Array, Array]:
         p, v, a = (value[:3] for value in trajectory(t))
@@ -233,8 +231,7 @@ class Follower:
             if np.abs(wanted).max() <= CLOSED * (1 + np.abs(pose[:3, 3]).max()):
                 return q
             # Newton: q + J^+ e, the least step where the arm has more joints than the task has rows.
-            jacobian = self._jacobian(q)
-            q = q + self._least(jacobian, wanted)
+            q = q + self._least(self._jacobian(q), wanted)
         raise self._error(f"the arm does not reach the way {after:.4g} s after its start")
 
     def _jacobian(self, q: Array) -> Array:

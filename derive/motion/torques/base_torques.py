@@ -78,12 +78,10 @@ class OpenLinks:
         found, carried = dict(values), [carried_body(robot, each, values) for each in payloads if each]
         domain, unit = FloatDomain(robot, (), values), Frame(vectors.identity(0.0, 1.0), (0.0, 0.0, 0.0))
         for joint, names in self.names.items():
-            own = body_in(unit, robot.links[joint], domain)
-            body = sum((other for place, other in carried if place == joint), own)
+            body = sum((other for place, other in carried if place == joint), body_in(unit, robot.links[joint], domain))
             com = vectors.scale(1 / body.mass if body.mass else 0.0, body.first_moment)
             inertia = body.inertia + vectors.steiner(-body.mass, com)
-            numbers = (body.mass, *com, *(getattr(inertia, key) for key in INERTIA))
-            found |= zip(names, numbers, strict=True)
+            found |= zip(names, (body.mass, *com, *(getattr(inertia, key) for key in INERTIA)), strict=True)
         return found
 
 

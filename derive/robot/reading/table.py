@@ -139,7 +139,6 @@ class _Table:
         return variables
 
     def read(self) -> tuple[Joint | FixedRow, ...]:
-        """All rows, each with its stand."""
         variables = frozenset((*self._roots, *filter(None, self._own), *self._declared))
         variables -= {self._own[row] for row in self.passive}
         rows = tuple(

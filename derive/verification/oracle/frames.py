@@ -249,8 +249,7 @@ def point_jacobian(arm: NumericArm, frames: Array, points: Array, moves: Array) 
     axis, origin = joint_axes(arm, frames)
     lever = points[..., :, None, :] - origin[..., None, :, :]
     turning = cross(axis[..., None, :, :], lever)
-    columns = np.where(arm.revolute[:, None], turning, axis[..., None, :, :])
-    return _only_moving(arm, columns, moves)
+    return _only_moving(arm, np.where(arm.revolute[:, None], turning, axis[..., None, :, :]), moves)
 
 
 def angular_jacobian(arm: NumericArm, frames: Array, moves: Array) -> Array:

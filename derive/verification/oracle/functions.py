@@ -44,8 +44,7 @@ def forward_dynamics(oracle: Oracle, q: Array, qd: Array, tau: Array) -> Array:
 
 def coriolis_vector(oracle: Oracle, q: Array, qd: Array) -> Array:
     """C qd: the torques of a motion without acceleration, gravity and friction."""
-    weightless = replace(oracle, arm=rates.weightless(oracle.arm))
-    return weightless.evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
+    return replace(oracle, arm=rates.weightless(oracle.arm)).evaluate("inverse_dynamics", q, qd, np.zeros_like(qd))
 
 
 def under_wrench(oracle: Oracle, *arguments: Array, function: str, axes: str) -> Array:

@@ -95,7 +95,6 @@ class _Columns:
         self.rotor_linear = point_jacobian(arm, frames, self.places, arm.moves[arm.parent])
 
     def of(self, parameters: tuple[Parameter, ...]) -> Array:
-        """A column for each parameter."""
         return np.stack([self._column(parameter) for parameter in parameters], axis=-1)
 
     def _column(self, parameter: Parameter) -> Array:
@@ -117,8 +116,7 @@ class _Columns:
             return inverse_dynamics(alone, *self.arguments)
         _, qd, qdd = self.arguments
         ways = {"f": np.sign(qd), "fp": 1.0 * (qd > 0), "fm": -1.0 * (qd < 0)}
-        own = ({"Ia": qdd, "b": qd} | ways)[parameter.part]
-        return np.asarray(own * (np.arange(self.arm.n) == i))
+        return np.asarray(({"Ia": qdd, "b": qd} | ways)[parameter.part] * (np.arange(self.arm.n) == i))
 
     def _body_wrench(self, i: int, part: str) -> tuple[Array, Array]:
         """Force, and moment about the frame's origin, that move a unit parameter of link i."""

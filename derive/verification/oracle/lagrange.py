@@ -21,10 +21,7 @@ CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 
 
 def inertia_matrix(arm: NumericArm, q: Array) -> Array:
-    """B = sum m Jv'Jv + Jw' R I R' Jw over the bodies, the same over the rotors, and the armatures.
-
-    Of a rotor only the inertia about its axis counts.
-    """
+    """B = sum m Jv'Jv + Jw' R I R' Jw over bodies, and rotors with inertia about their axes alone, and armatures."""
     frames = chain_frames(arm, q)
     axis, _ = joint_axes(arm, frames)
     linear, angular = link_jacobians(arm, frames)
@@ -50,8 +47,7 @@ def christoffel_symbols(arm: NumericArm, q: Array) -> Array:
     slope = inertia_derivatives(arm, q)
     # slope[k, i, j] is dB_ij/dq_k; by_k[i, j, k] and by_j[i, j, k] = dB_ik/dq_j reorder it.
     by_k = np.moveaxis(slope, -3, -1)
-    by_j = np.swapaxes(by_k, -1, -2)
-    return 0.5 * (by_k + by_j - slope)
+    return 0.5 * (by_k + np.swapaxes(by_k, -1, -2) - slope)
 
 
 def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
@@ -60,8 +56,7 @@ def inertia_derivatives(arm: NumericArm, q: Array) -> Array:
     size = max(1, CHUNK // (3 * q.size * arm.n))
     steps = 1j * STEP * np.eye(arm.n)
     chunks = [steps[k : k + size] for k in range(0, arm.n, size)]
-    slopes = [inertia_matrix(arm, q[..., None, :] + chunk).imag / STEP for chunk in chunks]
-    return np.concatenate(slopes, axis=-3)
+    return np.concatenate([inertia_matrix(arm, q[..., None, :] + chunk).imag / STEP for chunk in chunks], axis=-3)
 
 
 def gravity_vector(arm: NumericArm, q: Array) -> Array:
@@ -72,8 +67,7 @@ def gravity_vector(arm: NumericArm, q: Array) -> Array:
     # dU/dq_j = -sum m g0 . dp/dq_j, in frame 0 as the Jacobians are
     g0 = arm.gravity_in_frame_0
     down_links = np.einsum("k,...kaj,a->...j", arm.mass, links, g0)
-    down_rotors = np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0)
-    return np.asarray(-down_links - down_rotors)
+    return np.asarray(-down_links - np.einsum("k,...kaj,a->...j", arm.rotor_mass, rotors, g0))
 
 
 def potential_energy(arm: NumericArm, q: Array) -> Array:
@@ -94,8 +88,7 @@ def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
 def link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the bodies' centres of mass, as the frames are seen, (..., k, 3, n) both."""
     moves = arm.moves[arm.carrier]
-    linear = point_jacobian(arm, frames, _mass_centres(arm, frames), moves)
-    return linear, angular_jacobian(arm, frames, moves)
+    return point_jacobian(arm, frames, _mass_centres(arm, frames), moves), angular_jacobian(arm, frames, moves)
 
 
 def rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:

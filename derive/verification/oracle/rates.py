@@ -79,7 +79,8 @@ def analytic_jacobian(arm: NumericArm, q: Array, kind: str) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         # yaw = atan2(r21, r11), phi = atan2(r23, r13)
         first = _angle_rate(r[..., 1, tilted], r[..., 0, tilted], dr[..., 1, tilted], dr[..., 0, tilted])
-        length, rate = _length_and_rate(r[..., :2, tilted], dr[..., :2, tilted])
+        length = np.sqrt((r[..., :2, tilted] ** 2).sum(axis=-1))
+        rate = (r[..., :2, tilted] * dr[..., :2, tilted]).sum(axis=-1) / length
         if kind == "rpy":  # roll = atan2(r32, r33), pitch = atan2(-r31, |(r11, r21)|)
             roll = _angle_rate(r[..., 2, 1], r[..., 2, 2], dr[..., 2, 1], dr[..., 2, 2])
             angles = [roll, _angle_rate(-r[..., 2, 0], length, -dr[..., 2, 0], rate), first]
@@ -125,9 +126,3 @@ def _by_joints(arm: NumericArm, q: Array, function: Callable[[Array], Array]) ->
 def _angle_rate(y: Array, x: Array, dy: Array, dx: Array) -> Array:
     """The derivative of atan2(y, x)."""
     return np.asarray((x * dy - y * dx) / (x * x + y * y))
-
-
-def _length_and_rate(vector: Array, rate: Array) -> tuple[Array, Array]:
-    """Length of a vector (..., 2), and its derivative."""
-    length = np.sqrt((vector**2).sum(axis=-1))
-    return length, (vector * rate).sum(axis=-1) / length

@@ -13,7 +13,7 @@ from itertools import chain, pairwise
 import pytest
 
 from derive.handouts.figure.scene import upwards
-from derive.handouts.page.player import Playback, PlayedPiece, PlayedRun, PlayedSegment, html_messages, player_texts
+from derive.handouts.page.player import Playback, PlayedPiece, PlayedRun, html_messages, player_texts
 from derive.handouts.page.viewer import Viewer, dragging, html_symbol, symbol_values, three, travels, viewer
 from derive.handouts.page.writer import formula, formula_style, page, safe_script, unicode_name
 from derive.handouts.sheet.document import SheetFormula, blocks_of
@@ -128,7 +128,7 @@ MOTION = Playback(
         (PlayedPiece("cosine", 0.0, 2.0, (0.0, 4.0)),),
         (PlayedPiece("curve", 0.0, 2.0, formulas=("t", 1.0, 0.0)),),
     ),
-    segments=(PlayedSegment("a -> <b>", 0.0, ((3, 0.5),)),),
+    segments=(("a -> <b>", 0.0, ((3, 0.5),), 0),),
     basis={},
     duration=2.0,
     sample=0.01,

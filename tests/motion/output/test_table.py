@@ -243,8 +243,8 @@ def test_pieces_of_a_joint_follow_each_other_and_end_with_the_motion() -> None:
 def test_what_the_tool_carries_is_known_by_its_segment() -> None:
     text = PICK_AND_PLACE.replace("{to: D, time: 3}", "{to: D, time: 3, payload: 0.5}")
     made = playback(Motion.from_text(text))
-    assert [bool(segment.payload) for segment in made.segments] == [False, False, False, False, True]
-    assert 0.5 in [number for _, number in made.segments[-1].payload]
+    assert [bool(payload) for _, _, payload, _ in made.segments] == [False, False, False, False, True]
+    assert 0.5 in [number for _, number in made.segments[-1][2]]
     assert made.functions == ("inverse_dynamics", "regressor")
 
 
@@ -291,7 +291,7 @@ def test_an_arm_without_links_has_no_torques() -> None:
 def test_a_base_that_moves_brings_a_program_for_each_load() -> None:
     text = PICK_AND_PLACE.replace("{to: D, time: 3}", "{to: D, time: 3, payload: 0.5}") + "base: {x: t/2}\n"
     found = playback(Motion.from_text(text))
-    assert [segment.load for segment in found.segments] == [0, 0, 0, 0, 1]
+    assert [load for *_, load in found.segments] == [0, 0, 0, 0, 1]
     assert len(found.base_torques) == 2
     assert all(len(results) == 4 for _, results in found.base_torques)
     assert [len(rows) for rows in found.base_rates] == [3, 3]

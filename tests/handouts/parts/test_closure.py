@@ -2,8 +2,8 @@
 
 import pytest
 
-from derive.handouts.notation.closure import closure_lines, closure_parts
 from derive.handouts.notation.notation import Notation
+from derive.handouts.parts.closure import closure_lines, closure_parts
 from derive.model.model import Model
 from derive.robot.robot import Robot
 
