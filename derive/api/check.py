@@ -14,16 +14,27 @@ from derive.errors import CheckError
 
 @dataclass(frozen=True, slots=True)
 class FormulaVerdict:
-    """What is said about one printed formula; as text, what ``derive check`` prints."""
+    """What is said about one printed formula; as text, what ``derive check`` prints.
 
-    quantity: str  #: what it is printed for, such as ``B[1,2]``
-    outcome: str  #: ``same form``, ``equal``, ``wrong``, or ``undecidable name`` where the robot does not know a name
-    printed: str  #: the formula as printed
-    right: str  #: the derived one in the notation of the robot
-    change: str  #: the smallest change that repairs it; empty where it is right or none was found
-    difference: str  #: printed minus right; empty where it is right or has many terms
-    place: str  #: file, line and column of the formula
-    report: str = field(repr=False)  #: all this in words
+    Attributes:
+        quantity: What it is printed for, such as ``B[1,2]``.
+        outcome: ``same form``, ``equal``, ``wrong``, or ``undecidable name`` where the robot does not know a name.
+        printed: The formula as printed.
+        right: The derived one in the notation of the robot.
+        change: The smallest change that repairs it; empty where it is right or none was found.
+        difference: Printed minus right; empty where it is right or has many terms.
+        place: File, line and column of the formula.
+        report: All this in words.
+    """
+
+    quantity: str
+    outcome: str
+    printed: str
+    right: str
+    change: str
+    difference: str
+    place: str
+    report: str = field(repr=False)
 
     @property
     def equal(self) -> bool:
@@ -36,13 +47,21 @@ class FormulaVerdict:
 
 @dataclass(frozen=True, slots=True)
 class CheckedFile:
-    """What is said about a file of printed formulas; as text, what ``derive check`` prints."""
+    """What is said about a file of printed formulas; as text, what ``derive check`` prints.
 
-    file: str  #: name of the file
-    robot: str  #: name of its robot
-    verdicts: tuple[FormulaVerdict, ...]  #: one for each formula, in the order of the file
-    passed: bool  #: whether everything is right as printed
-    report: str = field(repr=False)  #: what is wrong, in words, and how much is right
+    Attributes:
+        file: Name of the file.
+        robot: Name of its robot.
+        verdicts: One for each formula, in the order of the file.
+        passed: Whether everything is right as printed.
+        report: What is wrong, in words, and how much is right.
+    """
+
+    file: str
+    robot: str
+    verdicts: tuple[FormulaVerdict, ...]
+    passed: bool
+    report: str = field(repr=False)
 
     def __str__(self) -> str:
         return self.report

@@ -23,22 +23,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class HandoutFile:
-    """A file of a handout."""
+    """A file of a handout.
 
-    path: Path  #: where it is
-    bytes: int  #: its size
-    pages: int | None  #: pages of a PDF; None for other files
+    Attributes:
+        path: Where it is.
+        bytes: Its size.
+        pages: Pages of a PDF; None for other files.
+    """
+
+    path: Path
+    bytes: int
+    pages: int | None
 
 
 @dataclass(frozen=True, slots=True)
 class HandoutResult:
-    """A handout that was written."""
+    """A handout that was written.
 
-    robot: str  #: name of the robot
-    files: tuple[HandoutFile, ...]  #: its files
-    parts: tuple[str, ...]  #: the parts that it has, in their order
-    seconds: float  #: wall time
-    #: whether anything was left out on paper to keep to its number of pages; the sheet says what
+    Attributes:
+        robot: Name of the robot.
+        files: Its files.
+        parts: The parts that it has, in their order.
+        seconds: Wall time.
+        shortened: Whether anything was left out on paper to keep to its number of pages; the sheet says what.
+    """
+
+    robot: str
+    files: tuple[HandoutFile, ...]
+    parts: tuple[str, ...]
+    seconds: float
     shortened: bool = False
 
     def as_dict(self) -> dict[str, object]:

@@ -88,10 +88,15 @@ def _wanted(options: ImportKeywords) -> ImportOptions:
 
 @dataclass(frozen=True, slots=True)
 class AllTips:
-    """Every arm of a URDF."""
+    """Every arm of a URDF.
 
-    arms: tuple[Imported, ...]  #: one for each tip
-    refused: Mapping[str, str]  #: why other tips have none, by their names
+    Attributes:
+        arms: One for each tip.
+        refused: Why other tips have none, by their names.
+    """
+
+    arms: tuple[Imported, ...]
+    refused: Mapping[str, str]
 
 
 def import_all(file: str | Path | bytes, **options: Unpack[ImportKeywords]) -> AllTips:
@@ -127,13 +132,21 @@ def import_all(file: str | Path | bytes, **options: Unpack[ImportKeywords]) -> A
 
 @dataclass(frozen=True, slots=True)
 class ImportCheck:
-    """What an imported robot file promises, tested again."""
+    """What an imported robot file promises, tested again.
 
-    source: str  #: path of the URDF
-    promised: Certificate  #: the bound in the file
-    found: Certificate | None  #: the bound of the robot as it is now; None where it could not be tested
-    changed: bool = False  #: whether the URDF is another than at import
-    lack: str = ""  #: why it could not be tested
+    Attributes:
+        source: Path of the URDF.
+        promised: The bound in the file.
+        found: The bound of the robot as it is now; None where it could not be tested.
+        changed: Whether the URDF is another than at import.
+        lack: Why it could not be tested.
+    """
+
+    source: str
+    promised: Certificate
+    found: Certificate | None
+    changed: bool = False
+    lack: str = ""
 
     def __str__(self) -> str:
         if self.found is None:

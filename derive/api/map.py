@@ -28,17 +28,29 @@ _SLICED = "y"  # the axis that a picture of a map of three leaves out, which is 
 
 @dataclass(frozen=True, slots=True)
 class WrittenMap:
-    """A map that was written."""
+    """A map that was written.
 
-    robot: str  #: name of the robot
-    path: Path  #: the Zarr store
-    cells: int  #: number of cells of the grid
-    poses: int  #: cells times orientations
-    computed: int  #: blocks that were computed now
-    blocks: int  #: blocks within reach
-    reached: int  #: cells that are reached in some orientation
-    everywhere: int  #: cells that are reached in all orientations
-    remarks: tuple[str, ...]  #: what was assumed, and what the picture shows
+    Attributes:
+        robot: Name of the robot.
+        path: The Zarr store.
+        cells: Number of cells of the grid.
+        poses: Cells times orientations.
+        computed: Blocks that were computed now.
+        blocks: Blocks within reach.
+        reached: Cells that are reached in some orientation.
+        everywhere: Cells that are reached in all orientations.
+        remarks: What was assumed, and what the picture shows.
+    """
+
+    robot: str
+    path: Path
+    cells: int
+    poses: int
+    computed: int
+    blocks: int
+    reached: int
+    everywhere: int
+    remarks: tuple[str, ...]
 
 
 def map(

@@ -35,12 +35,19 @@ FORMS: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Moved:
-    """What was computed and written."""
+    """What was computed and written.
 
-    motion: Motion  #: the motion
-    run: Run | None  #: its simulation, where it was asked for
-    files: tuple[Path, ...]  #: the files
-    code: VerifiedCode | None = None  #: the motion as code, where it was asked for, and how it was verified
+    Attributes:
+        motion: The motion.
+        run: Its simulation, where it was asked for.
+        files: The files.
+        code: The motion as code, where it was asked for, and how it was verified.
+    """
+
+    motion: Motion
+    run: Run | None
+    files: tuple[Path, ...]
+    code: VerifiedCode | None = None
 
 
 def move(

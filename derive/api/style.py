@@ -24,19 +24,29 @@ from derive.robot.reading.document import YamlMapping, read_tree
 from derive.robot.robot import Robot
 
 _LATEX = re.compile(r"[\\^{}_]")
-EXAMPLE = "--example"  #: where an example stands that was given in words, for messages
+EXAMPLE = "--example"
+"""Where an example stands that was given in words, for messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExampleVerdict:
-    """What the style that was found makes of one printed formula."""
+    """What the style that was found makes of one printed formula.
 
-    quantity: str  #: what it is printed for, such as ``tau[1]``
-    outcome: str  #: ``same form``, ``equal`` where it is written otherwise, or ``wrong``
-    printed: str  #: the formula as printed
-    written: str  #: the derived formula in the style that was found
-    reason: str  #: why it is not as printed: the options that would write it so, or that none do; empty where it is
-    place: str  #: file, line and column of the formula
+    Attributes:
+        quantity: What it is printed for, such as ``tau[1]``.
+        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
+        printed: The formula as printed.
+        written: The derived formula in the style that was found.
+        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
+        place: File, line and column of the formula.
+    """
+
+    quantity: str
+    outcome: str
+    printed: str
+    written: str
+    reason: str
+    place: str
 
     @property
     def reproduced(self) -> bool:
@@ -46,12 +56,17 @@ class ExampleVerdict:
 
 @dataclass(frozen=True, slots=True)
 class FoundStyle:
-    """The style that reproduces most of some printed formulas; as text, what ``derive style`` prints."""
+    """The style that reproduces most of some printed formulas; as text, what ``derive style`` prints.
 
-    style: Options  #: the style
-    #: one for each formula that contains a sum, in their order; the others have one form only
+    Attributes:
+        style: The style.
+        verdicts: One for each formula that contains a sum, in their order; the others have one form only.
+        default: How many of them the default style reproduces.
+    """
+
+    style: Options
     verdicts: tuple[ExampleVerdict, ...]
-    default: int  #: how many of them the default style reproduces
+    default: int
 
     @property
     def reproduced(self) -> int:

@@ -42,9 +42,13 @@ MOST_SAMPLES = 1_000_000  # of a motion: a thousand seconds at a kilohertz
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion of a robot."""
+    """A motion of a robot.
 
-    plan: Plan  #: what its file says
+    Attributes:
+        plan: What its file says.
+    """
+
+    plan: Plan
 
     def __getstate__(self) -> dict[str, Plan]:
         """The plan; what follows from it holds compiled code, and is made again."""

@@ -21,10 +21,18 @@ BASE = "base"  # what rows of a tree that stand on the base, or on a root that m
 FIXED = "fixed"  # the type of rows without motion
 
 
-# Which Denavit-Hartenberg table it is, what a joint's variable is, and how the root of a tree moves.
-Convention = StrEnum("Convention", {"STANDARD": "standard", "MODIFIED": "modified"})
-JointType = StrEnum("JointType", {"REVOLUTE": "revolute", "PRISMATIC": "prismatic"})
-RootType = StrEnum("RootType", {"PLANAR": "planar", "FLOATING": "floating"})
+class Convention(StrEnum):
+    """Which Denavit-Hartenberg table it is."""
+
+    STANDARD = "standard"
+    MODIFIED = "modified"
+
+
+class JointType(StrEnum):
+    """What the joint's variable is."""
+
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +52,13 @@ def pair_text(cell: Expression | Ways, write: Callable[[Expression], str] = to_t
 def _cells_text(**cells: Expression | Ways) -> str:
     """Cells that are not zero as text: ``d=d1, alpha=pi/2``."""
     return ", ".join(f"{name}={pair_text(cell)}" for name, cell in cells.items() if cell != ZERO)
+
+
+class RootType(StrEnum):
+    """How the root of a tree moves."""
+
+    PLANAR = "planar"
+    FLOATING = "floating"
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,35 +308,35 @@ class Remark:
 class Description:
     """An arm or a tree as its file describes it: the DH table, the frames around it and, if given, its dynamics."""
 
-    name: str  #: ``[a-z0-9-]+``
-    title: str  #: free text; inert in every output
-    convention: Convention  #: standard or modified
-    joints: tuple[Joint, ...]  #: one row per joint, those of a root that moves first
-    #: Constant 4x4 transform from the world frame to frame 0.
+    name: str  # ``[a-z0-9-]+``
+    title: str  # free text; inert in every output
+    convention: Convention  # standard or modified
+    joints: tuple[Joint, ...]  # one row per joint, those of a root that moves first
+    # Constant 4x4 transform from the world frame to frame 0.
     base: Matrix = field(default_factory=lambda: IDENTITY)  # a factory, so that help() shows no tree
-    tool: Matrix = field(default_factory=lambda: IDENTITY)  #: constant 4x4 transform from frame n to the end effector
-    gravity: Vector | None = None  #: acceleration of gravity in the world frame [m/s^2]; None where the file gives none
-    links: tuple[Link, ...] = ()  #: one per joint, or empty when the file has no dynamics
-    #: Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
+    tool: Matrix = field(default_factory=lambda: IDENTITY)  # constant 4x4 transform from frame n to the end effector
+    gravity: Vector | None = None  # acceleration of gravity in the world frame [m/s^2]; None where the file gives none
+    links: tuple[Link, ...] = ()  # one per joint, or empty when the file has no dynamics
+    # Numbers of symbols (exact; a value may contain pi or sqrt), in the file's order.
     parameters: tuple[tuple[str, Expression], ...] = ()
-    runtime: tuple[str, ...] = ()  #: names that stay free in generated code though they have a number
-    wrench: tuple[str, ...] = ()  #: axes, "world" or "end", of a wrench that generated dynamics take as an argument
-    style: Style = field(default_factory=Style)  #: how expressions are grouped in print
-    handout: HandoutOptions = field(default_factory=HandoutOptions)  #: what the handout shows and how
-    figure: FigureOptions = field(default_factory=FigureOptions)  #: which configuration is drawn
-    inverse: InverseOptions = field(default_factory=InverseOptions)  #: what inverse kinematics is asked for
-    #: Units of plain numbers in the file; needed only for numbers that a user types beside it.
+    runtime: tuple[str, ...] = ()  # names that stay free in generated code though they have a number
+    wrench: tuple[str, ...] = ()  # axes, "world" or "end", of a wrench that generated dynamics take as an argument
+    style: Style = field(default_factory=Style)  # how expressions are grouped in print
+    handout: HandoutOptions = field(default_factory=HandoutOptions)  # what the handout shows and how
+    figure: FigureOptions = field(default_factory=FigureOptions)  # which configuration is drawn
+    inverse: InverseOptions = field(default_factory=InverseOptions)  # what inverse kinematics is asked for
+    # Units of plain numbers in the file; needed only for numbers that a user types beside it.
     units: FileUnits = FileUnits()
-    digest: str = ""  #: SHA-256 of the robot file's bytes, hexadecimal
-    source: str = ""  #: file name or catalogue name, for messages only; never written to an output
-    fixed: tuple[FixedRow, ...] = ()  #: rows without motion, in the order of the file
-    ends: tuple[End, ...] = ()  #: the ends by name; empty for one end behind the last row
-    coupled: tuple[Variable, ...] = ()  #: the variables, where some joint is coupled; else each joint has its own
-    root: Root | None = None  #: how the root moves, None where it stands; its rows are the first of ``joints``
-    loops: tuple[Loop, ...] = ()  #: in the order in which they are closed
-    #: What the file says and hardly means, such as 90 rad.
+    digest: str = ""  # SHA-256 of the robot file's bytes, hexadecimal
+    source: str = ""  # file name or catalogue name, for messages only; never written to an output
+    fixed: tuple[FixedRow, ...] = ()  # rows without motion, in the order of the file
+    ends: tuple[End, ...] = ()  # the ends by name; empty for one end behind the last row
+    coupled: tuple[Variable, ...] = ()  # the variables, where some joint is coupled; else each joint has its own
+    root: Root | None = None  # how the root moves, None where it stands; its rows are the first of ``joints``
+    loops: tuple[Loop, ...] = ()  # in the order in which they are closed
+    # What the file says and hardly means, such as 90 rad.
     remarks: tuple[Remark, ...] = field(default=(), compare=False)
-    #: Comments before the first line of the file, such as whence the robot is.
+    # Comments before the first line of the file, such as whence the robot is.
     comments: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @property

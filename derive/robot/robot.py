@@ -18,6 +18,32 @@ class Robot(Description):
     """An arm or a tree: the Denavit-Hartenberg table, the frames around it and, if given, its dynamics.
 
     `load` and `from_text` make one; it shows itself as its table. All cells are exact, in SI units and radians.
+
+    Attributes:
+        name: ``[a-z0-9-]+``.
+        title: Free text for people.
+        convention: Standard or modified.
+        joints: One row of the table per joint, those of a root that moves first.
+        base: Constant 4x4 transform from the world frame to frame 0.
+        tool: Constant 4x4 transform from frame n to the end effector.
+        gravity: Acceleration of gravity in the world frame [m/s^2]; None where the file gives none.
+        links: Masses, centres of mass, inertias, motors and friction, one per joint; empty without dynamics.
+        parameters: Symbols with their exact numbers.
+        runtime: Names that stay arguments of generated functions though they have a number.
+        wrench: Axes (world, end) of a wrench on the end effector that generated dynamics take as an argument.
+        style: How printed expressions are grouped.
+        handout: What the handout shows and how.
+        figure: Which configuration is drawn.
+        inverse: What inverse kinematics is asked for.
+        units: Units of plain numbers in the file.
+        digest: SHA-256 of the robot file's bytes, hexadecimal.
+        source: File name or catalogue name, for messages.
+        fixed: Rows without motion.
+        ends: The ends of a tree by name; empty for one end behind the last row.
+        root: How the root of a tree moves; None where it stands.
+        coupled: The variables of a table with coupled joints; else empty, and each joint has its own.
+        remarks: What the file says and hardly means, such as 90 rad, each with its place.
+        comments: Comments before the first line of the file.
     """
 
     @property

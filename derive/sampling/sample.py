@@ -137,14 +137,20 @@ def quantiles(keys: Any, counts: Any) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """What is known of a function's values."""
+    """What is known of a function's values.
 
-    shape: tuple[int, ...]  # of the function
-    number: int  # of the configurations
-    lacking: int  # how many of them have no finite value, and are left out
-    # arrays of the function's shape by ``min``, ``mean``, ``max``; ``quantiles`` has a first axis more
+    Attributes:
+        shape: Of the function.
+        number: Of the configurations.
+        lacking: How many of them have no finite value, and are left out.
+        reductions: Arrays of the function's shape by ``min``, ``mean``, ``max``; ``quantiles`` has a first axis more.
+        where: By ``min`` and ``max`` the arguments at which each entry is so, by name, (*shape, width).
+    """
+
+    shape: tuple[int, ...]
+    number: int
+    lacking: int
     reductions: Mapping[str, Array]
-    # by ``min`` and ``max`` the arguments at which each entry is so, by name, (*shape, width)
     where: Mapping[str, Mapping[str, Array]]
 
     def as_dict(self) -> dict[str, Any]:
