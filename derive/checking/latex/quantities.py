@@ -4,6 +4,7 @@ And those of the registry for angles of links that a text counts from one direct
 """
 
 import re
+from contextlib import suppress
 from itertools import combinations, product
 from typing import Any
 
@@ -65,7 +66,7 @@ class AbsoluteModel(Model):
 
     def moves(self, value: Expr) -> bool:
         """Whether a formula of the pose has joint variables that are others than the angles of the text."""
-        return any(self._meanings.get(symbol, symbol) != symbol for symbol in sympy.sympify(value).free_symbols)
+        return any(self._meanings.get(symbol, symbol) != symbol for symbol in value.free_symbols)
 
     def frame(self, i: int | str) -> Matrix:
         """DH frame i in the world."""
@@ -121,8 +122,10 @@ def force_named(word: str) -> str:
 
 
 def written(model: Model, e: Expr) -> Expr:
-    """A sum of products as the model would write it."""
-    return model.form.determinant(model.domain.constant(expression_from_sympy(e)))
+    """A sum of products as the model would write it; as it stands where it has names or angles that poses do not."""
+    with suppress(KeyError):
+        return model.form.determinant(model.domain.constant(expression_from_sympy(e)))
+    return e
 
 
 def own_quantity(model: Model, name: str) -> Expr | Matrix | None:

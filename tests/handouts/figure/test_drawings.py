@@ -10,11 +10,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from derive.api.plot import plot
 from derive.handouts.figure.arm import HEIGHT, WIDTH, arm_drawing, arm_view, branches_drawing
 from derive.handouts.figure.drawing import LABEL_HEIGHT, Drawing, Label, LabelRun, Path, label_runs, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, Paper, around
 from derive.handouts.figure.scene import arm_scene
+from derive.handouts.figure.workspace_plot import workspace_bytes
 from derive.handouts.figure.writers import PREAMBLE, drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
@@ -27,6 +27,7 @@ from derive.robot.options.handout import FigureOptions
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import chain_frames, forward_kinematics, numeric_arm
 from derive.workspace.poses import RobotPoses
+from derive.workspace.views import find_workspace
 from tests.handouts.latex_runner import overfull, run_latex
 from tests.random_robots import chains, robot_text
 from tests.rows import robot_of_rows
@@ -198,13 +199,12 @@ def test_labels_are_read_as_runs() -> None:
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_workspace_of_one_point_is_plotted_without_a_warning(tmp_path: File) -> None:
+def test_a_workspace_of_one_point_is_plotted_without_a_warning() -> None:
     pytest.importorskip("shapely")
     pytest.importorskip("matplotlib")
-    drawn = plot("dh-modified-deluca", tmp_path / "point.svg", workspace=True)
-    assert drawn.workspace is not None
-    assert all(view.reachable.region.is_empty for view in drawn.workspace.views)
-    assert drawn.path.read_bytes().startswith(b"<?xml")
+    found = find_workspace(RobotPoses(Robot.load("dh-modified-deluca")))
+    assert all(view.reachable.region.is_empty for view in found.views)
+    assert workspace_bytes(found.views, ".svg", "a point").startswith(b"<?xml")
 
 
 PLANAR_ARM = Robot.load("planar-2r-perugia")

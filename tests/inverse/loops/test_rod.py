@@ -9,6 +9,8 @@ import pytest
 
 from derive.inverse.loops.linkage import linkage, positions
 from derive.inverse.loops.parallelogram import reduced
+from derive.inverse.loops.rod import rod_graph
+from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO
 from derive.robot.load import robot_file_bytes
 from derive.robot.robot import Robot
@@ -84,3 +86,11 @@ def test_a_rod_is_written_as_it_was_read_in_the_units_of_the_file() -> None:
     assert "by: distance, length: 350" in written
     assert Robot.from_text(written).loops == robot.loops
     assert str(robot.loops[0].length.value) == "7/20"
+
+
+def test_a_joint_whose_axis_ends_the_rod_does_not_move_it() -> None:
+    arm = linkage(Robot.from_text(with_rod("four-bar")))[0].circuit.arm
+    graph = rod_graph(arm, (False, False, True))
+    assert graph is not None
+    assert graph.count == 2
+    assert rod_graph(replace(arm, tool=IDENTITY), (False, False, True)) is None
