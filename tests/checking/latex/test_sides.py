@@ -8,7 +8,7 @@ import sympy
 
 from derive.checking.latex.matrix_names import MatrixNames
 from derive.checking.latex.pieces import LatexPiece
-from derive.checking.latex.quantities import OWN, own_quantity, slope
+from derive.checking.latex.quantities import OWN, own_quantity, slope, written
 from derive.checking.latex.scope import Scope
 from derive.errors import Location
 from derive.lecture.sympy_conversion import expression_to_sympy
@@ -74,3 +74,9 @@ def test_velocities_are_what_differences_of_positions_give() -> None:
     spin = numbers(slope(ARM.robot, turn, "t"), Q) @ numbers(turn, Q).T
     assert np.allclose(numbers(own_quantity(ARM, "omega[3,0]"), Q).ravel(), [spin[2, 1], spin[0, 2], spin[1, 0]])
     assert {"twist", "omega"} <= {*OWN}
+
+
+@pytest.mark.parametrize("name", ["qd4", "T"])
+def test_names_that_poses_do_not_have_are_written_as_they_stand(name: str) -> None:
+    symbol = sympy.Symbol(name, real=True)
+    assert written(Model(Robot.load("scara-perugia")), 2 * symbol) == 2 * symbol
