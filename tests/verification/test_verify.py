@@ -103,6 +103,7 @@ links:
   - {mass: 2, com: [-0.2, 0, 0], inertia: {zz: 0.1}, motor: {mass: 0.3, inertia: 0.01, ratio: 50}}
   - {mass: m2, com: [-0.2, 0.01, 0], inertia: {xx: 0.01, yy: 0.06, zz: 0.05}, friction: {viscous: 0.5, coulomb: 0.1}}
 parameters: {a1: 0.5}
+wrench: [world, end]
 """
 
 NAMES = tuple(OF_ARMS)
