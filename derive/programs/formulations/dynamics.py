@@ -149,7 +149,7 @@ def accelerations(trace: Trace) -> Iterator[Formulation]:
             return forward_dynamics(_cheapest_inertia(trace), bias(_torque_choices(trace)[0]), trace.arguments(TAU))
 
         yield Formulation("inertia matrix and Newton-Euler, factorised without roots", _factorised)
-    yield from _articulated(trace, trace.arguments(TAU))
+    yield from _articulated(trace)
 
 
 def accelerations_under_wrench(frame: str, trace: Trace) -> Iterator[Formulation]:
@@ -165,11 +165,11 @@ def accelerations_under_wrench(frame: str, trace: Trace) -> Iterator[Formulation
     yield from _articulated(trace, pushed)
 
 
-def _articulated(trace: Trace, torques: Sequence[Value]) -> Iterator[Formulation]:
-    """Accelerations of arms with many joints."""
+def _articulated(trace: Trace, torques: Sequence[Value] | None = None) -> Iterator[Formulation]:
+    """Accelerations of arms with many joints; the torques are the given ones, or those that a wrench adds to."""
     if trace.n >= POLICY.fewest_articulated:
         friction = trace.with_friction(trace.zeros())
-        push = [torque - loss for torque, loss in zip(torques, friction, strict=True)]
+        push = [torque - loss for torque, loss in zip(torques or trace.arguments(TAU), friction, strict=True)]
         yield from _searched(
             trace,
             "articulated",
