@@ -26,6 +26,10 @@ _OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_mar
 _OF_ENDS: dict[str, Any] = {"margin": POLICY.kinematics_margin, "of_end": True}
 
 
+# Axes of a wrench, what the names of their functions end in, and the axes in words.
+_WRENCHES = ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
+
+
 def _has_regressor(robot: Robot) -> bool:
     return robot.has_dynamics and has_regressor(robot)
 
@@ -256,7 +260,7 @@ ROWS = (
     ),
     *(
         row
-        for frame, suffix, axes in ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
+        for frame, suffix, axes in _WRENCHES
         for row in (
             _row(
                 (f"tau_h = wrench_torques{suffix}(q, h)", ("n",)),
@@ -292,7 +296,7 @@ ROWS = (
     ),
     *(
         row
-        for frame, suffix, axes in ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
+        for frame, suffix, axes in _WRENCHES
         for row in (
             _row(
                 (f"tau = inverse_dynamics_wrench{suffix}(q, qd, qdd, h)", ("n",)),

@@ -328,8 +328,9 @@ def _check_symbols(document: Document, cells: Cells, robot: Description) -> None
 
 def _check_wrench(document: Document, robot: Description) -> None:
     """Functions under a wrench need bodies, and one end effector that no loop holds."""
-    if len(set(robot.wrench)) < len(robot.wrench):
-        raise document.error(("wrench", 1), f"'{robot.wrench[0]}' twice", remedy="remove one")
+    for index, axes in enumerate(robot.wrench):
+        if axes in robot.wrench[:index]:
+            raise document.error(("wrench", index), f"'{axes}' twice", remedy="remove one")
     if robot.wrench and (robot.is_tree or not robot.links):
         lacks, remedy = ("one chain of joints", "remove it; wrench_torques_END is there for each end")
         if not robot.links:

@@ -21,23 +21,58 @@ USUAL_PARTS = tuple(part for part in PARTS if part != "conversion")
 
 MOST_PAGES = 9999  # largest number of pages that can be asked for
 
-# Kinds of choices; what they are is in the JSON Schema, too.
-Derivation = StrEnum("Derivation", {"RESULT": "result", "STEPS": "steps"})
-Derivation.__doc__ = "Whether the handout shows how a result is found."
-AngleLetter = StrEnum("AngleLetter", {"NAME": "name", "THETA": "theta", "VARTHETA": "vartheta", "Q": "q"})
-AngleLetter.__doc__ = "How the variable of a revolute joint is written."
-SliderLetter = StrEnum("SliderLetter", {"NAME": "name", "D": "d", "Q": "q"})
-SliderLetter.__doc__ = "How the variable of a prismatic joint is written."
-Functions = StrEnum("Functions", {"SHORT": "short", "FULL": "full"})
-Functions.__doc__ = r"Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."
-FrameIndices = StrEnum("FrameIndices", {"RIGHT": "right", "LEFT": "left"})
-FrameIndices.__doc__ = "Where the frames of a transform are written: A_1^0, or {}^0A_1."
-InertiaLetter = StrEnum("InertiaLetter", {"B": "B", "M": "M", "D": "D"})
-InertiaLetter.__doc__ = "Letter of the inertia matrix."
-PoseEntries = StrEnum("PoseEntries", {"ENTRIES": "entries", "COLUMNS": "columns"})
-PoseEntries.__doc__ = (
-    "How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x."
-)
+
+class Derivation(StrEnum):
+    """Whether the handout shows how a result is found."""
+
+    RESULT = "result"
+    STEPS = "steps"
+
+
+class AngleLetter(StrEnum):
+    """How the variable of a revolute joint is written."""
+
+    NAME = "name"
+    THETA = "theta"
+    VARTHETA = "vartheta"
+    Q = "q"
+
+
+class SliderLetter(StrEnum):
+    """How the variable of a prismatic joint is written."""
+
+    NAME = "name"
+    D = "d"
+    Q = "q"
+
+
+class Functions(StrEnum):
+    r"""Whether sine and cosine are written short, c_{12}, or in full, \cos(q_1 + q_2)."""
+
+    SHORT = "short"
+    FULL = "full"
+
+
+class FrameIndices(StrEnum):
+    """Where the frames of a transform are written: A_1^0, or {}^0A_1."""
+
+    RIGHT = "right"
+    LEFT = "left"
+
+
+class InertiaLetter(StrEnum):
+    """Letter of the inertia matrix."""
+
+    B = "B"
+    M = "M"
+    D = "D"
+
+
+class PoseEntries(StrEnum):
+    r"""How the rotation of a given pose is written: r_{13}, or the columns n, s, a by their components, a_x."""
+
+    ENTRIES = "entries"
+    COLUMNS = "columns"
 
 
 @dataclass(frozen=True, slots=True)

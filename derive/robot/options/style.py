@@ -11,29 +11,12 @@ from derive.errors import QuantityError, listed, near_miss, quoted
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
-# Kinds of choices; what they are is in the JSON Schema, too.
 
-# Sums of parallel axes that point the same way, c12 and s123, or those of antiparallel axes too, cos(q1 + q2 - q4).
-Contraction = StrEnum("Contraction", {"ALIGNED": "aligned", "OPPOSED": "opposed"})
-Contraction.__doc__ = "Which sums of joint angles are contracted."
-# m3*(a2*c2 + l3*c23)**2, or m3*(a2**2*c2**2 + 2*a2*l3*c2*c23 + l3**2*c23**2).
-Products = StrEnum("Products", {"KEPT": "kept", "EXPANDED": "expanded"})
-Products.__doc__ = "Whether the coefficient of a body that is a product of sums stays one."
-# None, m3*(a2*l3*c2*s23 + l3**2*c23*s23), functions of q, m3*s23*(a2*l3*c2 + l3**2*c23), or lengths too,
-# m3*l3*s23*(a2*c2 + l3*c23); of an entry by geometry, those of the whole.
-CommonFactors = StrEnum("CommonFactors", {"NONE": "none", "FUNCTIONS": "functions", "ALL": "all"})
-CommonFactors.__doc__ = "Which common factors are taken out of the bracket of a body."
-# In front of each bracket, m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12), in every term, (m1*g*l1 + m2*g*a1)*c1 + m2*g*l2*c12, or
-# in front of the whole, g*((m1*l1 + m2*a1)*c1 + m2*l2*c12).
-GravityPlace = StrEnum("GravityPlace", {"BRACKET": "bracket", "TERM": "term", "OUTSIDE": "outside"})
-GravityPlace.__doc__ = "Where the acceleration of gravity stands."
-# By the entries of B, 1/2*B11*qd1**2 + B12*qd1*qd2 + 1/2*B22*qd2**2, or by bodies,
-# 1/2*m1*l1**2*qd1**2 + 1/2*m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...).
-Kinetic = StrEnum("Kinetic", {"MATRIX": "matrix", "BODY": "body"})
-Kinetic.__doc__ = "How the kinetic energy is written."
-# All sums, m2*(l2**2 + a1*l2*c2) + I2, or those of three terms or more: m2*l2**2 + m2*a1*l2*c2 + I2.
-Brackets = StrEnum("Brackets", {"ALL": "all", "LONG": "long"})
-Brackets.__doc__ = "Which bodies' coefficients stand in brackets, apart from torques of gravity, where all do."
+class Contraction(StrEnum):
+    """Which sums of joint angles are contracted."""
+
+    ALIGNED = "aligned"  # those of parallel axes that point the same way: c12, s123
+    OPPOSED = "opposed"  # those of antiparallel axes too: cos(q1 + q2 - q4)
 
 
 def choice_named(kind: type[Choice], name: str, title: str = "") -> Choice:
@@ -98,6 +81,36 @@ class Grouping(StrEnum):
     EXPANDED = "expanded"  # nothing: a sum of products
 
 
+class Products(StrEnum):
+    """Whether the coefficient of a body that is a product of sums stays one."""
+
+    KEPT = "kept"  # m3*(a2*c2 + l3*c23)**2
+    EXPANDED = "expanded"  # m3*(a2**2*c2**2 + 2*a2*l3*c2*c23 + l3**2*c23**2)
+
+
+class CommonFactors(StrEnum):
+    """Which common factors are taken out of the bracket of a body."""
+
+    NONE = "none"  # none: m3*(a2*l3*c2*s23 + l3**2*c23*s23)
+    FUNCTIONS = "functions"  # functions of q: m3*s23*(a2*l3*c2 + l3**2*c23)
+    ALL = "all"  # lengths too: m3*l3*s23*(a2*c2 + l3*c23); of an entry by geometry, those of the whole
+
+
+class GravityPlace(StrEnum):
+    """Where the acceleration of gravity stands."""
+
+    BRACKET = "bracket"  # in front of each bracket: m1*g*l1*c1 + m2*g*(a1*c1 + l2*c12)
+    TERM = "term"  # in every term: (m1*g*l1 + m2*g*a1)*c1 + m2*g*l2*c12
+    OUTSIDE = "outside"  # in front of the whole: g*((m1*l1 + m2*a1)*c1 + m2*l2*c12)
+
+
+class Kinetic(StrEnum):
+    """How the kinetic energy is written."""
+
+    MATRIX = "matrix"  # by the entries of B: 1/2*B11*qd1**2 + B12*qd1*qd2 + 1/2*B22*qd2**2
+    BODY = "body"  # by bodies: 1/2*m1*l1**2*qd1**2 + 1/2*m2*(a1**2*qd1**2 + l2**2*(qd1 + qd2)**2 + ...)
+
+
 class Rates(StrEnum):
     """How velocities and accelerations are collected."""
 
@@ -109,6 +122,13 @@ class Rates(StrEnum):
     # the same, in each bracket every product of rates with its masses: a1*l2*c2*((m2 + 2*m3)*qdd1 + (m2/2 + m3)*qdd2)
     GEOMETRY = "geometry"
     EXPANDED = "expanded"  # multiplied out
+
+
+class Brackets(StrEnum):
+    """Which bodies' coefficients stand in brackets, apart from torques of gravity, where all do."""
+
+    ALL = "all"  # all sums: m2*(l2**2 + a1*l2*c2) + I2
+    LONG = "long"  # sums of three terms or more: m2*l2**2 + m2*a1*l2*c2 + I2, but m2*(a1**2 + l2**2 + 2*a1*l2*c2)
 
 
 @dataclass(frozen=True, slots=True)
