@@ -75,6 +75,6 @@ def test_names_that_no_robot_may_have_are_refused() -> None:
         for make in (new_robot_text, lambda name: copied_robot_text(name, "scara-perugia")):
             with pytest.raises(RobotFileError, match=r"not a robot name|Python package"):
                 make(name)
-    for joints in (0, -1, 65):
-        with pytest.raises(RobotFileError, match="allowed: 1 to 64"):
+    for joints in (0, -1, 257):
+        with pytest.raises(RobotFileError, match="allowed: 1 to 256"):
             new_robot_text("my-arm", joints)

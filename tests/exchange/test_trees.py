@@ -301,7 +301,7 @@ def test_joints_that_follow_others_are_coupled(root: str) -> None:
         ([J(type="fixed")], "", "no joint moves"),
         ([J(), J(link="l1b"), J(link="l1", parent="l1b")], "", "hangs on two joints|a second link"),
         ([J()], "flying", "--root 'flying'; allowed: planar, floating"),
-        ([J()] * 65, "", "65 rows"),
+        ([J()] * 257, "", "257 rows"),
     ],
 )
 def test_what_is_no_tree_of_rows_is_refused_by_name(joints: list[J], root: str, found: str) -> None:

@@ -204,7 +204,7 @@ def test_contradictory_rows_are_refused_at_their_line(rows: tuple[str, ...], wor
         arm(*rows)
 
 
-def test_sixty_four_joints_load_and_sixty_five_do_not() -> None:
-    assert arm(*["{type: revolute}"] * FILE_LIMITS.joints).n == 64
-    with pytest.raises(RobotFileError, match="65 rows"):
-        arm(*["{type: revolute}"] * 65)
+def test_as_many_joints_load_as_are_allowed_and_no_more() -> None:
+    assert arm(*["{type: revolute}"] * FILE_LIMITS.joints).n == 256
+    with pytest.raises(RobotFileError, match="257 rows"):
+        arm(*["{type: revolute}"] * 257)
