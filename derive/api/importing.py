@@ -57,7 +57,8 @@ def import_tree(
         file: Path of a URDF, a .xacro file or an MJCF, or the contents of a URDF or an MJCF.
         root: ``planar`` or ``floating``: how the link moves on which all hang; None where it stands, or is free in an
             MJCF.
-        ends: Links that are ends; without them those behind the last joints of limbs, at most twelve.
+        ends: Links that are ends; without them those behind the last joints of limbs, at most twelve. Of several robots
+            in an MJCF that is taken which has them, else the one with most motors.
         options: ``convention``, ``snap``, ``name``, ``packages``, ``arguments``, ``folder``, as of `import_urdf`.
 
     Returns:
@@ -71,7 +72,7 @@ def import_tree(
     path = Path(file) if not isinstance(file, bytes) else None
     data = file if isinstance(file, bytes) else file_bytes(path, MOST_BYTES) if path and path.is_file() else b""
     if IS_MJCF.match(data):
-        urdf, digest = read_mjcf(data, str(path or "<stdin>"), path), sha256(data).hexdigest()
+        urdf, digest = read_mjcf(data, str(path or "<stdin>"), path, ends), sha256(data).hexdigest()
     else:
         urdf, source = _found(file, wanted)
         digest = source.sha256

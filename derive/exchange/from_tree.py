@@ -14,7 +14,7 @@ from derive.exchange.closures import closed, joins, turn_to, variable_of
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
 from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
-from derive.exchange.reading.elements import MOVING, Origin, Urdf, UrdfJoint, free_name
+from derive.exchange.reading.elements import MOVING, ZEROS, Origin, Urdf, UrdfJoint, free_name
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
 from derive.mechanics.space import WORLD, Line, exactly
 from derive.robot import description
@@ -222,8 +222,10 @@ class _Tree:
         """The body of a link that no joint drives."""
         if not self._has_bodies:
             return None
-        found = link_of(self._axis(self.joints[0], link), WORLD, self.snap)
-        return Link(found.mass, found.com, found.inertia)
+        if (body := self.urdf.bodies[link]) is None:
+            return Link()
+        still = UrdfJoint(link, "fixed", "", link, Origin(), ZEROS, body.location)
+        return link_of(self._axis(still, link), WORLD, self.snap)
 
     def _moved(self, link: str) -> bool:
         return bool(self.root) or self._carriers[link] != self._base

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import derive
 from derive.errors import DeriveError
 from derive.exchange.file_tree import FileTree, agreement
 from derive.exchange.formats import exported
@@ -186,6 +187,7 @@ ROBOTS = {
         *limbs(("left", "right"), *LEG, FOOT),
         J("0 0 0.5", "0.2 0 0", "0 -1 0", name="neck", link="head-1", parent="trunk", inertial=STONE),
     ],
+    "millipede": limbs([f"leg{k}" for k in range(24)], *LEG, FOOT),
 }
 
 
@@ -349,6 +351,37 @@ def test_joints_of_an_mjcf_follow_others_from_where_the_file_has_them() -> None:
     assert abs(step.offset - Fraction(1, 4)) < 1e-14
 
 
+BESIDE = """<worldbody><body name="door" pos="50 0 0"><joint/><joint axis="1 0 0"/><joint axis="0 1 0"/><geom size="1"/>
+<body><joint/><geom size="1"/></body></body><body name="hand" mocap="true"/><body name="box" pos="0 50 0"><freejoint/>
+<geom size="1"/><body name="lid"><joint/><geom size="1"/></body></body></worldbody>
+<actuator><motor joint="flap"/></actuator>"""
+HELD = """<tendon><fixed name="rope" stiffness="3"><joint joint="flap" coef="1"/><joint joint="step" coef="2"/></fixed>
+</tendon><equality><tendon name="knot" tendon1="rope"/><weld name="grip" body1="shell" body2="hand"/></equality>"""
+BOX = """<mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="1 2 3" mass="6"/></body></worldbody>
+</mujoco>"""
+
+
+def test_of_several_robots_in_an_mjcf_that_with_most_motors_is_taken_and_what_is_left_out_is_named() -> None:
+    text, scene = (MJCF.format(kind="hinge", walls="", more=more) for more in (BESIDE, BESIDE + HELD))
+    made = derive.import_tree(scene.encode())
+    assert [note for note in made.notes if note.startswith("not read")] == [
+        "not read: bodies that move beside the robot: door, hand, box",
+        "not read: tendons that act on joints: rope",
+        "not read: equalities of tendons or flexes: knot",
+        "not read: equalities to what is left out, or moved from outside: grip",
+    ]
+    still = replace(made.robot, links=tuple(replace(link, viscous=ZERO, coulomb=ZERO) for link in made.robot.links))
+    text = text.replace('range="0 50"', "").replace('frictionloss="0.2"', "").replace('damping="0.5"', "")
+    assert worst(still, mujocos(text, list(made.joints), ["tip", "leg"], True), ["tip", "leg"]) < 1e-10
+    assert derive.import_tree(scene.encode(), ends=["lid"]).joints == ("joint9",)
+    assert len(derive.import_tree(scene.encode(), ends=["door"]).joints) == 4
+
+
+def test_a_free_body_without_joints_is_a_floating_root() -> None:
+    made = derive.import_tree(BOX.encode())
+    assert worst(made.robot, mujocos(BOX, [], ["box"], True), ["box"]) < 1e-10
+
+
 @pytest.mark.parametrize(
     ("change", "found"),
     [
@@ -357,7 +390,6 @@ def test_joints_of_an_mjcf_follow_others_from_where_the_file_has_them() -> None:
             {"more": '<equality><joint name="tie" joint1="flap" joint2="slip" polycoef="0 1 2 0 0"/></equality>'},
             "equality 'tie'",
         ),
-        ({"walls": "<body><joint/><geom size='1'/></body>"}, "is free, and other bodies move beside it"),
         ({"more": "<what/>"}, "MuJoCo: XML Error"),
     ],
 )

@@ -158,6 +158,7 @@ def test_what_could_change_the_arm_and_is_not_known_is_refused(old: str, new: st
         ('velocity="2"', 'velocity="2" jerk="9" x:a="1" xmlns:x="u"', "not read: jerk of limit, {u}a of limit"),
         ('<link name="l2">', '<link name="l2" type="arm"><origin/><visual/>', "not read: type of link, origin, visual"),
         ('name="arm"', "", "a robot without a name"),
+        ('<axis xyz="0 1', 'the axis: <axis xyz="0 1', "not read: the axis: of joint"),
         ('<robot name="arm">', '<robot name="arm"><x:origin xmlns:x="u"/>', "not read: {u}origin"),
         ('effort="80"', 'effort="-1"', "j1: effort of 0 or less is taken as none"),
     ],

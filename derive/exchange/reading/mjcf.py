@@ -1,7 +1,7 @@
 """MJCF files, as MuJoCo compiles them: defaults, included files, and the masses of what has only a shape."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from derive.errors import Location, RobotFileError, TargetError, quoted
-from derive.exchange.arm import frame_at
+from derive.exchange.arm import frame_at, some
 from derive.exchange.reading.elements import ZEROS, Held, Origin, Triple, Urdf, UrdfBody, UrdfJoint
 from derive.exchange.reading.urdf import DIGITS, angles_of
 from derive.mechanics.space import decimal, exactly, vector
@@ -19,12 +19,15 @@ from derive.mechanics.vectors import scale, subtract
 # What may stand before the outermost element is passed once, without a second try: files have many comments.
 IS_MJCF = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<mujoco\b", re.DOTALL)
 EARTH: Triple = (*ZEROS[:2], Fraction("-9.81"))  # what gravity is where a file says nothing [m/s^2]
+ACTS = ("armature", "damping", "stiffness", "frictionloss")  # by which a tendon acts on joints
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # the quaternion of no rotation
-LOOPS = "give a tree of hinges and slides, which follow each other by equality joint alone"
 
 
-def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
-    """Read an MJCF as links and joints; a body with several joints has links without mass between them."""
+def read_mjcf(data: bytes, source: str, path: Path | None = None, ends: Collection[str] = ()) -> Urdf:
+    """Read an MJCF as links and joints, of several robots that which has the ends or else most motors.
+
+    A body with several joints has links without mass between them.
+    """
     try:
         import mujoco
     except ImportError:
@@ -35,50 +38,74 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None) -> Urdf:
     except ValueError as error:
         said = quoted(" ".join(str(error).split()), 200)[1:-1]
         raise RobotFileError(f"MuJoCo: {said}", remedy="correct the file", location=Location(source)) from None
-    reader = _Reader(mujoco, model, Location(source))
-    reader.refuse_loops()
-    bodies: dict[str, UrdfBody | None] = {reader.name("body", 0): None}
+    reader = _Reader(mujoco, model, Location(source), ends)
+    reader.refuse_others()
+    top = reader.top
+    base = reader.name("body", top)
+    bodies: dict[str, UrdfBody | None] = {base: reader.body(top, ZEROS) if top else None}
     joints: list[UrdfJoint] = []
-    free = [k for k in range(model.njnt) if model.jnt_type[k] == int(mujoco.mjtJoint.mjJNT_FREE)]
-    top = int(model.jnt_bodyid[free[0]]) if free else 0
-    others = [k for k in range(1, model.nbody) if model.body_rootid[k] not in (0, top) and top]
-    if len(free) > 1 or any(model.body_weldid[k] for k in others):
-        found = f"joint {quoted(reader.name('joint', free[0]))} is free, and other bodies move beside it"
-        raise reader.refused(found, "remove all bodies but those of one robot")
-    if free:
-        bodies = {reader.name("body", top): reader.body(top, ZEROS)}
     with exactly(model.nbody):
         offsets = {0: ZEROS, top: ZEROS}  # of the origin of a link in its body's frame
-        for k in range(1, model.nbody):
-            if k != top and k not in others:
-                for joint, offset in reader.joints(k, offsets[int(model.body_parentid[k])]):
-                    joints.append(joint)
-                    bodies[joint.child], offsets[k] = None, offset
-                bodies[reader.name("body", k)] = reader.body(k, offsets[k])
-    name, moves = model.names.split(b"\0", 1)[0].decode(), "floating" if free else ""
+        for k in sorted(reader.own - {top}):
+            for joint, offset in reader.joints(k, offsets[int(model.body_parentid[k])]):
+                joints.append(joint)
+                bodies[joint.child], offsets[k] = None, offset
+            bodies[reader.name("body", k)] = reader.body(k, offsets[k])
+    name, moves = model.names.split(b"\0", 1)[0].decode(), "floating" if top else ""
     gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
-    springs = [reader.name("joint", k) for k in range(model.njnt) if model.jnt_stiffness[k]]
-    loose = [reader.name("equality", k) for k in range(model.neq) if k not in reader.active]
-    passed = {"springs are not read: joint": springs, "equalities that are not active are not read:": loose}
-    notes = tuple(f"{words} {', '.join(names)}" for words, names in passed.items() if names)
     held, postures = tuple(reader.closures(offsets)), tuple(reader.postures())
-    return Urdf(
-        name, bodies, tuple(joints), notes, (), source, "", gravity, held, reader.driven(), postures, root=moves
-    )
+    notes, driven = tuple(reader.notes()), reader.driven()
+    return Urdf(name, bodies, tuple(joints), notes, (), source, "", gravity, held, driven, postures, root=moves)
 
 
 class _Reader:
-    def __init__(self, mujoco: Any, model: Any, place: Location) -> None:
+    def __init__(self, mujoco: Any, model: Any, place: Location, ends: Collection[str]) -> None:
         self._mujoco, self._model, self._place = mujoco, model, place
         kinds = mujoco.mjtJoint
         self._closing = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
         on_joint, places = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT), model.actuator_trnid
         self._motors = [(k, int(places[k][0])) for k in range(model.nu) if on_joint[k]]  # with their joints
+        self.top, self.own = self._robot(ends)
+        self._joints = [j for j in range(model.njnt) if model.jnt_bodyid[j] in self.own]
+        self.active = [k for k in range(model.neq) if not self._passed(k)]
 
-    @property
-    def active(self) -> list[int]:
-        return [k for k in range(self._model.neq) if self._model.eq_active0[k]]
+    def _robot(self, ends: Collection[str]) -> tuple[int, frozenset[int]]:
+        """The body that is free, 0 where none is, and all of the robot: that of the ends, most motors, most joints."""
+        model = self._model
+        free = model.jnt_bodyid[model.jnt_type == self._free]
+        tops = np.where(np.isin(model.body_rootid, free), model.body_rootid, 0)
+        at, motors = tops[model.jnt_bodyid], np.unique([joint for _, joint in self._motors]).astype(int)
+        named = tops[[k for k in range(model.nbody) if self.name("body", k) in ends]]
+        top = max(np.unique(tops), key=lambda top: [np.sum(each == top) for each in (named, at[motors], at)])
+        return int(top), frozenset(np.flatnonzero(tops == top).tolist())
+
+    def _passed(self, k: int) -> str:
+        """Which kind of equality is not read; empty of one between joints or bodies of the robot."""
+        model, kinds = self._model, self._mujoco.mjtObj
+        if not model.eq_active0[k]:
+            return "equalities that are not active"
+        if model.eq_type[k] not in (*self._closing, int(self._mujoco.mjtEq.mjEQ_JOINT)):
+            return "equalities of tendons or flexes"
+        of = {int(kinds.mjOBJ_JOINT): model.jnt_bodyid, int(kinds.mjOBJ_SITE): model.site_bodyid}
+        bodies = of.get(int(model.eq_objtype[k]), range(model.nbody))
+        held = [int(bodies[i]) for i in (model.eq_obj1id[k], model.eq_obj2id[k]) if i >= 0]
+        beside = any(body not in self.own or model.body_mocapid[body] >= 0 for body in held)
+        return "equalities to what is left out, or moved from outside" if beside else ""
+
+    def notes(self) -> Iterator[str]:
+        """What of the file is not read, by name."""
+        model, found = self._model, dict[str, list[str]]()
+        beside = [k for k in range(1, model.nbody) if model.body_weldid[k] == k and k not in self.own]
+        acting = [k for k in range(model.ntendon) if any(getattr(model, f"tendon_{key}")[k] for key in ACTS)]
+        for words, kind, ids in (
+            ("bodies that move beside the robot", "body", sorted({int(model.body_rootid[k]) for k in beside})),
+            ("springs of joints", "joint", [j for j in self._joints if model.jnt_stiffness[j]]),
+            ("tendons that act on joints", "tendon", acting),
+            *((self._passed(k), "equality", [k]) for k in range(model.neq) if k not in self.active),
+        ):
+            found.setdefault(words, []).extend(self.name(kind, k) for k in ids)
+        return (f"not read: {words}: {some(names)}" for words, names in found.items() if names)
 
     def refused(self, found: str, remedy: str) -> RobotFileError:
         return RobotFileError(found, remedy=remedy, location=self._place)
@@ -87,30 +114,24 @@ class _Reader:
         kinds = self._mujoco.mjtObj
         return str(self._mujoco.mj_id2name(self._model, getattr(kinds, f"mjOBJ_{kind.upper()}"), k) or f"{kind}{k}")
 
-    def refuse_loops(self) -> None:
-        """Refuse what ties joints together, and joints with several variables that are not the root's."""
+    def refuse_others(self) -> None:
+        """Refuse joints that follow others otherwise than linearly, and those with several variables."""
         model, seen = self._model, set()
-        for k in self.active:
+        for k in (k for k in self.active if model.eq_type[k] not in self._closing):
             found = f"equality {quoted(self.name('equality', k))}"
-            if model.eq_type[k] in self._closing:
-                continue
-            if model.eq_type[k] != self._mujoco.mjtEq.mjEQ_JOINT:
-                raise self.refused(f"{found} is neither of joints nor connect or weld", LOOPS)
             if model.eq_obj2id[k] < 0 or not model.eq_data[k][1] or any(model.eq_data[k][2:5]):
                 allowed = "write polycoef with two coefficients, the second not 0, and joint2"
                 raise self.refused(f"{found}: a joint that is no linear function of another one", allowed)
             if int(model.eq_obj1id[k]) in seen:
                 raise self.refused(f"{found}: {self.name('joint', model.eq_obj1id[k])} has one already", "remove one")
             seen.add(int(model.eq_obj1id[k]))
-        for k in range(model.njnt):
-            kind = model.jnt_type[k]
-            is_root = kind == self._free and model.body_parentid[model.jnt_bodyid[k]] == 0
-            if kind not in (self._turns, self._slides) and not is_root:
-                found = f"joint {quoted(self.name('joint', k))} is {'free' if kind == self._free else 'a ball'}"
-                raise self.refused(found, LOOPS)
-        for k in range(model.ntendon):
-            if any(getattr(model, f"tendon_{key}")[k] for key in ("armature", "damping", "stiffness", "frictionloss")):
-                raise self.refused(f"tendon {quoted(self.name('tendon', k))} acts on several joints", LOOPS)
+        for j in self._joints:
+            if model.jnt_type[j] not in (
+                self._turns,
+                self._slides,
+                self._free,
+            ):  # MuJoCo has free ones at the root alone
+                raise self.refused(f"joint {quoted(self.name('joint', j))} is a ball", "write hinges or slides")
 
     def closures(self, offsets: Mapping[int, Triple]) -> Iterator[Held]:
         """What closes loops: points on two bodies, or frames."""
@@ -130,7 +151,7 @@ class _Reader:
     def postures(self) -> Iterator[Mapping[str, float]]:
         """Positions of joints where the file begins, and in its keyframes."""
         model = self._model
-        moving = [j for j in range(model.njnt) if model.jnt_type[j] != self._free]
+        moving = [j for j in self._joints if model.jnt_type[j] != self._free]
         for values in (model.qpos0, *model.key_qpos):
             yield {self.name("joint", j): float(values[model.jnt_qposadr[j]]) for j in moving}
 

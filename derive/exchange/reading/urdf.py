@@ -338,7 +338,7 @@ class _UrdfReader:
             # Whether it could say where something is or what it weighs; no name of a namespace and no label does.
             harmless = ":" in name or "{" in name or name in ("name", "id", "comment") or (tag, name) == PASSED
             meant = WORDS.search(name.lower()) or difflib.get_close_matches(name.lower(), SHAPING, 1, 0.8)
-            if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and meant)):
+            if not harmless and (tag in SHAPING or (tag in ("robot", "link", "joint") and known and meant)):
                 remedy = near_miss(name, known) or "correct it, or leave it out where it changes nothing"
                 found, allowed = f"{tag}: {quoted(name)} is not known, and could change the arm", ", ".join(known)
                 raise self.refused(element, found, remedy, allowed and f"allowed: {allowed}")
