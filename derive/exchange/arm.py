@@ -115,16 +115,11 @@ def frame_at(origin: Origin, snap: Fraction) -> Frame:
     return Frame(vector(origin.xyz), x, y, z)
 
 
-def tips(urdf: Urdf) -> tuple[str, ...]:
-    """Names of the links that carry no other, in the order of the file."""
-    parents = {joint.parent for joint in urdf.joints}
-    return tuple(name for name in urdf.bodies if name not in parents)
-
-
 def moving_tips(urdf: Urdf) -> tuple[str, ...]:
-    """Those of `tips` between which and the root some joint is not fixed."""
-    carrying = carrying_joints(urdf)
-    return tuple(tip for tip in tips(urdf) if any(joint.type != "fixed" for joint in _ancestry(carrying, tip)))
+    """Names of the links that carry no other, with a joint between them and the root that is not fixed."""
+    carrying, parents = carrying_joints(urdf), {joint.parent for joint in urdf.joints}
+    ways = ((link, _ancestry(carrying, link)) for link in urdf.bodies if link not in parents)
+    return tuple(link for link, way in ways if any(joint.type != "fixed" for joint in way))
 
 
 def carrying_joints(urdf: Urdf) -> dict[str, UrdfJoint]:
@@ -163,9 +158,8 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
     carrying = carrying_joints(urdf)
     if tip is None:
         ends = moving_tips(urdf)
-        if not tips(urdf):
-            _ancestry(carrying, next(iter(urdf.bodies)))  # raises: every link carries another
         if not ends:
+            _ancestry(carrying, next(iter(urdf.bodies)))  # raises where every link carries another
             raise RobotFileError(f"{urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(ends) > 1:
             found = f"{urdf.source}: the URDF has {len(ends)} end links: {some(ends)}"

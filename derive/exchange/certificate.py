@@ -109,19 +109,10 @@ def ball(cell: Expression, known: Mapping[str, Real] | None = None) -> Real:
 def motions(row: Joint | FixedRow, known: Mapping[str, Real] | None = None) -> tuple[Frame, Frame]:
     """Rot(z, theta) Trans(z, d) and Trans(x, a) Rot(x, alpha) of a row."""
     theta, d, a, alpha = (ball(cell, known) for cell in (row.theta, row.d, row.a, row.alpha))
-    return along_z(theta, d), along_x(a, alpha)
-
-
-def along_z(theta: Real, d: Real) -> Frame:
-    """Rot(z, theta) Trans(z, d)."""
-    c, s, zero, one = theta.cos(), theta.sin(), arb(0), arb(1)
-    return Frame((zero, zero, d), (c, s, zero), (-s, c, zero), (zero, zero, one))
-
-
-def along_x(a: Real, alpha: Real) -> Frame:
-    """Trans(x, a) Rot(x, alpha)."""
-    c, s, zero, one = alpha.cos(), alpha.sin(), arb(0), arb(1)
-    return Frame((a, zero, zero), (one, zero, zero), (zero, c, s), (zero, -s, c))
+    (ct, st), (ca, sa) = ((angle.cos(), angle.sin()) for angle in (theta, alpha))
+    zero, one = arb(0), arb(1)
+    along = Frame((zero, zero, d), (ct, st, zero), (-st, ct, zero), (zero, zero, one))
+    return along, Frame((a, zero, zero), (one, zero, zero), (zero, ca, sa), (zero, -sa, ca))
 
 
 def frame_of(matrix: Matrix, known: Mapping[str, Real] | None = None) -> Frame:

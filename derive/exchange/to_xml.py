@@ -74,7 +74,8 @@ def _elements(arm: BodyChain) -> tuple[list[dict[str, Any]], list[dict[str, Any]
         name = names[segment.joint.label]
         placed = replace(segment, origin=_inside(segment.after, segment.origin))
         joints.append(_joint(placed, parents[segment.after], name) | {"mimic": _mimic(arm, segment.joint.label)})
-        links.append(_link(name, segment, radius))
+        inertial = segment.body and _weighed(segment.body.moved(segment.dh))  # in the frame of the joint
+        links.append({"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)})
     last = joints[-1]["child"]
     for parent, name, frame in () if arm.parts else ((last, "flange", arm.segments[-1].dh), ("flange", TIP, arm.tool)):
         joints.append(_fixed(free_name(f"{name}-joint", names), parent, name, frame))
@@ -88,12 +89,6 @@ def _elements(arm: BodyChain) -> tuple[list[dict[str, Any]], list[dict[str, Any]
         inertial = _weighed(part.body) if part.body else None
         links.append({"name": name, "is_frame": inertial is None, "inertial": inertial, "rod": None})
     return links, joints
-
-
-def _link(name: str, segment: ChainSegment, radius: float) -> dict[str, Any]:
-    # What moves with a joint, in the joint's frame.
-    inertial = None if segment.body is None else _weighed(segment.body.moved(segment.dh))
-    return {"name": name, "is_frame": False, "inertial": inertial, "rod": rod(segment.end, radius)}
 
 
 def _weighed(body: RigidBody) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.arm import arm_of, tips
+from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import certify
 from derive.exchange.common_normals import place
 from derive.exchange.formats import exported
@@ -34,7 +34,7 @@ def read(*joints: J) -> Urdf:
 
 def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
     tree = read(J(link="left"), J(link="right", parent="l0"))
-    assert tips(tree) == ("left", "right")
+    assert moving_tips(tree) == ("left", "right")
     with exactly(), pytest.raises(RobotFileError, match="left, right"):
         arm_of(tree, None, None, SNAP)
     with exactly():

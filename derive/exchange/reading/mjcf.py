@@ -40,10 +40,8 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None, ends: Collecti
         raise RobotFileError(f"MuJoCo: {said}", remedy="correct the file", location=Location(source)) from None
     reader = _Reader(mujoco, model, Location(source), ends)
     reader.refuse_others()
-    top = reader.top
-    base = reader.name("body", top)
-    bodies: dict[str, UrdfBody | None] = {base: reader.body(top, ZEROS) if top else None}
-    joints: list[UrdfJoint] = []
+    joints, top = list[UrdfJoint](), reader.top
+    bodies = {reader.name("body", top): reader.body(top, ZEROS) if top else None}
     with exactly(model.nbody):
         offsets = {0: ZEROS, top: ZEROS}  # of the origin of a link in its body's frame
         for k in sorted(reader.own - {top}):
@@ -54,7 +52,7 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None, ends: Collecti
     name, moves = model.names.split(b"\0", 1)[0].decode(), "floating" if top else ""
     gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
     held, postures = tuple(reader.closures(offsets)), tuple(reader.postures())
-    notes, driven = tuple(reader.notes()), reader.driven()
+    notes, driven = tuple(reader.notes()), frozenset(reader.name("joint", joint) for _, joint in reader.motors)
     return Urdf(name, bodies, tuple(joints), notes, (), source, "", gravity, held, driven, postures, root=moves)
 
 
@@ -65,7 +63,7 @@ class _Reader:
         self._closing = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
         on_joint, places = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT), model.actuator_trnid
-        self._motors = [(k, int(places[k][0])) for k in range(model.nu) if on_joint[k]]  # with their joints
+        self.motors = [(k, int(places[k][0])) for k in range(model.nu) if on_joint[k]]  # with their joints
         self.top, self.own = self._robot(ends)
         self._joints = [j for j in range(model.njnt) if model.jnt_bodyid[j] in self.own]
         self.active = [k for k in range(model.neq) if not self._passed(k)]
@@ -75,7 +73,7 @@ class _Reader:
         model = self._model
         free = model.jnt_bodyid[model.jnt_type == self._free]
         tops = np.where(np.isin(model.body_rootid, free), model.body_rootid, 0)
-        at, motors = tops[model.jnt_bodyid], np.unique([joint for _, joint in self._motors]).astype(int)
+        at, motors = tops[model.jnt_bodyid], np.unique([joint for _, joint in self.motors]).astype(int)
         named = tops[[k for k in range(model.nbody) if self.name("body", k) in ends]]
         top = max(np.unique(tops), key=lambda top: [np.sum(each == top) for each in (named, at[motors], at)])
         return int(top), frozenset(np.flatnonzero(tops == top).tolist())
@@ -155,9 +153,6 @@ class _Reader:
         for values in (model.qpos0, *model.key_qpos):
             yield {self.name("joint", j): float(values[model.jnt_qposadr[j]]) for j in moving}
 
-    def driven(self) -> frozenset[str]:
-        return frozenset(self.name("joint", j) for _, j in self._motors)
-
     def body(self, k: int, offset: Triple) -> UrdfBody | None:
         """What a body weighs, in the frame of its link."""
         model = self._model
@@ -222,7 +217,7 @@ class _Reader:
         model = self._model
         if model.jnt_actfrclimited[j]:
             return max(map(abs, _exact(model.jnt_actfrcrange[j])))
-        motors = [k for k, joint in self._motors if joint == j]
+        motors = [k for k, joint in self.motors if joint == j]
         if len(motors) != 1:
             return None
         (k,) = motors

@@ -33,9 +33,7 @@ class FileLimits:
     size: int = 262_144
     depth: int = 16  # nested lists and mappings; the deepest legal place is four levels down, inside ``robot:`` five
     nodes: int = 40_000  # keys, values and list items together; bounds the work for files that are short but dense
-    # Rows of the table that move, with variables of the root; and as many that do not. Imported animals and robots with
-    # two hands have up to 132, and what 256 take to import, 11 s, grows with their square.
-    joints: int = 256
+    joints: int = 256  # rows that move, with variables of the root, and as many that do not; an import takes 11 s
     name_length: int = 64  # characters of a symbol or a robot's name; a file name must hold it
     title_length: int = 500  # characters of the title; one line of a handout holds some 90
 
