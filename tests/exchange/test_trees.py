@@ -318,8 +318,8 @@ MJCF = """<mujoco model="beetle"><compiler angle="degree"/><option gravity="1 0 
  range="0 50"/>
 <joint name="slip" type="slide" axis="1 0 0" frictionloss="0.2"/><geom type="box" size="0.1 0.2 0.03" pos="0.1 0 0"/>
 <body name="tip" pos="0.3 0 0"/></body>
-<body name="leg" pos="0 -0.2 0"><joint name="step" axis="1 2 3"/><geom size="0.1" pos="0 0 0.2"/></body></body>
-</worldbody>{more}</mujoco>"""
+<body name="leg" pos="0 -0.2 0"><joint name="step" axis="1 2 3" pos="0 0.1 0.2"/><geom size="0.1" pos="0 0 0.2"/></body>
+</body></worldbody>{more}</mujoco>"""
 
 
 @pytest.mark.parametrize("places", [{}, {"flap": "40", "slip": "-0.3", "step": "-200"}], ids=["at-zero", "at-ref"])

@@ -24,10 +24,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # the quaternion of no rotation
 
 
 def read_mjcf(data: bytes, source: str, path: Path | None = None, ends: Collection[str] = ()) -> Urdf:
-    """Read an MJCF as links and joints, of several robots that which has the ends or else most motors.
-
-    A body with several joints has links without mass between them.
-    """
+    """Read an MJCF, of several robots that of the ends or of most motors; a body's joints have links between them."""
     try:
         import mujoco
     except ImportError:
@@ -45,10 +42,11 @@ def read_mjcf(data: bytes, source: str, path: Path | None = None, ends: Collecti
     with exactly(model.nbody):
         offsets = {0: ZEROS, top: ZEROS}  # of the origin of a link in its body's frame
         for k in sorted(reader.own - {top}):
-            for joint, offset in reader.joints(k, offsets[int(model.body_parentid[k])]):
-                joints.append(joint)
-                bodies[joint.child], offsets[k] = None, offset
-            bodies[reader.name("body", k)] = reader.body(k, offsets[k])
+            steps = list(reader.joints(k, offsets[int(model.body_parentid[k])]))
+            joints += [joint for joint, _ in steps]
+            bodies |= {joint.child: None for joint in joints[-len(steps) :]}
+            last, offset = steps[max(int(model.body_jntnum[k]), 1) - 1]
+            bodies[last.child], offsets[k] = reader.body(k, offset), steps[-1][1]
     name, moves = model.names.split(b"\0", 1)[0].decode(), "floating" if top else ""
     gravity = None if (down := _triple(model.opt.gravity)) == EARTH else down
     held, postures = tuple(reader.closures(offsets)), tuple(reader.postures())
@@ -64,7 +62,7 @@ class _Reader:
         self._free, self._turns, self._slides = map(int, (kinds.mjJNT_FREE, kinds.mjJNT_HINGE, kinds.mjJNT_SLIDE))
         on_joint, places = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT), model.actuator_trnid
         self.motors = [(k, int(places[k][0])) for k in range(model.nu) if on_joint[k]]  # with their joints
-        self.top, self.own = self._robot(ends)
+        self._ends, (self.top, self.own) = ends, self._robot(ends)
         self._joints = [j for j in range(model.njnt) if model.jnt_bodyid[j] in self.own]
         self.active = [k for k in range(model.neq) if not self._passed(k)]
 
@@ -170,10 +168,10 @@ class _Reader:
         first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
         if not count:
             yield UrdfJoint(own, "fixed", parent, own, turn, ZEROS, self._place), ZEROS
-        here, frame = ZEROS, turn
+        here, frame, last = ZEROS, turn, first + count - 1
+        is_apart = count and any(model.jnt_pos[last]) and (k not in model.body_parentid or own in self._ends)
         for j in range(first, first + count):
-            last = j == first + count - 1
-            child = own if last else f"{self.name('joint', j)}_link"
+            child = own if j == last and not is_apart else f"{self.name('joint', j)}_link"
             # The file has the link where its joint is at ``ref``.
             there, back = _triple(model.jnt_pos[j]), self._at_rest(j)
             way, rpy = subtract(there, here), frame.rpy
@@ -184,6 +182,9 @@ class _Reader:
             x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(way)))
             yield self._moving(j, parent, child, Origin((x, y, z), rpy)), there
             parent, here, frame, quaternion = child, there, Origin(), UPRIGHT
+        if is_apart:  # an end is the frame of its body
+            step = (f"{own}_end", "fixed", parent, own, Origin(subtract(ZEROS, here)), ZEROS, self._place)
+            yield UrdfJoint(*step), ZEROS
 
     def _at_rest(self, j: int) -> float:
         """The position at which the file has a joint."""
@@ -217,11 +218,9 @@ class _Reader:
         model = self._model
         if model.jnt_actfrclimited[j]:
             return max(map(abs, _exact(model.jnt_actfrcrange[j])))
-        motors = [k for k, joint in self.motors if joint == j]
-        if len(motors) != 1:
+        if len(motors := [k for k, joint in self.motors if joint == j]) != 1:
             return None
-        (k,) = motors
-        gear = model.actuator_gear[k][0]
+        gear = model.actuator_gear[k := motors[0]][0]
         if model.actuator_forcelimited[k]:
             return max(map(abs, _exact(model.actuator_forcerange[k] * gear)))
         is_plain = not model.actuator_biastype[k] and not model.actuator_gaintype[k] and model.actuator_ctrllimited[k]
