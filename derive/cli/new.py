@@ -2,7 +2,6 @@
 
 import argparse
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from textwrap import dedent
 
@@ -23,54 +22,6 @@ copy of a built-in plan.
   derive new my-move --from scara-pick-and-place
 """
 
-_HEAD = """\
-# Robot file. Check it:  derive show {name}.yaml T      Build it:  derive build {name}.yaml
-name: {name}                 # a-z, 0-9 and -; also the name of the output folder
-title: "{name}"              # any text
-convention: standard         # standard: Rot z theta, Trans z d, Trans x a, Rot x alpha (Siciliano, Spong, Corke)
-                             # modified: Rot x alpha_(i-1), Trans x a_(i-1), Rot z theta_i, Trans z d_i (Craig, Khalil)
-units: {{angle: rad, length: m}}   # deg and mm are allowed: then plain numbers in the table and in limits are in them
-
-# One row per joint. A cell is a number, a name or an expression with + - * / **, pi, sqrt, sin, cos, tan.
-# Cells that are 0, the name of the variable (q1, q2, ...) and the variable's own cell may be left out:
-# theta is the variable of a revolute joint, d that of a prismatic one; an offset is written theta: q1 + pi/2.
-joints:
-"""
-
-_TAIL = """
-# Optional constant 4x4 transforms before frame 0 and after the last frame.
-# tool:
-#   - [1, 0, 0, 0]
-#   - [0, 1, 0, 0]
-#   - [0, 0, 1, 0.1]
-#   - [0, 0, 0, 1]
-
-# Optional dynamics: one row per joint, everything in the link's own frame, in kg, m and kg m^2; what is left out is 0.
-gravity: {gravity}          # acceleration of gravity in the base frame; here {up} points up
-links:
-"""
-
-_PARAMETERS = """
-# Numbers of names, in SI units and radians. Names without a number stay arguments of the generated functions,
-# and so do names listed under runtime although they have one.
-parameters:
-  g: 9.81
-{lengths}# runtime: [{runtime}]
-"""
-
-_LINK = """\
-  - mass: m{i}
-    com: [l{i} - a{i}, 0, 0]
-    inertia: {{zz: I{i}}}      # about the centre of mass; keys xx yy zz xy xz yz
-"""
-
-_BODY = """\
-  - mass: {mass}
-    com: {com}
-    inertia: {{xx: {inertia}, yy: {inertia}, zz: {inertia}}}   # about the centre of mass; keys xx yy zz xy xz yz
-"""
-
-_PLANAR = "  - {{type: revolute, q: q{i}, theta: q{i}, d: 0, a: a{i}, alpha: 0}}"
 _COLUMN, _UPPER_ARM, _FOREARM = ("", "d1", "0", "pi/2"), ("", "0", "a2", "0"), ("", "0", "a3", "0")
 _SWIVEL, _BEND = ("", "0", "0", "pi/2"), ("", "0", "0", "-pi/2")
 # By number of joints the rows of a typical arm: what is added to theta, then d, a, alpha; None: one that slides.
@@ -82,12 +33,6 @@ _ARMS = {
     7: (_COLUMN, _BEND, ("", "d3", "0", "-pi/2"), _SWIVEL, ("", "d5", "0", "pi/2"), _BEND, ("", "d7", "0", "0")),
 }
 _LENGTHS = {"d1": 0.4, "a1": 0.3, "a2": 0.35, "a3": 0.3, "d3": 0.4, "d4": 0.35, "d5": 0.3, "d6": 0.1, "d7": 0.1}
-
-_MOTOR = """\
-    # armature: G1**2*Jm1                          # reflected rotor inertia, or the full model of the motor:
-    # motor: {mass: mm1, inertia: Im1, ratio: kr1}
-    # friction: {viscous: b1, coulomb: f1}
-"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -156,37 +101,33 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def new_robot_text(name: str, joints: int = 2) -> str:
-    """A commented robot file: a typical arm of so many joints."""
+    """A commented robot file: a typical arm of so many joints, else parallel axes, all lengths and masses names."""
+    from derive.targets.templating import render
+
     _check_name(name)
     if not 1 <= joints <= FILE_LIMITS.joints:
         raise RobotFileError(f"{joints} joints", allowed=f"allowed: 1 to {FILE_LIMITS.joints}")
-    if joints in _ARMS:
-        rows, links, lengths = _spatial(_ARMS[joints])
-    else:  # parallel axes, all lengths and masses names
-        rows, links = ([text.format(i=i) for i in range(1, joints + 1)] for text in (_PLANAR, _LINK))
-        lengths = ""
-    rows[0] += "   # limits: [-pi/2, pi/2] may be added"
-    links[0] += _MOTOR
-    up, gravity, runtime = ("z", "[0, 0, -g]", "d1") if lengths else ("y", "[0, -g, 0]", f"m{joints}")
-    rest = _TAIL.format(up=up, gravity=gravity) + "".join(links) + _PARAMETERS.format(lengths=lengths, runtime=runtime)
-    return _HEAD.format(name=name) + "\n".join(rows) + "\n" + rest
-
-
-def _spatial(arm: Sequence[tuple[str, str, str, str] | None]) -> tuple[list[str], list[str], str]:
-    """Rows, links and numbers of lengths of a typical arm; the bodies grow lighter towards the hand."""
-    rows, links, numbers = [], [], ""
-    for i, row in enumerate(arm, 1):
+    is_spatial = joints in _ARMS
+    rows, lengths = [], dict[str, float]()
+    for i, row in enumerate(_ARMS.get(joints) or [("", "0", f"a{k}", "0") for k in range(1, joints + 1)], 1):
         theta, d, a, alpha = row or ("", "0", "0", "0")
-        kind, own = ("revolute", f"theta: q{i}{theta}, d: {d}") if row else ("prismatic", f"theta: 0, d: q{i}")
-        limits = "" if row else ", limits: [0, 0.3]"
-        rows.append(f"  - {{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{limits}}}")
-        numbers += "".join(f"  {name}: {_LENGTHS[name]}\n" for name in (d, a) if name != "0")
-        # The middle of a link in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint.
-        turned = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}
-        along = "[0, 0, 0]" if d == "0" else turned.get(alpha, f"[0, 0, -{d}/2]")
-        mass, com = max(12 - 2 * i, 1), f"[-{a}/2, 0, 0]" if a != "0" else along
-        links.append(_BODY.format(mass=mass, com=com, inertia=mass / 100))
-    return rows, links, numbers
+        own = f"theta: q{i}{theta}, d: {d}" if row else f"theta: 0, d: q{i}"
+        kind, limits = ("revolute", "") if row else ("prismatic", ", limits: [0, 0.3]")
+        joint = f"{{type: {kind}, q: q{i}, {own}, a: {a}, alpha: {alpha}{limits}}}"
+        if is_spatial:  # the bodies grow lighter towards the hand
+            lengths |= {length: _LENGTHS[length] for length in (d, a) if length != "0"}
+            # The middle of a link in its own frame, at its end: -a/2 along x, or -d/2 along the z of the joint.
+            turned = {"pi/2": f"[0, -{d}/2, 0]", "-pi/2": f"[0, {d}/2, 0]"}
+            along = "[0, 0, 0]" if d == "0" else turned.get(alpha, f"[0, 0, -{d}/2]")
+            weight, com = max(12 - 2 * i, 1), f"[-{a}/2, 0, 0]" if a != "0" else along
+            mass, moment = str(weight), weight / 100
+            inertia = f"{{xx: {moment}, yy: {moment}, zz: {moment}}}   "
+        else:
+            mass, com, inertia = f"m{i}", f"[l{i} - a{i}, 0, 0]", f"{{zz: I{i}}}      "
+        rows.append({"joint": joint, "mass": mass, "com": com, "inertia": inertia})
+    up, gravity, runtime = ("z", "[0, 0, -g]", "d1") if is_spatial else ("y", "[0, -g, 0]", f"m{joints}")
+    values = {"file": f"{name}.yaml", "up": up, "gravity": gravity, "runtime": runtime}
+    return render("new/robot.yaml.jinja", name=name, rows=rows, lengths=lengths, **values)
 
 
 def copied_robot_text(name: str, model: str) -> str:

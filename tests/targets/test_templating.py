@@ -44,9 +44,9 @@ def test_templates_compute_nothing(name: str) -> None:
 
 
 def test_the_registry_and_the_templates_agree() -> None:
-    """One folder for every target (the handout's is ``latex``); one each for exchange, page, motions, package."""
+    """A folder for every target (the handout's is ``latex``); one each for other texts."""
     targets = {"handout" if name == "latex" else name for name in TARGETS}
-    assert {name.split("/")[0] for name in TEMPLATES} == {*targets, "exchange", "motion", "package", "page"}
+    assert {name.split("/")[0] for name in TEMPLATES} == {*targets, "exchange", "motion", "new", "package", "page"}
     files = [file for target in TARGETS.values() for file in target.files]
     assert len(set(files)) == len(files)
 
