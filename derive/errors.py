@@ -9,7 +9,7 @@ import difflib
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -155,6 +155,12 @@ def near_miss(word: str, allowed: Iterable[str]) -> str:
     by_fold = {candidate.casefold(): candidate for candidate in allowed}
     close = difflib.get_close_matches(word.casefold()[:80], by_fold, n=1, cutoff=0.6)
     return f"did you mean '{by_fold[close[0]]}'?" if close else ""
+
+
+def require_known(word: str, known: Collection[str], found: str) -> None:
+    """Refuse a word that is none of those known, with the nearest that is."""
+    if word not in known:
+        raise DeriveError(found, allowed=f"allowed: {listed(known)}", remedy=near_miss(word, known))
 
 
 def listed(words: Iterable[str]) -> str:

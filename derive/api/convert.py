@@ -46,15 +46,14 @@ def convert(
         RobotFileError: A file that cannot be read or does not describe a robot, or a name that no robot may have.
         OutputError: There is such a file or folder already, or it cannot be written.
     """
-    if path is not None:
-        refuse_taken([Path(path)], force=force)
+    paths = [] if path is None else [Path(path)]
+    refuse_taken(paths, force=force)
     given = load(robot, remarks_on_bodies=not wants_possible(inertia))
     other = next(member for member in Convention if member is not given.convention)
     target = other if convention is None else convention_named(convention)
     bodies, changes = with_chosen_bodies(given, inertia)
     made = replace(converted(bodies, target, name), bodies=changes)
-    if path is not None:
-        write_files({Path(path): made.text.encode()}, force=force)
+    write_files({path: made.text.encode() for path in paths}, force=force)
     return made
 
 
@@ -118,8 +117,8 @@ def export_file(
     Returns:
         The text and the remarks.
     """
-    if path is not None:
-        refuse_taken([Path(path)], force=force)
+    paths = [] if path is None else [Path(path)]
+    refuse_taken(paths, force=force)
     chosen = load(robot, remarks_on_bodies=not wants_possible(inertia))
     symbols, cells = file_symbols(chosen), {}
     for name, value in (values or {}).items():
@@ -130,6 +129,5 @@ def export_file(
     found = exported(chosen, to, inertia, cells)
     for remark in found.remarks:
         warnings.warn(f"{chosen.name}: {remark}", RobotFileWarning, stacklevel=3)
-    if path is not None:
-        write_files({Path(path): found.text.encode()}, force=force)
+    write_files({path: found.text.encode() for path in paths}, force=force)
     return found

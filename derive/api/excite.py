@@ -131,7 +131,7 @@ def _room(robot: Robot, given: Mapping[str, Sequence[str]], floor: float) -> Roo
             raise DeriveError(f"{listed(lacking)} of {robot.name} without limits of {what}", remedy=remedy)
     for joint, narrow in zip(joints, high <= low, strict=True):
         _check(not narrow, f"no room for {joint.variable}", "a position within the limits of the robot file")
-    return Room(low, high, speed, _most("acceleration"), _most("torque"), floor)
+    return Room((low + high) / 2, (high - low) / 2, speed, _most("acceleration"), _most("torque"), floor)
 
 
 def _noise(robot: Robot, noise: OfJoints) -> Callable[[Array], Array]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, RobotFileError, listed, near_miss, quoted
+from derive.errors import DeriveError, RobotFileError, quoted, require_known
 from derive.identification.filters import Preparation
 from derive.identification.identified import Identified, identified
 from derive.identification.log import Log
@@ -70,9 +70,7 @@ def identify(
         part = 0.0 if held_out is None else float(held_out)  # type: ignore[arg-type]
         if not 0 < part < 1 and held_out is not None:
             raise DeriveError(f"{part:g} of a log held out", allowed="allowed: a log, or a part such as 0.2")
-    if method not in list(Method):
-        allowed = f"allowed: {listed(Method)}"
-        raise DeriveError(f"no method {quoted(method)}", allowed=allowed, remedy=near_miss(method, Method))
+    require_known(method, list(Method), f"no method {quoted(method)}")
     unknowns = Unknowns(given, tuple(add))
     logs = (log, *(() if part or held_out is None else (held_out,)))
     prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]

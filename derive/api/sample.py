@@ -3,10 +3,13 @@
 from collections.abc import Iterable, Mapping
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, listed, near_miss
+from derive.errors import DeriveError, QuantityError, listed, near_miss
+from derive.publish.modules import serving_sources
 from derive.robot.evaluate import parameter_values
 from derive.sampling.clusters import Tell, cluster
-from derive.sampling.sample import KINDS, Bound, Sampled, Sampling, bounds_of, program_for, sampled, sources_of
+from derive.sampling.sample import KINDS, Bound, Sampled, Sampling, bounds_of, program_for, sampled
+from derive.targets.target import Source
+from derive.version import __version__
 
 OVER = ("limits", "grid")
 
@@ -72,7 +75,11 @@ def sample(
     taken = tuple((each.name, each.arguments, each.shape) for each in program)
     with cluster(workers, scheduler) as where:
         tell(chosen.name, "compile")
-        sources = sources_of(chosen, program, numbers)
+        needed = {program.parameters[k]: None for function in program for k in function.tape.parameters}
+        if missing := [name for name in needed if name not in numbers]:
+            remedy = f"write parameters: {{{missing[0]}: ...}} in the robot file"
+            raise QuantityError(f"no number for {listed(missing)} of {chosen.name}", remedy=remedy)
+        sources = serving_sources(Source(chosen, program, __version__))
         count = points**chosen.dof if points else int(number)
         numbers = {name: numbers[name] for name in program.parameters if name in numbers}
         work = Sampling(sources, taken, numbers, limits, count, seed, points, kinds)

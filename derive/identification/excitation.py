@@ -116,22 +116,12 @@ Criterion = StrEnum("Criterion", {"DETERMINANT": "determinant", "CONDITION": "co
 class Room:
     """What the joints may do: (n,) each, infinite where nothing limits."""
 
-    low: Array  # positions [rad or m]
-    high: Array
+    middle: Array  # of the positions [rad or m]
+    half: Array  # how far they go to either side of it
     speed: Array  # either way [rad/s or m/s]
     acceleration: Array  # either way [rad/s^2 or m/s^2]
     torque: Array  # either way [N m or N]
     floor: float  # above which the origins of all frames stay [m]
-
-    @property
-    def middle(self) -> Array:
-        """The middle of the positions, (n,)."""
-        return (self.low + self.high) / 2
-
-    @property
-    def half(self) -> Array:
-        """How far they go to either side of it, (n,)."""
-        return (self.high - self.low) / 2
 
 
 @dataclass(frozen=True, eq=False)

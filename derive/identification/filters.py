@@ -58,17 +58,15 @@ class Preparation:
         return found
 
     @cached_property
-    def _smooth(self) -> Any:
-        return _butterworth(2 * self.band * self.log.step) if self.band else None
-
-    @cached_property
-    def _thin(self) -> Any:
-        return _butterworth(BAND / self.decimate) if self.decimate > 1 else None
+    def _filters(self) -> list[Any]:
+        """Of states, and of regressor and torques: a low-pass filter in sections of second order, or None."""
+        edges = 2 * self.band * self.log.step, BAND / self.decimate if self.decimate > 1 else 0.0  # of half the rate
+        return [_signal().butter(ORDER, edge, output="sos") if edge else None for edge in edges]
 
     @cached_property
     def margin(self) -> int:
         """Rows at both ends of a block that filters and differences need, a multiple of ``decimate``."""
-        poles = ([np.roots(s[3:]) for s in each] for each in (self._smooth, self._thin) if each is not None)
+        poles = ([np.roots(s[3:]) for s in each] for each in self._filters if each is not None)
         rows = sum(ceil(log(FORGOTTEN) / log(np.abs(each).max())) for each in poles) + 2 * len(self.missing)
         return -(-rows // self.decimate) * self.decimate
 
@@ -89,10 +87,10 @@ class Preparation:
     def states(self, rows: Array) -> tuple[Array, list[Array], Array]:
         """Times, q, qd and qdd, and torques of a block, those near its ends wrong where filters are."""
         parts, step = {quantity: rows[:, self.log.places(quantity)] for quantity in self.log.columns}, self.log.step
-        if self._smooth is not None:
+        if (smooth := self._filters[0]) is not None:
             # What is differentiated; where nothing is, all of the state, so that it stays one motion.
             source = ("q",) if "qd" in self.missing else ("qd",) if self.missing else ("q", "qd", "qdd")
-            parts |= {quantity: _both_ways(self._smooth, parts[quantity]) for quantity in source}
+            parts |= {quantity: _both_ways(smooth, parts[quantity]) for quantity in source}
         if "qdd" in self.missing:
             twice = "qd" in self.missing
             parts["qdd"] = _difference(parts["q"], SECOND, step**2) if twice else _difference(parts["qd"], FIRST, step)
@@ -103,28 +101,26 @@ class Preparation:
 
     def blocks(self, regressor: Callable[[Array, Array, Array], Array]) -> Iterator[Block]:
         """What tau = Y beta is solved from, in blocks of some thousand rows."""
+        thin = self._filters[1]
         for rows, used in self.windows():
             if used.stop <= used.start:
                 continue
             time, state, tau = self.states(rows)
-            if self._thin is not None:
+            if thin is not None:
                 kept = slice(used.start, used.stop, self.decimate)
-                thin = [_both_ways(self._thin, each)[kept] for each in (regressor(*state), tau)]
-                yield time[kept], state[1][kept], thin[0], thin[1]
+                yield time[kept], state[1][kept], *(_both_ways(thin, each)[kept] for each in (regressor(*state), tau))
                 continue
             for start in range(used.start, used.stop, ROWS):
                 part = slice(start, min(start + ROWS, used.stop))
                 yield time[part], state[1][part], regressor(*(each[part] for each in state)), tau[part]
 
 
-def _butterworth(edge: float) -> Any:
-    """A low-pass filter up to a part of half the rate of rows, in sections of second order."""
-    return optional("scipy.signal", "filtering a log needs SciPy", "data").butter(ORDER, edge, output="sos")
+def _signal() -> Any:
+    return optional("scipy.signal", "filtering a log needs SciPy", "data")
 
 
 def _both_ways(sections: Any, values: Array) -> Array:
-    signal = optional("scipy.signal", "filtering a log needs SciPy", "data")
-    return np.asarray(signal.sosfiltfilt(sections, values, axis=0, padlen=min(6 * ORDER, len(values) - 1)))
+    return np.asarray(_signal().sosfiltfilt(sections, values, axis=0, padlen=min(6 * ORDER, len(values) - 1)))
 
 
 def _difference(values: Array, weights: Array, unit: float) -> Array:

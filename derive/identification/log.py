@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from derive.arrays import Array, Flags
-from derive.errors import DeriveError, Location, listed, near_miss, optional, quoted
+from derive.errors import DeriveError, Location, listed, optional, quoted, require_known
 from derive.robot.robot import Robot
 
 # By quantity the patterns that are tried in this order.
@@ -107,9 +107,8 @@ class Log:
     @cached_property
     def columns(self) -> dict[str, tuple[LogColumn, ...]]:
         """By quantity its columns, one for each joint; those of q and tau are there, of the others all or none."""
-        for wrong in self.patterns.keys() - PATTERNS.keys():
-            found, allowed = f"no quantity {quoted(wrong)} of a log", f"allowed: {listed(PATTERNS)}"
-            raise DeriveError(found, allowed=allowed, remedy=near_miss(wrong, PATTERNS))
+        for name in self.patterns:
+            require_known(name, PATTERNS, f"no quantity {quoted(name)} of a log")
         return {quantity: columns for quantity in PATTERNS if (columns := self._of(quantity))}
 
     @cached_property

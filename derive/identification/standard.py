@@ -21,7 +21,7 @@ from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.quotients import Quotient
 from derive.algebra.ring import Polynomial
 from derive.arrays import Array
-from derive.errors import DeriveError, ExpressionError, QuantityError, listed, near_miss, quoted
+from derive.errors import DeriveError, ExpressionError, QuantityError, quoted, require_known
 from derive.identification.regression import Estimate
 from derive.mechanics.chain import Domain
 from derive.mechanics.floats import FloatDomain
@@ -63,9 +63,8 @@ class Unknowns:
     def __post_init__(self) -> None:
         robot = self.robot
         tree.require_own_variables(robot, "identification")
-        if wrong := next((name for name in self.added if name not in ADDED), ""):
-            hint = near_miss(wrong, ADDED)
-            raise DeriveError(f"no part {quoted(wrong)} to add", allowed=f"allowed: {listed(ADDED)}", remedy=hint)
+        for name in self.added:
+            require_known(name, ADDED, f"no part {quoted(name)} to add")
         if robot.root is not None or robot.n > REGRESSOR_JOINTS:
             found = f"identification of {robot.name}, {'whose root moves' if robot.root else f'of {robot.n} joints'}"
             raise QuantityError(found, allowed=f"allowed: robots that stand, of up to {REGRESSOR_JOINTS} joints")
@@ -245,7 +244,7 @@ class Unknowns:
             limits.append(Limit(Cone.NOT_NEGATIVE, (self.given / self.units)[joints], np.eye(len(wanted))[joints]))
         limits = [replace(limit, slope=limit.slope / sizes) for limit in limits]
         scale = np.abs(linear).max() or 1.0
-        found = least(linear / scale, limits, quadratic / np.outer(sizes, sizes) / scale).x
+        found = least(linear / scale, limits, quadratic / np.outer(sizes, sizes) / scale)[0]
         standard = self.given + self.units * found / sizes
         standard[joints] = standard[joints].clip(min=0.0)  # but for rounding
         return np.asarray(standard)

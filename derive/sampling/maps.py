@@ -237,14 +237,10 @@ class MapStore:
 
     def fill(self, workers: Cluster, tell: Tell | None = None, every: int = 1) -> int:
         """Compute and write the blocks that are missing, or every so many-th of them; how many there were."""
-        group, grid = self._open(), self.grid
+        grid, key_of = self.grid, self._open()[_LAST].metadata.encode_chunk_key
         names = sorted((*value_type(grid), _SHARE), key=lambda name: name == _LAST)
-        last, further = group[_LAST], (0,) * len(grid.orientations.sizes)
-
-        def _is_there(block: tuple[int, ...]) -> bool:
-            return Path(self.path, _LAST, last.metadata.encode_chunk_key((*block, *further))).exists()
-
-        blocks = [block for block in grid.blocks if not _is_there(block)][::every]
+        keys = {block: key_of((*block, *[0] * len(grid.orientations.sizes))) for block in grid.blocks}
+        blocks = [block for block, key in keys.items() if not Path(self.path, _LAST, key).exists()][::every]
         done = workers.in_order(computed, blocks, workers.shared(grid), what=f"map of {grid.robot.name}", tell=tell)
         # A chunk exists once it is written, whatever is in it.
         with self.zarr.config.set({"array.write_empty_chunks": True}):

@@ -20,11 +20,10 @@ from derive.programs.build import build_program
 from derive.programs.functions import INTERFACES
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import WIDTHS, Program
-from derive.publish.modules import ModuleSources, imported, serving_sources
+from derive.publish.modules import ModuleSources, imported
 from derive.robot.robot import Robot
 from derive.sampling.clusters import Cluster, Tell
-from derive.targets.target import Source, joint_bounds, joint_limits
-from derive.version import __version__
+from derive.targets.target import joint_bounds, joint_limits
 
 BLOCK = 8192  # configurations that are drawn, evaluated and reduced together
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
@@ -113,14 +112,12 @@ def joined(parts: Iterable[Part], *, added: bool) -> Part:
     lows, total = np.stack(extremes), np.concatenate(sums)
     best = np.take_along_axis(lows, lows[:, :1].argmin(axis=0)[None], axis=0)[0]
     total = np.cumsum(total, axis=0)[-1:] if added else total  # one after the other
-    return Part(sum(rows), sum(lacking), best, total, tuple(map(_counted, zip(*bins, strict=True))))
-
-
-def _counted(bins: Iterable[Any]) -> tuple[Any, Any]:
-    """Bins of one entry, each once."""
-    keys, counts = (np.concatenate(each) for each in zip(*bins, strict=True))
-    found, places = np.unique(keys, return_inverse=True)
-    return found, np.bincount(places, counts)
+    counted = []
+    for of_entry in zip(*bins, strict=True):
+        keys, counts = (np.concatenate(each) for each in zip(*of_entry, strict=True))
+        found, places = np.unique(keys, return_inverse=True)
+        counted.append((found, np.bincount(places, counts)))
+    return Part(sum(rows), sum(lacking), best, total, tuple(counted))
 
 
 def quantiles(keys: Any, counts: Any) -> Array:
@@ -204,15 +201,6 @@ def _sides(robot: Robot, name: str, given: Bound) -> Array:
         text = listed(f"{value:g}" for value in values.ravel())
         raise DeriveError(f"--{option} {text}", allowed=f"allowed: one number from 0 on, or {width}")
     return np.outer([-1.0, 1.0], np.resize(values, width))
-
-
-def sources_of(robot: Robot, program: Program, parameters: Mapping[str, float]) -> ModuleSources:
-    """A module of functions, compiled if there is a compiler; refused if a symbol has no number."""
-    needed = {program.parameters[k]: None for function in program for k in function.tape.parameters}
-    if missing := [name for name in needed if name not in parameters]:
-        remedy = f"write parameters: {{{missing[0]}: ...}} in the robot file"
-        raise QuantityError(f"no number for {listed(missing)} of {robot.name}", remedy=remedy)
-    return serving_sources(Source(robot, program, __version__))
 
 
 def sampled(work: Sampling, cluster: Cluster, chunk: int, what: str, tell: Tell | None) -> dict[str, Sampled]:

@@ -39,8 +39,6 @@ from derive.robot.expression import ZERO, Expression, substitute
 from derive.robot.inertial_parameters import FRICTION_PARTS, JOINT_PARTS, LINK_PARTS, Parameter, standard_parameters
 from derive.robot.robot import Robot
 
-# By entry of B or g and monomial in the joint variables, the coefficient: a polynomial in the geometry.
-RegressorColumn = Mapping[Hashable, Polynomial]
 REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
 PRISMATIC_PARTS = ("m", "mx", "my", "mz")
 # Budget of a product of polynomials in a proof; beyond it a column is kept though it may be dependent.
@@ -52,46 +50,43 @@ class Unproven(DeriveError):
     """A relation that holds at the sampled points is no identity."""
 
 
-class ColumnSolver:
-    """Solves for columns of B and g in other columns."""
+def _solved(
+    units: UnitDynamics[Polynomial], residues: ResidueDomain, wanted: Parameter, basis: Sequence[Parameter]
+) -> list[Quotient]:
+    """The coefficients of independent columns of B and g in a column that depends on them, by Cramer's rule."""
+    domain = residues.domain
+    right, *columns = [_column(units, domain, parameter) for parameter in (wanted, *basis)]
+    keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
+    rows = [[column.get(key, domain.ring.zero) for column in (*columns, right)] for key in keys]
+    rows.sort(key=lambda row: sum(map(len, row)))
+    # As many rows as columns, the first whose left parts are independent; then Cramer's rule over polynomials.
+    chosen = []
+    if basis:
+        values = [[int(residues.value(entry).values.flat[0]) for entry in row[:-1]] for row in rows]
+        pivots, _ = echelon(np.array(values, dtype=np.int64).T, residues.prime)
+        if len(pivots) < len(basis):
+            raise Unproven("columns that are independent at the points are not")
+        chosen = [rows[k] for k in pivots]
+    scale = determinant([row[:-1] for row in chosen]) if basis else domain.ring.one
+    tops = [determinant([[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen]) for k in range(len(basis))]
+    # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
+    for row in rows:
+        products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
+        if scale * row[-1] != sum(products, domain.ring.zero):
+            raise Unproven(f"{wanted.name} depends on other parameters only at some points")
+    return [_reduced(top, scale) for top in tops]
 
-    def __init__(self, domain: PolynomialDomain, residues: ResidueDomain) -> None:
-        self.domain, self.residues = domain, residues
-        coupling = domain.coupling if domain.robot.coupled else ()
-        self._units: UnitDynamics[Polynomial] = UnitDynamics(build_chain(domain.robot, domain), False, coupling)
-        self._moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
 
-    def solve(self, wanted: Parameter, basis: Sequence[Parameter]) -> list[Quotient]:
-        """The coefficients of independent columns in a column that depends on them, by Cramer's rule."""
-        right, columns = self._column(wanted), [self._column(parameter) for parameter in basis]
-        keys = sorted({*right, *(key for column in columns for key in column)}, key=repr)
-        rows = [[column.get(key, self.domain.ring.zero) for column in (*columns, right)] for key in keys]
-        rows.sort(key=lambda row: sum(map(len, row)))
-        # As many rows as columns, the first whose left parts are independent; then Cramer's rule over polynomials.
-        chosen = []
-        if basis:
-            values = [[int(self.residues.value(entry).values.flat[0]) for entry in row[:-1]] for row in rows]
-            pivots, _ = echelon(np.array(values, dtype=np.int64).T, self.residues.prime)
-            if len(pivots) < len(basis):
-                raise Unproven("columns that are independent at the points are not")
-            chosen = [rows[k] for k in pivots]
-        scale = determinant([row[:-1] for row in chosen]) if basis else self.domain.ring.one
-        tops = [determinant([[*row[:k], row[-1], *row[k + 1 : -1]] for row in chosen]) for k in range(len(basis))]
-        # Proof: the solution holds in all other rows, as an identity of polynomials in the geometry.
-        for row in rows:
-            products = (top * entry for top, entry in zip(tops, row[:-1], strict=True))
-            if scale * row[-1] != sum(products, self.domain.ring.zero):
-                raise Unproven(f"{wanted.name} depends on other parameters only at some points")
-        return [_reduced(top, scale) for top in tops]
-
-    def _column(self, parameter: Parameter) -> RegressorColumn:
-        entries: dict[Hashable, Polynomial] = {pair: value for pair, value in self._units.inertia(parameter).items()}
-        entries |= {i: value for i, value in self._units.gravity(parameter).items()}
-        return {
-            (place, monomial): coefficient
-            for place, value in entries.items()
-            for monomial, coefficient in self.domain.ring.coefficients(value, self._moving).items()
-        }
+def _column(
+    units: UnitDynamics[Polynomial], domain: PolynomialDomain, parameter: Parameter
+) -> Mapping[Hashable, Polynomial]:
+    """By entry of B or g and monomial in the joint variables the coefficient: a polynomial in the geometry."""
+    moving = [i for i, g in enumerate(domain.generators) if g.kind in MOVING]
+    return {
+        (place, monomial): coefficient
+        for place, value in (*units.inertia(parameter).items(), *units.gravity(parameter).items())
+        for monomial, coefficient in domain.ring.coefficients(value, moving).items()
+    }
 
 
 def _reduced(top: Polynomial, bottom: Polynomial) -> Quotient:
@@ -240,13 +235,14 @@ def _related(
             matrix[:, len(place) + i, j] = value.values[:, 0]
     # The first independent columns from the left, and all columns in them.
     pivots, reduced = echelon(matrix.reshape(-1, len(candidates)), residues.prime)
-    solver = ColumnSolver(domain, residues)
+    exact: UnitDynamics[Polynomial]
+    exact = UnitDynamics(build_chain(domain.robot, domain), False, domain.coupling if domain.robot.coupled else ())
     relations: list[Relation] = []
     too_long: list[Parameter] = []
     for j in sorted(set(range(len(candidates))) - set(pivots)):
         support = [candidates[pivot] for k, pivot in enumerate(pivots) if reduced[k, j]]
         try:
-            coefficients = solver.solve(candidates[j], support)
+            coefficients = _solved(exact, residues, candidates[j], support)
         except TooManyTerms:
             too_long.append(candidates[j])
             continue

@@ -20,7 +20,8 @@ from math import floor, log10, sqrt
 import numpy as np
 from flint import arb, fmpq
 
-from derive.errors import DeriveError, near_miss, quoted
+from derive.arrays import Array
+from derive.errors import DeriveError, quoted, require_known
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
 from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
@@ -28,7 +29,7 @@ from derive.model.identification import regressor_null_space
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
 from derive.model.identification.parameter_values import parameters_of
 from derive.model.identification.regressor_null_space import WIDTH, Direction, bare_chain, body_of
-from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed, unpacked
+from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import refusal
 from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.expression import Expression, number, to_text
@@ -65,15 +66,6 @@ class Bodies:
     masses: Array  # (n,) the least mass of links given without one, or with a negative one; zero for all others
 
 
-def size_of(chain: Chain[Exact]) -> float:
-    """The largest length of an arm [m]; 1 where it has none."""
-    lengths = [abs(float(c)) for joint in chain.joints for c in (*joint.fixed.position, joint.offset)]
-    lengths += [abs(float(c)) for end in chain.ends for c in end.position]
-    for body in chain.bodies:
-        lengths += [abs(float(h) / float(body.mass)) for h in body.first_moment] if float(body.mass) > 0 else []
-    return max(lengths) or 1.0
-
-
 def pseudo_inertias(parameters: Array) -> Array:
     """The pseudo-inertias of bodies with parameters (n, 10, ...) in the order of `LINK_PARTS`."""
     # S = tr(I)/2 1 - I, the second moments of a body of inertia tensor I (Wensing, Kim and Slotine 2018).
@@ -89,7 +81,10 @@ def pseudo_inertias(parameters: Array) -> Array:
 
 def in_own_units(chain: Chain[Exact], basis: Sequence[Direction]) -> Bodies:
     """The bodies of an arm, and their changes, each about its centre of mass, in its radius of gyration and mass."""
-    size = size_of(chain)
+    lengths = [float(c) for joint in chain.joints for c in (*joint.fixed.position, joint.offset)]
+    lengths += [float(c) for end in chain.ends for c in end.position]
+    lengths += [float(h) / m for body in chain.bodies if (m := float(body.mass)) > 0 for h in body.first_moment]
+    size = max(map(abs, lengths)) or 1.0  # the largest length of the arm [m]
     numbers = np.array([[float(value) for value in parameters_of(body)] for body in chain.bodies])
     columns = np.array([[float(value) for value in direction] for direction in basis])
     along = columns.T.reshape(len(numbers), WIDTH, -1) if len(basis) else np.zeros((len(numbers), WIDTH, 0))
@@ -140,8 +135,8 @@ def most_room(bodies: Bodies) -> Room:
     rows = zip(bodies.given, slopes, weights, strict=True)
     limits = [Limit(Cone.SEMIDEFINITE, body, slope - w * np.outer(UNIT, room)) for body, slope, w in rows]
     limits.append(Limit(Cone.NOT_NEGATIVE, np.array([MARGIN]), -room[None]))
-    found = least(-room, limits)
-    return Room(float(found.x[width]), weights, unpacked(np.array(found.prices[: len(slopes)])))
+    found, prices = least(-room, limits)
+    return Room(float(found[width]), weights, unpacked(np.array(prices[: len(slopes)])))
 
 
 def targets(bodies: Bodies, room: Room) -> Array:
@@ -155,7 +150,7 @@ def targets(bodies: Bodies, room: Room) -> Array:
     limits = [Limit(Cone.SEMIDEFINITE, body, slope - w * np.outer(UNIT, own)) for body, slope, w, own in rows]
     limits.append(Limit(Cone.NOT_NEGATIVE, np.full(n, MARGIN), -rooms))
     limits.append(Limit(Cone.NOT_NEGATIVE, np.full(n, 2 * BORDER), rooms))
-    found = least(-rooms.sum(axis=0), limits).x[width:]
+    found = least(-rooms.sum(axis=0), limits)[0][width:]
     return np.where(found > 2 * BORDER, room.weights * found / 2, -2 * BORDER)
 
 
@@ -173,7 +168,7 @@ def weighed(bodies: Bodies, target: Array) -> Bodies:
     places = np.flatnonzero(massless)
     limits += [Limit(Cone.NOT_NEGATIVE, bodies.given[i, -1:], (slopes[i, -1] - own[i])[None]) for i in places]
     limits += [Limit(Cone.NOT_NEGATIVE, np.zeros(n), own), Limit(Cone.NOT_NEGATIVE, np.ones(n), -own)]
-    found = least(-own[massless].sum(axis=0), limits).x[width:]
+    found = least(-own[massless].sum(axis=0), limits)[0][width:]
     return replace(bodies, masses=np.where(massless, np.clip(found, 0, 1) / 2, 0))
 
 
@@ -192,7 +187,7 @@ def needed(bodies: Bodies, target: Array) -> list[int]:
     limits = list(map(_beyond, bodies.given, slopes, target))
     pairs = zip(sizes, slopes, strict=True)
     limits += [Limit(Cone.LONGEST_FIRST, np.zeros(11), np.vstack([size, slope])) for size, slope in pairs]
-    found = least(sizes.sum(axis=0), [*limits, *_masses(bodies, n)]).x[width:]
+    found = least(sizes.sum(axis=0), [*limits, *_masses(bodies, n)])[0][width:]
     missing = least_eigenvalues(bodies) < np.minimum(target, EXISTING)
     return [i for i, size in enumerate(found) if size > KEPT * found.max() or missing[i]]
 
@@ -203,7 +198,7 @@ def nearest(bodies: Bodies, target: Array) -> Array:
     limits = [*map(_beyond, bodies.given, slopes, target), *_masses(bodies, 0)]
     # Least squares of all changes, |A x|^2 with A the stacked directions.
     every = slopes.reshape(-1, slopes.shape[2])
-    return np.asarray(least(np.zeros(every.shape[1]), limits, every.T @ every).x * _column_units(bodies))
+    return np.asarray(least(np.zeros(every.shape[1]), limits, every.T @ every)[0] * _column_units(bodies))
 
 
 def _beyond(body: Array, slope: Array, margin: float) -> Limit:
@@ -298,9 +293,7 @@ def possible(robot: Robot) -> Possible:
 
 def wants_possible(inertia: str) -> bool:
     """Whether physically consistent bodies are asked for."""
-    if inertia not in INERTIAS:
-        found, allowed = f"unknown choice of inertia {quoted(inertia)}", f"allowed: {', '.join(INERTIAS)}"
-        raise DeriveError(found, allowed=allowed, remedy=near_miss(inertia, INERTIAS))
+    require_known(inertia, INERTIAS, f"unknown choice of inertia {quoted(inertia)}")
     return inertia == "possible"
 
 

@@ -16,6 +16,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain as joined
 
+from flint import fmpq
+
 from derive.mechanics.chain import Body, Chain, build_chain
 from derive.mechanics.joint_motion import body_to_parent
 from derive.mechanics.vectors import Symmetric
@@ -73,16 +75,13 @@ def _place(parameter: Parameter) -> int:
 def fixing(basis: Sequence[Direction], places: Sequence[int]) -> list[Direction]:
     """Those changes that leave some parameters as they are."""
     rows = [[direction[place] for direction in basis] for place in places]
-    rows = [row for row in rows if not all(map(is_zero, row))]
-    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()] if rows else list(basis)
+    return [combined(basis, weights) for weights in null_space(rows, len(basis)).values()]
 
 
 def combined(basis: Sequence[Direction], weights: Sequence[Exact]) -> Direction:
     """A sum of changes."""
-    chosen = [(weight, direction) for weight, direction in zip(weights, basis, strict=True) if not is_zero(weight)]
-    if not chosen:
-        return [entry * 0 for entry in basis[0]]
-    total = [chosen[0][0] * entry for entry in chosen[0][1]]
-    for weight, direction in chosen[1:]:
-        total = [old + weight * x if not is_zero(x) else old for old, x in zip(total, direction, strict=True)]
+    total: Direction = [fmpq(0)] * len(basis[0])
+    for weight, direction in zip(weights, basis, strict=True):
+        if not is_zero(weight):
+            total = [old + weight * x if not is_zero(x) else old for old, x in zip(total, direction, strict=True)]
     return total

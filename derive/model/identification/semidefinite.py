@@ -9,14 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import sqrt
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from derive.arrays import Array
 from derive.errors import DeriveError, TargetError, install_extra
-
-Array = npt.NDArray[Any]
 
 TOLERANCE = 1e-11  # of gap and feasibility
 
@@ -38,16 +35,8 @@ class Limit:
     slope: Array  # a row for each value, a column for each variable
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Optimum:
-    """Where the least is."""
-
-    x: Array  # the variables
-    prices: tuple[Array, ...]  # for each limit the dual vector
-
-
-def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None) -> Optimum:
-    """The least of a function within limits; Q is positive semidefinite, None for zero."""
+def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None) -> tuple[Array, list[Array]]:
+    """Where a function is least within limits, and for each the dual vector; Q is semidefinite, None for zero."""
     try:
         import clarabel
         from scipy import sparse
@@ -71,7 +60,7 @@ def least(linear: Array, limits: Sequence[Limit], quadratic: Array | None = None
     x = np.array(found.x)
     if "Infeasible" in str(found.status) or not np.isfinite(x).all():
         raise DeriveError(f"the search for consistent inertias failed by rounding: {found.status}")
-    return Optimum(x, tuple(np.split(np.array(found.z), np.cumsum([len(limit.constant) for limit in limits])[:-1])))
+    return x, np.split(np.array(found.z), np.cumsum([len(limit.constant) for limit in limits])[:-1])
 
 
 def packed(matrices: Array) -> Array:
@@ -86,6 +75,5 @@ def unpacked(vectors: Array) -> Array:
     columns, rows = np.tril_indices(size)
     values = vectors / np.where(rows == columns, 1.0, sqrt(2))
     found = np.zeros((*vectors.shape[:-1], size, size))
-    found[..., rows, columns] = values
-    found[..., columns, rows] = values
+    found[..., rows, columns] = found[..., columns, rows] = values
     return found

@@ -23,6 +23,7 @@ from math import ceil, log10
 import numpy as np
 from flint import fmpq
 
+from derive.arrays import Array
 from derive.errors import DeriveError
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import FloatDomain
@@ -33,7 +34,7 @@ from derive.model.identification.base_parameters import base_set
 from derive.model.identification.exact_scalars import Exact, as_fraction, is_zero, null_space
 from derive.model.identification.parameter_values import parameters_of
 from derive.model.identification.regressor_null_space import WIDTH, Direction, combined
-from derive.model.identification.semidefinite import Array, Cone, Limit, least, packed
+from derive.model.identification.semidefinite import Cone, Limit, least, packed
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
@@ -161,7 +162,7 @@ def _least_function(columns: Array, values: Array, energy: Array) -> Array:
         slope = packed(np.einsum("ab,acv,cd->vbd", axes, matrices, axes)).T
         limits.append(Limit(Cone.SEMIDEFINITE, np.zeros(len(slope)), slope))
         total += np.einsum("aav->v", matrices)
-    return least(values, [*limits, Limit(Cone.NOT_NEGATIVE, np.ones(1), -total[None])]).x
+    return least(values, [*limits, Limit(Cone.NOT_NEGATIVE, np.ones(1), -total[None])])[0]
 
 
 def _in_units(factors: Sequence[float], units: Array) -> Array:

@@ -310,14 +310,14 @@ def test_links_without_a_mass_get_as_much_of_one_as_torques_allow_each() -> None
 
 def test_the_least_of_linear_quadratic_and_semidefinite_programs_is_found_and_contradictions_told() -> None:
     matrix = np.array([[1.0, 2.0, 0.0], [2.0, -1.0, 0.5], [0.0, 0.5, 0.3]])
-    found = least(np.ones(1), [Limit(Cone.SEMIDEFINITE, packed(matrix), packed(np.eye(3))[:, None])])
+    found, prices = least(np.ones(1), [Limit(Cone.SEMIDEFINITE, packed(matrix), packed(np.eye(3))[:, None])])
     values, vectors = np.linalg.eigh(matrix)
-    assert abs(found.x[0] + values[0]) < 1e-8
-    assert np.allclose(unpacked(found.prices[0]), np.outer(vectors[:, 0], vectors[:, 0]), atol=1e-6)
+    assert abs(found[0] + values[0]) < 1e-8
+    assert np.allclose(unpacked(prices[0]), np.outer(vectors[:, 0], vectors[:, 0]), atol=1e-6)
     bound = Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[1.0, 1.0]]))
-    assert np.allclose(least(np.zeros(2), [bound], np.diag([1.0, 3.0])).x, [0.75, 0.25], atol=1e-7)
+    assert np.allclose(least(np.zeros(2), [bound], np.diag([1.0, 3.0]))[0], [0.75, 0.25], atol=1e-7)
     length = Limit(Cone.LONGEST_FIRST, np.array([0.0, 3.0, 4.0]), np.array([[1.0], [0.0], [0.0]]))
-    assert abs(least(np.ones(1), [length]).x[0] - 5) < 1e-7
+    assert abs(least(np.ones(1), [length])[0][0] - 5) < 1e-7
     above, below = (Limit(Cone.NOT_NEGATIVE, np.array([-1.0]), np.array([[sign]])) for sign in (1.0, -1.0))
     with pytest.raises(DeriveError, match="PrimalInfeasible"):
         least(np.ones(1), [above, below])
