@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -129,11 +130,12 @@ def write_map(
     refuse_taken(pictures, force=force)
     suffixes = [ending_of(name, SUFFIXES) for name in pictures]
     grid = MapGrid.of(load(robot, remarks_on_bodies=False), **asked)
-    if grid.poses > _MOST and not large:
-        size = grid.poses * sum(int(kind[1]) for kind in value_type(grid).values()) / 1e9
-        hours = grid.poses * _SECONDS / 3600
+    poses = math.prod(grid.shape) * len(grid.orientations.rotations)
+    if poses > _MOST and not large:
+        size = poses * sum(int(kind[1]) for kind in value_type(grid).values()) / 1e9
+        hours = poses * _SECONDS / 3600
         raise DeriveError(
-            f"a map of {grid.poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
+            f"a map of {poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
             allowed=f"allowed: {_MOST:.0e} unasked",
             remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
         )
@@ -150,7 +152,7 @@ def write_map(
         data, title = _slice_picture(grid, shares, suffix)
         write_files({name: data}, force=force)
         remarks.append(f"{name}: {title}")
-    counts = shares.size, grid.poses, computed, len(grid.blocks), int((shares > 0.0).sum()), int((shares == 1.0).sum())
+    counts = shares.size, poses, computed, len(grid.blocks), int((shares > 0.0).sum()), int((shares == 1.0).sum())
     return WrittenMap(grid.robot.name, store.path, *counts, tuple(remarks))
 
 

@@ -136,11 +136,6 @@ class MapGrid:
         counts = (range(-(-count // side)) for count, side in zip(self.shape, self.block_shape, strict=True))
         return tuple(block for block in product(*counts) if self.cells(block)[1].any())
 
-    @property
-    def poses(self) -> int:
-        """Cells of the grid times orientations."""
-        return math.prod(self.shape) * len(self.orientations.rotations)
-
 
 def map_task(robot: Robot) -> Task:
     """The task of the file, else all coordinates that the arm moves independently, as its manipulability has them."""

@@ -159,11 +159,10 @@ def map_dataset(grid: MapGrid) -> Any:
     """The map as an `xarray.Dataset` of lazy Dask arrays, one chunk for each block."""
     arrays, xarray = data_module("dask.array", _NEEDED), data_module("xarray", _NEEDED)
     sizes, kinds = grid.orientations.sizes, value_type(grid)
-    sides = zip(grid.block_shape, grid.shape, strict=True)
-    chunks = [(side,) * (count // side) + (count % side,) * (count % side > 0) for side, count in sides]
-    chunks += [(size,) for size in sizes.values()]
+    turns = tuple(sizes.values())
+    chunks = arrays.core.normalize_chunks((*grid.block_shape, *turns), (*grid.shape, *turns))
     empty = np.empty((0,) * len(chunks), [*kinds.items()])
-    records = arrays.map_blocks(computed, grid=grid, chunks=tuple(chunks), dtype=empty.dtype, meta=empty)
+    records = arrays.map_blocks(computed, grid=grid, chunks=chunks, dtype=empty.dtype, meta=empty)
     lengths = len(grid.axes) - sum(not way.revolute for way in grid.ranges)  # rows of J in metres, columns by metres
     volume = f"m^{lengths}" if lengths else "1"
     told = {name: {"units": VALUES[name][0] or volume, "long_name": VALUES[name][1]} for name in kinds}

@@ -96,9 +96,8 @@ def _polynomial(matrix: Sequence[Sequence[Fraction]]) -> str:
 def refusal(robot: Robot, chain: Chain[Exact], basis: Sequence[Direction], prices: Array, units: Array) -> NoSuchBodies:
     """The error that says why there are no bodies."""
     witness = find_witness(robot, chain, basis, prices, units) if base_set(robot).proven else None
-    found = f"no bodies have these torques: {witness}" if witness else "no bodies with these torques were found"
-    if witness is None:
-        found += ", but no proof either that there are none"
+    unsure = "no bodies with these torques were found, but no proof either that there are none"
+    found = f"no bodies have these torques: {witness}" if witness else unsure
     error = NoSuchBodies(f"{robot.name}: {found}", remedy="correct masses and inertias")
     error.witness = witness
     return error
