@@ -86,7 +86,8 @@ class Preparation:
 
     def states(self, rows: Array) -> tuple[Array, list[Array], Array]:
         """Times, q, qd and qdd, and torques of a block, those near its ends wrong where filters are."""
-        parts, step = {quantity: rows[:, self.log.places(quantity)] for quantity in self.log.columns}, self.log.step
+        step, ends = self.log.step, np.cumsum([len(columns) for columns in self.log.columns.values()])
+        parts = dict(zip(self.log.columns, np.split(rows, ends[:-1], axis=1), strict=True))
         if (smooth := self._filters[0]) is not None:
             # What is differentiated; where nothing is, all of the state, so that it stays one motion.
             source = ("q",) if "qd" in self.missing else ("qd",) if self.missing else ("q", "qd", "qdd")

@@ -146,12 +146,6 @@ class Log:
             raise self._error(found, allowed=f"allowed: {listed(units)}", remedy="convert it")
         return column, sign * (units[plain] if unit else 1.0)
 
-    def places(self, quantity: str) -> slice:
-        """Where the columns of a quantity are in the blocks of `batches`."""
-        keys = list(self.columns)
-        start = sum(len(self.columns[key]) for key in keys[: keys.index(quantity)])
-        return slice(start, start + len(self.columns[quantity]))
-
     # -- rows
 
     def batches(self) -> Iterator[Array]:

@@ -63,16 +63,6 @@ class Factors:
             rows[-1][:, [*own, self.count]] = weight * factor
         return _triangle(rows)
 
-    def predicted(self, beta: Array) -> Array:
-        """(2, n) of each joint the correlation of tau with Y_b beta, about zero, and the factor that fits best."""
-        found = []
-        for factor, own in zip(self.factors, self.columns, strict=True):
-            expected, measured = factor[:, :-1] @ beta[own], factor[:, -1]
-            product, square = expected @ measured, expected @ expected
-            length = np.sqrt(square * (measured @ measured))
-            found.append((product / length, product / square) if length else (0.0, 1.0))
-        return np.array(found).T
-
 
 def _triangle(rows: Sequence[Array]) -> Array:
     return np.asarray(np.linalg.qr(np.concatenate(rows), mode="r"))
@@ -135,7 +125,13 @@ def _solved(factors: Factors, method: Method, prior: Array, kept: Flags) -> Esti
 
 def refuse_strange_torques(factors: Factors, prior: Array, labels: Sequence[str]) -> None:
     """Refuse torques that are those of the robot file but for a sign or a unit."""
-    correlations, sizes = factors.predicted(prior)
+    fits = []  # of each joint the correlation of tau with Y_b beta, about zero, and the factor that fits best
+    for factor, own in zip(factors.factors, factors.columns, strict=True):
+        expected, measured = factor[:, :-1] @ prior[own], factor[:, -1]
+        product, square = expected @ measured, expected @ expected
+        length = np.sqrt(square * (measured @ measured))
+        fits.append((product / length, product / square) if length else (0.0, 1.0))
+    correlations, sizes = np.array(fits).T
     trust = "or take them as they are with --trust-torques"
     if (opposite := correlations < OPPOSITE).any():
         which = listed(f"{labels[j]} (correlation {correlations[j]:.2f})" for j in np.flatnonzero(opposite).tolist())
