@@ -14,17 +14,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from math import pi
 
-from derive.errors import (
-    DeriveError,
-    ExpressionError,
-    Location,
-    RobotFileError,
-    RobotFileWarning,
-    listed,
-    near_miss,
-    path_text,
-    quoted,
-)
+from derive import errors
+from derive.errors import DeriveError, ExpressionError, Location, RobotFileError, listed, near_miss, path_text, quoted
 from derive.robot import expression as tree
 from derive.robot.description import Description, FileUnits, Joint, Variable
 from derive.robot.evaluate import evaluate
@@ -105,7 +96,7 @@ def joint_value(robot: Description, joint: Joint | Variable | None, typed: str, 
                 if abs(turned := evaluate(expression, {})) > 4 * pi:
                     angle = tree.multiple_of_pi(Fraction(turned).limit_denominator(1000) / 180)
                     found = f"{value} is more than two turns in radians; if degrees are meant write {angle}"
-                    warnings.warn(found, RobotFileWarning, stacklevel=3)
+                    warnings.warn(found, errors.RobotFileWarning, stacklevel=3)
         return (angle_in_radians if joint.is_revolute else length_in_metres)(expression, robot.units)
     except ExpressionError as error:
         raise DeriveError(f"{value}: {error.found}", allowed=allowed, remedy=cell_hint(typed)) from None

@@ -6,21 +6,8 @@ from math import inf
 from typing import TypeVar
 
 from derive.errors import Location, QuantityError, listed, near_miss
-from derive.robot.description import (
-    BASE,
-    IDENTITY,
-    INERTIA,
-    Description,
-    End,
-    FixedRow,
-    Joint,
-    JointType,
-    Link,
-    Loop,
-    Root,
-    RootType,
-    Stand,
-)
+from derive.robot import description
+from derive.robot.description import BASE, IDENTITY, Description, End, FixedRow, Joint, Link, Root, RootType, Stand
 from derive.robot.expression import ONE, ZERO, Expression
 
 Some = TypeVar("Some", bound=Description)
@@ -32,7 +19,7 @@ ROOT_VARIABLES: Mapping[RootType, tuple[str, ...]] = {
     RootType.PLANAR: ("x", "y", "phi"),
     RootType.FLOATING: ("x", "y", "z", "yaw", "pitch", "roll"),
 }
-_SLIDE, _TURN = (JointType.PRISMATIC, _CYCLE), JointType.REVOLUTE
+_SLIDE, _TURN = (description.JointType.PRISMATIC, _CYCLE), description.JointType.REVOLUTE
 # Slides along x, y and z in axes moved on in a cycle, three of which are none, then turns about z, y and x; and what
 # turns the axes back.
 _ROOT_MOUNTS = {
@@ -150,7 +137,7 @@ def path(robot: Description, last: int) -> tuple[int, ...]:
     return tuple(reversed(found))
 
 
-def around(robot: Description, loop: Loop) -> tuple[tuple[int, ...], tuple[int, ...]]:
+def around(robot: Description, loop: description.Loop) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """The joints of a loop from the row at which its branches meet outwards, those of either branch."""
     one, other = (path(robot, way_to(robot, label).joint) for label in loop.join)
     meeting = sum(a == b for a, b in zip(one, other, strict=False))
@@ -234,7 +221,7 @@ def constant_cells(robot: Description) -> tuple[list[Expression], list[Expressio
     values = [cell for matrix in matrices for row in matrix for cell in row]
     values += [cell for row in robot.fixed for cell in (row.a, row.d)] + [stand.b for stand in between]
     for link in (row.link for row in robot.fixed if row.link):
-        values += (link.mass, *link.com, *(getattr(link.inertia, key) for key in INERTIA))
+        values += (link.mass, *link.com, *(getattr(link.inertia, key) for key in description.INERTIA))
     return values, [stand.gamma for stand in between] + [a for row in robot.fixed for a in (row.theta, row.alpha)]
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
 from derive.algebra.ring import Polynomial
-from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, frame_of, identity_atoms
+from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, frame_of
 from derive.inverse.closed.unknowns import InverseDomain, turned
 from derive.mechanics.vectors import Frame
 from derive.robot.expression import Expression
@@ -74,7 +74,7 @@ class Evidence:
         self.equations = [(cut, entry) for cut in cuts for entry in (*ENTRIES, *(HIGHER if deep else ()))]
         self._layout()
         links = Links(self.robot, self.residues, self._motion, keep_tool, keep_base)
-        whole = Pool(links, identity_atoms(links, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
+        whole = Pool(links, frame_atoms(links.unit, links.zero, deep=deep)).sides(Cut(0, self.robot.n - 1))[0]
         samples, shape = (1, self._samples), (self.poses, self._width)  # at the poses themselves nothing is changed
         self.pose = whole.mapped(
             lambda x: Residue(self.prime, np.broadcast_to(x.values, samples).reshape(shape)[None, :, 0])

@@ -23,23 +23,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Generic
 
+from derive.mechanics import vectors
 from derive.mechanics.chain import Domain, build_chain
-from derive.mechanics.vectors import (
-    Frame,
-    Matrix,
-    S,
-    Vector,
-    add,
-    add_matrices,
-    dot,
-    hat,
-    identity,
-    matmul,
-    multiply,
-    outer,
-    scale,
-    transpose,
-)
+from derive.mechanics.vectors import Frame, Matrix, S, Vector, add, add_matrices, matmul, multiply, scale, transpose
 from derive.robot.robot import Robot
 
 _PLACES = [f"[{row},{column}]" for row in (1, 2, 3) for column in (1, 2, 3)]
@@ -62,13 +48,13 @@ class Atoms(Generic[S]):
     def moved_after(self, a: Vector[S]) -> Atoms[S]:
         """The atoms of W Trans(a)."""
         r, p, u, m, k = self.rotation, self.position, self.back, self.moment, self.reflection
-        length = dot(a, a)
-        square = self.square + 2 * dot(u, a) + length
+        length = vectors.dot(a, a)
+        square = self.square + 2 * vectors.dot(u, a) + length
         ra = multiply(r, a)
         if m is None or k is None:
             return Atoms(r, add(p, ra), add(u, a), square)
-        cross = hat(a, length - length)
-        sums = add_matrices(matmul(m, cross), outer(add(p, ra), a))
+        cross = vectors.hat(a, length - length)
+        sums = add_matrices(matmul(m, cross), vectors.outer(add(p, ra), a))
         k = add_matrices(add_matrices(k, scaled(-2, sums)), scaled(length, r))
         return Atoms(r, add(p, ra), add(u, a), square, add_matrices(m, matmul(r, cross)), k)
 
@@ -161,12 +147,12 @@ class Links(Generic[S]):
     ) -> None:
         chain = build_chain(replace(robot, links=(), gravity=None), domain)
         self.zero, self.one, self.n, self.motion = chain.zero, chain.one, chain.n, motion
-        unit = Frame(identity(self.zero, self.one), chain.null)
+        unit = self.unit = chain.unit
         self.twists = [joint.fixed for joint in chain.joints]
         self.offsets = []
         for joint in robot.joints:  # the constant part of its motion, which commutes with the rest
             along = domain.constant(joint.d) if joint.is_revolute else self.zero
-            turn = _about_z(*domain.cosine_sine(joint.theta), self.zero, self.one)
+            turn = vectors.about_axis(2, *domain.cosine_sine(joint.theta), self.zero, self.one)
             self.offsets.append(Frame(turn, (self.zero, self.zero, along)))
         self.base = chain.base @ self.twists[0]
         self.tool = chain.tool
@@ -195,7 +181,7 @@ class Links(Generic[S]):
         numbers = self.motion(joint, start)
         if len(numbers) == 1:
             return atoms.moved_after((self.zero, self.zero, sign * numbers[0]))
-        return atoms.turned_after(_about_z(numbers[0], sign * numbers[1], self.zero, self.one))
+        return atoms.turned_after(vectors.about_axis(2, numbers[0], sign * numbers[1], self.zero, self.one))
 
     def before(self, atoms: Atoms[S], joint: int) -> Atoms[S]:
         """What is right of a joint and of its offset, (.. Z_joint D_joint K)^-1 W."""
@@ -214,7 +200,7 @@ class Pool(Generic[S]):
 
     def __init__(self, links: Links[S], pose: Atoms[S]) -> None:
         self.links = links
-        self._unit = identity_atoms(links, deep=pose.moment is not None)
+        self._unit = frame_atoms(links.unit, links.zero, deep=pose.moment is not None)
         self._pose = pose
         self.inside = cache(self._inside)
         self.around = cache(self._around)
@@ -247,20 +233,14 @@ class Pool(Generic[S]):
         return self._pose if first == 0 else self.links.before(self.around(first - 1, last), first - 1)
 
 
-def identity_atoms(links: Links[S], *, deep: bool) -> Atoms[S]:
-    """The atoms of no motion."""
-    zero = links.zero
-    return frame_atoms(Frame(identity(zero, links.one), (zero, zero, zero)), zero, deep=deep)
-
-
 def frame_atoms(frame: Frame[S], zero: S, *, deep: bool) -> Atoms[S]:
     """The atoms of a frame, by their definitions."""
     r, p = frame.rotation, frame.position
-    back, square = multiply(transpose(r), p), dot(p, p)
+    back, square = multiply(transpose(r), p), vectors.dot(p, p)
     if not deep:
         return Atoms(r, p, back, square)
-    reflection = add_matrices(scaled(square, r), scaled(-2, outer(p, back)))
-    return Atoms(r, p, back, square, matmul(hat(p, zero), r), reflection)
+    reflection = add_matrices(scaled(square, r), scaled(-2, vectors.outer(p, back)))
+    return Atoms(r, p, back, square, matmul(vectors.hat(p, zero), r), reflection)
 
 
 def frame_of(entries: Mapping[tuple[int, int], S]) -> Frame[S]:
@@ -272,7 +252,3 @@ def frame_of(entries: Mapping[tuple[int, int], S]) -> Frame[S]:
 def scaled(factor: S | int, m: Matrix[S]) -> Matrix[S]:
     """A matrix times a number."""
     return (scale(factor, m[0]), scale(factor, m[1]), scale(factor, m[2]))
-
-
-def _about_z(c: S, s: S, zero: S, one: S) -> Matrix[S]:
-    return ((c, -s, zero), (s, c, zero), (zero, zero, one))

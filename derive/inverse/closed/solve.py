@@ -23,7 +23,7 @@ from derive.inverse.closed.fields import ComplexField, PrimeField
 from derive.inverse.closed.formulas import CoincidenceError, GraphDerivation
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
-from derive.inverse.closed.pool import Links, Pool, identity_atoms
+from derive.inverse.closed.pool import Links, Pool, frame_atoms
 from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
 from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.mechanics.chain import build_chain
@@ -208,7 +208,7 @@ class Freedom:
         self.rank = self._rank(range(robot.n))
         motions = [(joint.cosine, joint.sine) if joint.revolute else (joint.offset,) for joint in chain.joints]
         links = Links(self.robot, residues, lambda k, _: motions[k])
-        self._pool = Pool(links, identity_atoms(links, deep=False))
+        self._pool = Pool(links, frame_atoms(links.unit, links.zero, deep=False))
 
     def _rank(self, joints: Iterable[int]) -> int:
         return len(echelon(self._table[:, list(joints)], self._prime)[0])

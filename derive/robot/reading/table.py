@@ -5,26 +5,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from derive.errors import RobotFileError, listed, near_miss, quoted
+from derive.robot import description
 from derive.robot.cells import Cells, check_symbol, inert_text
 from derive.robot.coupling import drives
-from derive.robot.description import (
-    BASE,
-    FIXED,
-    Convention,
-    Description,
-    End,
-    FixedRow,
-    Joining,
-    Joint,
-    JointType,
-    Link,
-    Loop,
-    Matrix,
-    Root,
-    RootType,
-    Stand,
-    Variable,
-)
+from derive.robot.description import BASE, FIXED, Description, End, FixedRow, Joint, JointType, Link, Loop, Root, Stand
 from derive.robot.expression import Name, names
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.reading.size_limits import FILE_LIMITS
@@ -51,7 +35,7 @@ def read_table(document: Document, cells: Cells) -> Description:
         moving, standing = root_rows(root)
         joints, fixed = (*moving, *joints), (standing, *fixed)
         moved = (*(Link() for _ in moving if has_dynamics), *moved)
-    convention, gravity = Convention(document.text("convention")), read_gravity(document, cells)
+    convention, gravity = description.Convention(document.text("convention")), read_gravity(document, cells)
     whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
     return plain(with_loops(document, cells, replace(whole, coupled=coupled), reader.passive, reader.any_label))
 
@@ -60,7 +44,7 @@ def _read_root(document: Document) -> Root | None:
     """How the root moves, its body still to be read."""
     if document.find(("root",)) is None:
         return None
-    kind, path = RootType(document.text("root", "type")), ("root", "q")
+    kind, path = description.RootType(document.text("root", "type")), ("root", "q")
     usual = names = ROOT_VARIABLES[kind]
     if document.find(path) is not None:
         names = tuple(document.text(*path, at) for at in range(document.length(path)))
@@ -183,7 +167,7 @@ class _Table:
         path: KeyPath = ("joints", row, "theta" if self._document.text("joints", row, "type") == "revolute" else "d")
         return tuple(names(self._cells.raw(path))) if self._document.find(path) is not None else ()
 
-    def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[Variable, ...]:
+    def coupled(self, rows: Sequence[Joint | FixedRow]) -> tuple[description.Variable, ...]:
         """The variables in their order, where a row is coupled or the file names them; else none."""
         joints = [row for row in rows if isinstance(row, Joint)]
         if not (self._declared or self.passive or any(joint.drive for joint in joints)):
@@ -204,7 +188,7 @@ class _Table:
                 raise self._document.error(path, said, allowed, "write the file in rad and m, without units:")
         return variables
 
-    def _variable(self, name: str, joints: Sequence[Joint]) -> Variable:
+    def _variable(self, name: str, joints: Sequence[Joint]) -> description.Variable:
         path: KeyPath = ("variables", name)
         check_symbol(self._document, path, name)
         alone = next((joint for joint in joints if joint.variable == name and name in dict(drives(joint))), None)
@@ -214,12 +198,12 @@ class _Table:
             place = path if name in self._declared else ("joints", self._own.index(name), "q")
             raise self._document.error(place, found, allowed, "remove it, or write it into a cell")
         kind = next(joint.type for joint in (alone, driven) if joint)
-        own = Variable(name, kind) if alone is None else Variable(name, kind, alone.limits, alone.speed, alone.torque)
+        own = alone or description.Variable(name, kind)
         angle = self._cells.angle if kind is JointType.REVOLUTE else self._cells.length
         limits = read_limits(self._document, self._cells, path, angle)
         speed = read_bound(self._document, self._cells, path, "speed", angle)
         torque = read_bound(self._document, self._cells, path, "torque", self._cells.plain)
-        return Variable(name, kind, limits or own.limits, speed or own.speed, torque or own.torque)
+        return description.Variable(name, kind, limits or own.limits, speed or own.speed, torque or own.torque)
 
     def _fixed_row(self, row: int) -> FixedRow:
         path: KeyPath = ("joints", row)
@@ -240,7 +224,7 @@ class _Table:
         path: KeyPath = ("joints", row)
         for key, else_write in (("gamma", "mount: a constant transform"), ("b", "d, the offset along z")):
             at, convention = (*path, key), self._document.text("convention")
-            if convention == Convention.STANDARD and self._document.find(at) is not None:
+            if convention == description.Convention.STANDARD and self._document.find(at) is not None:
                 found, allowed = f"{key} in the {convention} convention", "allowed: gamma and b in convention: modified"
                 raise self._document.error(at, found, allowed, f"write {else_write}")
         given = self._document.find((*path, "after")) is not None
@@ -283,7 +267,7 @@ class _Table:
             row = self._at(after.text) if after else row - 1
         return False
 
-    def ends(self, rows: Sequence[Joint | FixedRow], tool: Matrix) -> tuple[End, ...]:
+    def ends(self, rows: Sequence[Joint | FixedRow], tool: description.Matrix) -> tuple[End, ...]:
         """The ends by name, or the one behind the last row."""
         block = self._document.find(("ends",))
         if not isinstance(block, YamlMapping):
@@ -353,8 +337,8 @@ def with_loops(
         if set(branch) - {"+", "-"}:
             remedy = "derive show ROBOT closure lists the branches"
             raise document.error((*path, "branch"), f"branch {quoted(branch)}", "allowed: signs + and -", remedy)
-        by, is_long = Joining(document.text(*path, "by")), document.find((*path, "length")) is not None
-        if is_long != (by is Joining.DISTANCE):
+        by, is_long = description.Joining(document.text(*path, "by")), document.find((*path, "length")) is not None
+        if is_long != (by is description.Joining.DISTANCE):
             found = f"by: {by.value} {'with a' if is_long else 'without a'} length"
             remedy = "write by: distance, or leave the length out" if is_long else "write length: that of the rod"
             raise document.error(path, found, "allowed: a length with by: distance alone", remedy)

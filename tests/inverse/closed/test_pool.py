@@ -19,7 +19,7 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.formulas import GraphDerivation
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
-from derive.inverse.closed.pool import ENTRIES, HIGHER, Cut, Links, Pool, dimension, frame_atoms, identity_atoms
+from derive.inverse.closed.pool import ENTRIES, HIGHER, Cut, Links, Pool, dimension, frame_atoms
 from derive.inverse.closed.pose import entry_conditions
 from derive.inverse.closed.search import Search
 from derive.inverse.closed.solve import counted, solve
@@ -75,7 +75,7 @@ def test_cuts_stand_at_both_ends_of_every_offset_and_entries_have_their_dimensio
     assert Cut(0, 2, outer_right=True) in cuts
     assert not any(cut.outer_left for cut in cuts if cut.first == 0)
     assert [dimension(entry) for entry in ("R[1,1]", "p[1]", "u[2]", "p.p", "m[1,1]", "k[1,1]")] == [0, 1, 1, 2, 1, 2]
-    inside, _ = Pool(LINKS, identity_atoms(LINKS, deep=False)).sides(Cut(2, 3))
+    inside, _ = Pool(LINKS, frame_atoms(LINKS.unit, LINKS.zero, deep=False)).sides(Cut(2, 3))
     assert inside.entry("p[3]") == DOMAIN.constant(DOMAIN.robot.joints[2].d)
 
 
