@@ -86,8 +86,8 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
     others: list[Tree] = []
     if size <= MAX_ENUMERATED:
         # spanning trees: as many edges as joints, and every node is reached
-        edges = list(combinations(nodes, 2))
-        others = [tree for tree in combinations(edges, size) if len(paths(tree, 0)) == size + 1]
+        every = combinations(combinations(nodes, 2), size)
+        others = [tree for tree in every if len(paths(tree, 0)) == size + 1]
     elif sums and size <= MAX_STARS:
         # stars: all sums with one end r in common
         others = [tuple((min(r, i), max(r, i)) for i in nodes if i != r) for r in nodes]
@@ -95,11 +95,11 @@ def trees(size: int, sums: bool) -> tuple[Tree, ...]:
 
 
 def paths(tree: Tree, root: int) -> dict[int, dict[int, int]]:
-    """The ways from one node to all others along the edges of a tree."""
+    """The ways of fewest edges from one node to others: by the numbers of edges, whether along or against them."""
     found: dict[int, dict[int, int]] = {root: {}}
     queue = [root]
     while queue:
-        node = queue.pop()
+        node = queue.pop(0)
         # along an edge the angle counts as it is, against it with a minus
         for index, (lo, hi) in enumerate(tree):
             for here, there, sign in ((lo, hi, 1), (hi, lo, -1)):

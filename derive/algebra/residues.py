@@ -9,7 +9,9 @@ numbers are arrays, so that one run of a recursion answers for many configuratio
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -83,6 +85,7 @@ class ResidueDomain(MappedDomain[Residue]):
     """A `derive.mechanics.chain.Domain` of residues: a polynomial domain at random configurations (samples, 1)."""
 
     def __init__(self, domain: PolynomialDomain, samples: int, seed: int = 0) -> None:
+        self.value = cache(self._at_points)
         super().__init__(domain, self.value)
         self.samples = samples
         self._random = random.Random(seed)
@@ -98,15 +101,11 @@ class ResidueDomain(MappedDomain[Residue]):
         if point is None:
             raise NoPointError("no point modulo a prime at which every root has a value")
         self._point = point
-        self._cache: dict[str, Residue] = {}
 
-    def value(self, p: Polynomial) -> Residue:
+    def _at_points(self, p: Polynomial) -> Residue:
         """A polynomial at the points: (samples, 1), or (1, 1) where no joint variable is in it."""
-        key = p.key()
-        if key not in self._cache:
-            found = self._residue(p, self._point)
-            self._cache[key] = Residue(self.prime, found.item() if found.size == 1 else found)
-        return self._cache[key]
+        found = residue(p, self._point.__getitem__, self.prime)
+        return Residue(self.prime, found.item() if found.size == 1 else found)
 
     def _draw_point(self) -> list[Array] | None:
         """A value per generator; None where a root or an inverse has none."""
@@ -127,7 +126,7 @@ class ResidueDomain(MappedDomain[Residue]):
         while pending:
             arguments = {i: self.domain.constant(g.argument) for i, g in pending.items()}
             ready = next(i for i, v in arguments.items() if not any(v.degrees()[k] for k in pending))
-            value = self._residue(arguments[ready], point)
+            value = residue(arguments[ready], point.__getitem__, p)
             if pending.pop(ready).kind is Kind.INVERSE:
                 point[ready] = power(value, p - 2, p)  # Fermat: x^(p-2) = 1/x
                 exists = value.all()
@@ -141,15 +140,17 @@ class ResidueDomain(MappedDomain[Residue]):
     def _numbers(self, count: int) -> Array:
         return np.array([[self._random.randrange(2, self.prime - 1)] for _ in range(count)], dtype=np.int64)
 
-    def _residue(self, p: Polynomial, point: list[Array]) -> Array:
-        total: Array = np.zeros((1, 1), dtype=np.int64)
-        for exponents, coefficient in p.terms():
-            term: Array = np.full((1, 1), fraction_residue(coefficient, self.prime), dtype=np.int64)
-            for i, exponent in enumerate(exponents):
-                if exponent:
-                    term = term * power(point[i], exponent, self.prime) % self.prime
-            total = (total + term) % self.prime
-        return total
+
+def residue(p: Polynomial, number: Callable[[int], Array], prime: int) -> Array:
+    """A polynomial modulo a prime, its generators given by their places."""
+    total: Array = np.zeros(1, dtype=np.int64)
+    for exponents, coefficient in p.terms():
+        term: Array = np.full(1, fraction_residue(coefficient, prime), dtype=np.int64)
+        for i, exponent in enumerate(exponents):
+            if exponent:
+                term = term * power(number(i), exponent, prime) % prime
+        total = (total + term) % prime
+    return total
 
 
 def fraction_residue(value: Fraction, prime: int) -> int:

@@ -208,9 +208,7 @@ class Dynamics:
                 p.append(self.lumped.number(value.constant_term) if value.is_constant else ring.generator(name))
             bodies.append(Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:])))
         self.chain = replace(build_chain(bare, self.lumped), bodies=tuple(bodies))
-        self._derivatives: dict[tuple[int, int, int], Polynomial] = {}
-        self._expanded: dict[str, Polynomial] = {}
-        self._christoffel: dict[tuple[int, int, int], Polynomial] = {}
+        self.expand, self._slope, self._symbol = cache(self._expand), cache(self._find_slope), cache(self._find_symbol)
 
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:
@@ -225,20 +223,19 @@ class Dynamics:
 
     def derivative(self, i: int, j: int, k: int) -> Polynomial:
         """dB_ij/dq_k."""
-        key = (min(i, j), max(i, j), k)
-        if key not in self._derivatives:
-            value = self.inertia_matrix[i][j]
-            self._derivatives[key] = self.lumped.derivative(value, k) if value else value
-        return self._derivatives[key]
+        return self._slope(min(i, j), max(i, j), k)
+
+    def _find_slope(self, i: int, j: int, k: int) -> Polynomial:
+        value = self.inertia_matrix[i][j]
+        return self.lumped.derivative(value, k) if value else value
 
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
         """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1)."""
-        key = (i, min(j, k), max(j, k))
-        if key not in self._christoffel:
-            d = self.derivative
-            twice = d(i, j, k) + d(i, k, j) - d(j, k, i)
-            self._christoffel[key] = Fraction(1, 2) * twice
-        return self._christoffel[key]
+        return self._symbol(i, min(j, k), max(j, k))
+
+    def _find_symbol(self, i: int, j: int, k: int) -> Polynomial:
+        d = self.derivative
+        return Fraction(1, 2) * (d(i, j, k) + d(i, k, j) - d(j, k, i))
 
     def skew(self, i: int, j: int, k: int) -> Polynomial:
         """The coefficient of qd_k in N_ij, N = Bdot - 2C: dB_jk/dq_i - dB_ik/dq_j."""
@@ -262,14 +259,7 @@ class Dynamics:
         """Number of terms once the user's symbols are put in (before terms meet)."""
         return len(p) + sum((len(lump.value) - 1) * len(c) for lump, c in self._coefficients(p))
 
-    def expand(self, p: Polynomial) -> Polynomial:
+    def _expand(self, p: Polynomial) -> Polynomial:
         """A polynomial in the ring of the user's symbols."""
-        key = p.key()
-        if key not in self._expanded:
-            parts, rest = self.split(p)
-            ring = self.domain.ring
-            total = ring.project(rest)
-            for lump, coefficient in parts:
-                total = total + ring.project(coefficient) * lump.value
-            self._expanded[key] = total
-        return self._expanded[key]
+        ring, (parts, rest) = self.domain.ring, self.split(p)
+        return sum((ring.project(coefficient) * lump.value for lump, coefficient in parts), ring.project(rest))

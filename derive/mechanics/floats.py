@@ -20,6 +20,8 @@ from derive.robot.robot import Robot
 class FloatDomain:
     """Cells at joint positions q [rad or m], n entries, by numbers of parameters, None for the robot file's."""
 
+    functions: tuple[Any, Any, Any] = (math.cos, math.sin, float)  # the last one makes numbers
+
     def __init__(self, robot: Robot, q: Sequence[Any], values: Mapping[str, Fraction | float] | None = None) -> None:
         self.q = q
         self.values = parameter_values(robot) if values is None else dict(values)
@@ -37,10 +39,11 @@ class FloatDomain:
         value = self.constant(angle)
         return math.cos(value), math.sin(value)
 
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[float, float]:
+    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
         """Cosine and sine of the angle of a revolute joint."""
+        cosine, sine, _ = self.functions
         value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return math.cos(value), math.sin(value)
+        return cosine(value), sine(value)
 
     def joint_offset(self, index: int, joint: Joint) -> float:
         """Displacement of a prismatic joint along its axis [m]."""
@@ -51,10 +54,7 @@ class FloatDomain:
 class ArrayDomain(FloatDomain):
     """The same at many configurations at once: for each joint an array of its variables [rad or m]."""
 
-    def joint_cosine_sine(self, index: int, joint: Joint) -> tuple[Any, Any]:
-        """Cosines and sines of the angles of a revolute joint."""
-        value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return np.cos(value), np.sin(value)
+    functions = (np.cos, np.sin, float)
 
 
 def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[float]]:

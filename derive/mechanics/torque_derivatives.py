@@ -40,7 +40,7 @@ from typing import Generic
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.inertia_matrix import unit_wrench
+from derive.mechanics.inertia_matrix import unit_wrench, wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
 from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
 from derive.mechanics.vectors import Matrix, S, Vector, add, add_matrices, column, cross, dot, multiply, scale
@@ -105,10 +105,8 @@ class _Response(Generic[S]):
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
         """From joint frame i to i-1."""
         # To the origin of frame i-1: moments gain p x force, delta gains pdot x u.
-        p = origin(joint)
-        force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
-        moment = add(to_parent(joint, self.moment), cross(p, force))
-        eta = add(to_parent(joint, self.eta), cross(p, unit))
+        force, moment = wrench_to_parent(joint, (self.force, self.moment))
+        unit, eta = wrench_to_parent(joint, (self.unit, self.eta))
         delta = add(to_parent(joint, self.delta), cross(_origin_rate(joint, omega, rate), unit))
         return _Response(force, moment, unit, eta, delta)
 

@@ -63,6 +63,21 @@ class RateTerm(NamedTuple):
     k: int  # the joint whose velocity it is multiplied by, from 1
 
 
+def _angles(name: str) -> cached_property[Entries]:
+    """Angles of the orientation of the end effector, 3x1 [rad]."""
+    return cached_property(lambda self: _written((3, 1), lambda: getattr(self.model, name)))
+
+
+def _rate_matrix(name: str) -> cached_property[Entries]:
+    """A matrix that is linear in the velocities, nxn."""
+
+    def _entries(self: ModelEntries) -> Entries:
+        n, terms = self.model.n, partial(self.model.terms, name)
+        return self._by_inertia(n, terms, lambda i, j: getattr(self.model, name)[i - 1, j - 1])
+
+    return cached_property(_entries)
+
+
 class ModelEntries:
     """The closed forms of a model, entry by entry; joints, links and frames count from 1 as in `Model`."""
 
@@ -132,15 +147,7 @@ class ModelEntries:
         halves = zip(kinematics.linear_columns(kinematics.end.position), kinematics.angular_columns(n), strict=True)
         return self._columns([[*linear, *angular] for linear, angular in halves])
 
-    @cached_property
-    def rpy(self) -> Entries:
-        """Roll, pitch and yaw, 3x1 [rad]."""
-        return _written((3, 1), lambda: self.model.rpy)
-
-    @cached_property
-    def euler_zyz(self) -> Entries:
-        """Euler angles ZYZ, 3x1 [rad]."""
-        return _written((3, 1), lambda: self.model.euler_zyz)
+    rpy, euler_zyz = map(_angles, ("rpy", "euler_zyz"))
 
     @cached_property
     def _long_counts(self) -> NestedKinematics[TermCount]:
@@ -218,24 +225,7 @@ class ModelEntries:
 
     # -- dynamics
 
-    @cached_property
-    def C(self) -> Entries:
-        """Coriolis matrix, nxn, by Christoffel symbols."""
-        return self._rate_matrix("C")
-
-    @cached_property
-    def N(self) -> Entries:
-        """N = dB/dt - 2C, nxn."""
-        return self._rate_matrix("N")
-
-    @cached_property
-    def Bdot(self) -> Entries:
-        """dB/dt, nxn."""
-        return self._rate_matrix("Bdot")
-
-    def _rate_matrix(self, name: str) -> Entries:
-        model = self.model
-        return self._by_inertia(model.n, partial(model.terms, name), lambda i, j: getattr(model, name)[i - 1, j - 1])
+    C, N, Bdot = map(_rate_matrix, ("C", "N", "Bdot"))
 
     @cached_property
     def g(self) -> Entries:

@@ -19,13 +19,8 @@ Read = Callable[[KeyPath], Expression]  # reads the cell at a place in its unit
 _SUM = "a sum of variables with constant factors, and a constant"  # what a cell that moves may be
 
 
-def read_joint(document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> Joint:
-    """A row of the table that moves, whatever it follows."""
-    return _Row(document, cells, row, variable, variables).read()
-
-
-class _Row:
-    """One row of the table: which cell moves, its sign, and the constant rest."""
+class MovingRow:
+    """A row of the table that moves, whatever it follows: which cell moves, its sign, and the constant rest."""
 
     def __init__(self, document: Document, cells: Cells, row: int, variable: str, variables: frozenset[str]) -> None:
         self._document, self._cells = document, cells
@@ -35,6 +30,7 @@ class _Row:
         self._moving, self._fixed = ("theta", "d") if self._type is JointType.REVOLUTE else ("d", "theta")
 
     def read(self) -> Joint:
+        """The row."""
         raw: dict[str, Expression] = {}
         for key in ("a", "alpha", self._fixed):
             raw[key] = self._cells.raw((*self._path, key))

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, fraction_residue
+from derive.algebra.residues import Array, Residue, ResidueDomain, echelon, residue
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.pool import ENTRIES, HIGHER, Atoms, Cut, Links, Pool, frame_atoms, frame_of
 from derive.inverse.closed.unknowns import InverseDomain, turned
@@ -228,14 +228,7 @@ class Evidence:
 
     def value(self, p: Polynomial, constants: Mapping[str, Expression]) -> Array:
         """A polynomial of the arm's ring at the poses."""
-        total = np.zeros(self.poses, dtype=np.int64)
-        for exponents, coefficient in p.terms():
-            term = np.full(self.poses, fraction_residue(coefficient, self.prime), dtype=np.int64)
-            for i, exponent in enumerate(exponents):
-                for _ in range(exponent):
-                    term = term * self.number(p.ring.names[i], constants) % self.prime
-            total = (total + term) % self.prime
-        return total
+        return residue(p, lambda i: self.number(p.ring.names[i], constants), self.prime)
 
     def number(self, name: str, constants: Mapping[str, Expression]) -> Array:
         """A generator at the poses."""

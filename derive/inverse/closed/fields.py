@@ -1,6 +1,6 @@
 """The numbers over which a graph of solutions is run: floats, complex numbers, integers modulo a prime."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -35,9 +35,8 @@ class FloatField(_ArrayMasks):
     def __init__(self, values: Mapping[str, Fraction | float]) -> None:
         self.values = values
 
-    def number(self, value: int | Fraction) -> Floats:
-        """A rational as a float."""
-        return np.float64(value)
+    number: Callable[[int | Fraction], Floats] = np.float64
+    select = staticmethod(np.where)
 
     def constant(self, expression: Expression) -> Floats:
         """The number of a parameter or constant."""
@@ -62,10 +61,6 @@ class FloatField(_ArrayMasks):
     def merges(self, a: Floats, scale: Floats) -> Masks:
         """Whether the two roots of a number are one within rounding."""
         return a <= MERGED * np.abs(scale)
-
-    def select(self, mask: Masks, a: Floats, b: Floats) -> Floats:
-        """The one number where a mask holds, the other elsewhere."""
-        return np.where(mask, a, b)
 
     def cosine_sine(self, angle: Floats) -> tuple[Floats, Floats]:
         """Cosine and sine of a given joint angle."""
@@ -94,9 +89,7 @@ class FloatField(_ArrayMasks):
 class ComplexField(FloatField):
     """Complex numbers, in which every branch exists; for counting solutions."""
 
-    def number(self, value: int | Fraction) -> Floats:
-        """A rational as a complex number."""
-        return np.complex128(value)
+    number = np.complex128
 
     def sqrt(self, a: Floats) -> Floats:
         """One of the two square roots."""

@@ -13,6 +13,7 @@ from math import gcd, lcm
 
 import numpy as np
 
+from derive.algebra.contraction import paths
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.evidence import Evidence
@@ -266,20 +267,12 @@ class GraphDerivation:
         if unknown in self.homes:
             return self.homes[unknown]
         g, start, goal = self.domain.ends(unknown)
-        # Angles of a group are edges between links: a sum is the shortest path, breadth first.
+        # Angles of a group are edges between links: a sum is the shortest path.
         alike = [other for other in self.homes if other.is_angle and self.domain.ends(other)[0] == g]
-        edges = [(other, *self.domain.ends(other)[1:]) for other in alike]
-        ways: dict[int, tuple[tuple[Unknown, int], ...]] = {start: ()}
-        queue = [start]
-        while queue:
-            link = queue.pop(0)
-            for other, u, v in edges:
-                for a, b in ((u, v), (v, u)):
-                    if a == link and b not in ways:
-                        ways[b] = (*ways[link], (other, self.domain.sense(other, a < b)))
-                        queue.append(b)
+        way = paths(tuple(self.domain.ends(other)[1:] for other in alike), start)[goal]
+        signed = [(alike[k], self.domain.sense(alike[k], along > 0)) for k, along in way.items()]
         sign = self.domain.sense(unknown, forwards=True)
-        parts = tuple((part, sign * own) for part, own in sorted(ways[goal], key=lambda pair: -pair[1] * sign))
+        parts = tuple((part, sign * own) for part, own in sorted(signed, key=lambda pair: -pair[1] * sign))
         return self._append((unknown,), (NodeFormula(NodeKind.SUM, parts=parts),))
 
     def _formula(self, choice: Choice, state: State, unknown: Unknown) -> NodeFormula | None:

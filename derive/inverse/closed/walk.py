@@ -7,8 +7,6 @@ A node is evaluated once for every combination of the branches that it really de
 depend on theta_1, so that both together cost two evaluations and have four values.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

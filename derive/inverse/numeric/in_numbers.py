@@ -14,7 +14,6 @@ from derive.inverse.words.elementary import PrintedLine
 from derive.lecture.point import value_of
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.mechanics.floats import FloatDomain
-from derive.robot.description import Joint
 from derive.robot.expression import Expression
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
@@ -64,7 +63,7 @@ def with_lines(values: Numbers, lines: Iterable[PrintedLine]) -> Numbers:
 class DigitsDomain(FloatDomain):
     """Cells of a robot and joint positions as numbers of mpmath, with its working precision."""
 
-    functions: tuple[Any, Any, Any] = (mpmath.cos, mpmath.sin, mpmath.mpf)  # the last one makes numbers
+    functions = (mpmath.cos, mpmath.sin, mpmath.mpf)
 
     def __init__(self, robot: Robot, q: Sequence[Any], values: Numbers) -> None:
         super().__init__(robot, q, {})
@@ -82,12 +81,6 @@ class DigitsDomain(FloatDomain):
         """Cosine and sine of a constant angle."""
         value, number = expression_to_sympy(angle), self.functions[2]
         return tuple(number(value_of(function(value), self._known)) for function in (sympy.cos, sympy.sin))
-
-    def joint_cosine_sine(self, index: int, joint: Joint) -> Any:
-        """Cosine and sine of the angle of a revolute joint."""
-        cosine, sine, _ = self.functions
-        value = joint.sign * self.q[index] + self.constant(joint.theta)
-        return cosine(value), sine(value)
 
 
 class ArrayDomain(DigitsDomain):

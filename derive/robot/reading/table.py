@@ -12,7 +12,7 @@ from derive.robot.description import BASE, FIXED, Description, End, FixedRow, Jo
 from derive.robot.expression import Name, names
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.reading.size_limits import FILE_LIMITS
-from derive.robot.table import read_bound, read_frame, read_gravity, read_joint, read_limits, read_link
+from derive.robot.table import MovingRow, read_bound, read_frame, read_gravity, read_limits, read_link
 from derive.robot.tree import ROOT_VARIABLES, around, joint_places, plain, root_rows
 
 # What stands behind a function's name to name another one, as in jacobian_dot: names of ends stand there, too.
@@ -146,8 +146,8 @@ class _Table:
     def _joint(self, row: int, variables: frozenset[str]) -> Joint:
         name, path = self._own[row], ("joints", row)
         if row not in self.passive:
-            return read_joint(self._document, self._cells, row, name or f"row {row + 1}", variables)
-        joint = read_joint(self._document, self._cells, row, name, variables | {name}) if name else None
+            return MovingRow(self._document, self._cells, row, name or f"row {row + 1}", variables).read()
+        joint = MovingRow(self._document, self._cells, row, name, variables | {name}).read() if name else None
         if joint is None or joint.drive:
             remedy = "leave the cell that moves out, or write passive: false"
             raise self._document.error((*path, "passive"), "a passive joint that variables move", "", remedy)
