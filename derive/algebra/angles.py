@@ -11,14 +11,13 @@ expression is written, never what it is: sums of angles are as good a basis as t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations, pairwise
 
 from derive.robot import tree
-from derive.robot.description import Convention, FixedRow, Stand
+from derive.robot.description import Convention, Stand
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, names
 from derive.robot.options.style import Contraction
@@ -26,7 +25,6 @@ from derive.robot.robot import Robot
 
 Terms = tuple[tuple[Expression, Fraction], ...]
 Axis = tuple[float, float, float]
-Turn = Callable[[Axis], Axis]  # a direction in the axes of a frame that is turned
 Groups = tuple[tuple[int, ...], ...]
 _UNIT_STEP = 0.737_912  # stand-in for the first symbolic angle; any value that is no multiple of pi will do
 
@@ -95,9 +93,24 @@ class _Reached:
     group: tuple[int, ...] = ()  # the last of them, from the base outwards
     axis: Axis = (0.0, 0.0, 1.0)  # that of the last one, in the frame
 
-    def before(self, turn: Turn) -> _Reached:
-        """The frame that is turned by a constant."""
-        return replace(self, axis=turn(self.axis))
+    def turned(self, about: str, angle: Expression, units: dict[Expression, float]) -> _Reached:
+        """The frame that is turned by a constant about z or x."""
+        turn = _float(angle, units)
+        c, s, (x, y, z) = math.cos(turn), math.sin(turn), self.axis
+        return replace(
+            self, axis=(x * c + y * s, y * c - x * s, z) if about == "z" else (x, y * c + z * s, z * c - y * s)
+        )
+
+    def behind(self, stand: Stand, units: dict[Expression, float]) -> _Reached:
+        """The frame behind the mount and gamma of a row."""
+        cells = [row[:3] for row in stand.mount[:3]]
+        values = {name: _float(Name(name), units) for row in cells for cell in row for name in names(cell)}
+        try:
+            m = [[evaluate(cell, values) for cell in row] for row in cells]
+        except ArithmeticError:  # where the stand-ins give no value nothing is called parallel
+            return replace(self, axis=(0.0, 0.0, 0.0))
+        x, y, z = (sum(row[k] * along for row, along in zip(m, self.axis, strict=True)) for k in range(3))
+        return replace(self, axis=(x, y, z)).turned("z", stand.gamma, units)
 
 
 def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, tuple[int, ...]]:
@@ -106,17 +119,20 @@ def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, t
     The sign of the variable counts as a direction: ``theta: -q`` on an axis that points down is aligned with ``theta:
     q`` on one that points up. Prismatic joints may stand between the joints of a group.
     """
-    directions = [1] * robot.n
+    directions, is_standard = [1] * robot.n, robot.convention is Convention.STANDARD
     units: dict[Expression, float] = {}
     reached: list[_Reached] = []  # DH frames 1 to n
     found: list[tuple[int, ...]] = []
     for i, (joint, way) in enumerate(zip(robot.joints, tree.ways(robot), strict=True)):
         frame = reached[way.joint] if way.joint >= 0 else _Reached()
         for row in way.rows:
-            frame = _behind(robot, frame.before(_stand_turn(row.stand, units)), row, units)
+            frame = frame.behind(row.stand, units)
+            turns = (("z", row.theta), ("x", row.alpha))
+            for about, angle in turns if is_standard else reversed(turns):
+                frame = frame.turned(about, angle, units)
         if joint.stand:
-            frame = frame.before(_stand_turn(joint.stand, units))
-        frame = frame if robot.convention is Convention.STANDARD else _behind_twist(frame, joint.alpha, units)
+            frame = frame.behind(joint.stand, units)
+        frame = frame if is_standard else frame.turned("x", joint.alpha, units)
         if joint.is_revolute:
             last = frame.group[-1] if frame.group else -1
             # z of the last revolute joint in this frame: (0, 0, 1) is aligned, (0, 0, -1) opposed
@@ -127,48 +143,10 @@ def contracted_groups(robot: Robot, contraction: Contraction) -> tuple[Groups, t
             frame = _Reached((*frame.group, i) if joins else (i,))
             found.append(frame.group)
         else:
-            frame = frame.before(_about_z(joint.theta, units))
-        reached.append(_behind_twist(frame, joint.alpha, units) if robot.convention is Convention.STANDARD else frame)
+            frame = frame.turned("z", joint.theta, units)
+        reached.append(frame.turned("x", joint.alpha, units) if is_standard else frame)
     groups = [group for group in found if not any(other[: len(group)] == group != other for other in found)]
     return tuple(groups), tuple(directions)
-
-
-def _behind(robot: Robot, frame: _Reached, row: FixedRow, units: dict[Expression, float]) -> _Reached:
-    """The frame of a row without motion from that in which its own cells begin."""
-    if robot.convention is Convention.STANDARD:
-        return _behind_twist(frame.before(_about_z(row.theta, units)), row.alpha, units)
-    return _behind_twist(frame, row.alpha, units).before(_about_z(row.theta, units))
-
-
-def _behind_twist(frame: _Reached, alpha: Expression, units: dict[Expression, float]) -> _Reached:
-    """The frame that is turned by alpha about x."""
-    twist = _float(alpha, units)
-    c, s = math.cos(twist), math.sin(twist)
-    return frame.before(lambda axis: (axis[0], axis[1] * c + axis[2] * s, axis[2] * c - axis[1] * s))
-
-
-def _about_z(angle: Expression, units: dict[Expression, float]) -> Turn:
-    """Directions in the frame turned by a constant about z."""
-    turn = _float(angle, units)
-    c, s = math.cos(turn), math.sin(turn)
-    return lambda axis: (axis[0] * c + axis[1] * s, axis[1] * c - axis[0] * s, axis[2])
-
-
-def _stand_turn(stand: Stand, units: dict[Expression, float]) -> Turn:
-    """Directions in the frame behind the mount and gamma of a row."""
-    cells = [[cell for cell in row[:3]] for row in stand.mount[:3]]
-    values = {name: _float(Name(name), units) for row in cells for cell in row for name in names(cell)}
-    try:
-        m = [[evaluate(cell, values) for cell in row] for row in cells]
-    except ArithmeticError:  # where the stand-ins give no value nothing is called parallel
-        return lambda axis: (0.0, 0.0, 0.0)
-    turn = _about_z(stand.gamma, units)
-
-    def _turned(axis: Axis) -> Axis:
-        x, y, z = (m[0][k] * axis[0] + m[1][k] * axis[1] + m[2][k] * axis[2] for k in range(3))
-        return turn((x, y, z))
-
-    return _turned
 
 
 def _float(angle: Expression, units: dict[Expression, float]) -> float:
@@ -194,8 +172,7 @@ def printed_offsets(robot: Robot, groups: Groups, directions: tuple[int, ...]) -
         sums = [nothing]  # constants of q_1, q_1 + q_2, ... so far, multiples of pi/2 left out
         for i in group:
             own = decompose(robot.joints[i].theta)
-            turn = directions[i] * robot.joints[i].sign
-            sums.append(sums[-1] if _is_right(own) else _plus(sums[-1], own, turn))
+            sums.append(sums[-1] if _is_right(own) else _plus(sums[-1], own, directions[i] * robot.joints[i].sign))
         if any(_is_right(d := _plus(b, a, -1)) and d != nothing for a, b in combinations(sums, 2)):
             sums = [
                 ExactAngle((s.pi_multiple + Fraction(1, 4)) % Fraction(1, 2) - Fraction(1, 4), s.terms) for s in sums

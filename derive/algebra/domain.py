@@ -249,8 +249,7 @@ class PolynomialDomain:
             case Call("sqrt", (argument,)):
                 return self.ring.generator(f"sqrt {canonical(argument)!r}")
             case Call("tan", (argument,)):
-                cosine = canonical(Call("cos", (argument,)))
-                return self.cosine_sine(argument)[1] * self.ring.generator(f"1/{cosine!r}")
+                return self.cosine_sine(argument)[1] * self.ring.generator(f"1/{canonical(Call('cos', (argument,)))!r}")
             case Call("cos", (argument,)):
                 return self.cosine_sine(argument)[0]
             case Call("sin", (argument,)):

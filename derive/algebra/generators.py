@@ -13,6 +13,7 @@ from math import isqrt, lcm
 from derive.algebra.angles import ExactAngle, decompose
 from derive.robot import tree
 from derive.robot.coupling import derivatives
+from derive.robot.description import INERTIA
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power, rebuilt
 from derive.robot.robot import Robot
 
@@ -217,9 +218,8 @@ def robot_cells(robot: Robot) -> tuple[list[Expression], list[Expression]]:
     values += [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row]
     values += robot.gravity or ()
     for link in robot.links:
-        tensor = link.inertia
         values += (link.mass, *link.com, link.armature, link.viscous, *link.dry)
-        values += (tensor.xx, tensor.yy, tensor.zz, tensor.xy, tensor.xz, tensor.yz)
+        values += (getattr(link.inertia, key) for key in INERTIA)
         if link.motor is not None:
             values += (link.motor.mass, link.motor.inertia, link.motor.ratio)
     more_values, more_angles = tree.constant_cells(robot)

@@ -26,7 +26,7 @@ from typing import Generic, Protocol, TypeVar
 from derive.mechanics import vectors
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, conjugate, identity, multiply, scale, steiner
 from derive.robot import tree
-from derive.robot.description import Convention, FixedRow, Joint, Link, Motor, Stand
+from derive.robot.description import INERTIA, Convention, FixedRow, Joint, Link, Motor, Stand
 from derive.robot.expression import Expression
 from derive.robot.robot import Robot
 
@@ -217,8 +217,7 @@ def stand_frame(stand: Stand, domain: Domain[S]) -> Frame[S]:
 def _fixed_frame(robot: Robot, row: FixedRow, domain: Domain[S]) -> Frame[S]:
     """The frame of a row without motion in the DH frame that it follows."""
     own, link = about_z(row.theta, row.d, domain), link_factor(row.a, row.alpha, domain)
-    in_row = own @ link if robot.convention is Convention.STANDARD else link @ own
-    return stand_frame(row.stand, domain) @ in_row
+    return stand_frame(row.stand, domain) @ (own @ link if robot.convention is Convention.STANDARD else link @ own)
 
 
 def about_z(angle: Expression, offset: Expression, domain: Domain[S]) -> Frame[S]:
@@ -241,8 +240,7 @@ def constant_vector(cells: tuple[Expression, Expression, Expression], domain: Do
 
 def central_inertia(link: Link, domain: Domain[S]) -> Symmetric[S]:
     """The inertia tensor of a link as the file gives it: about its centre of mass, in the axes of its DH frame."""
-    i = link.inertia
-    return Symmetric(*(domain.constant(cell) for cell in (i.xx, i.yy, i.zz, i.xy, i.xz, i.yz)))
+    return Symmetric(*(domain.constant(getattr(link.inertia, key)) for key in INERTIA))
 
 
 def constant_frame(matrix: tuple[tuple[Expression, ...], ...], domain: Domain[S]) -> Frame[S]:

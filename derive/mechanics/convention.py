@@ -16,7 +16,7 @@ the same axis, at o_i (modified): the link that carries it makes up for the diff
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 from math import atan2, pi
@@ -30,7 +30,7 @@ from derive.mechanics.chain import build_chain, central_inertia, constant_frame,
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.mechanics.vectors import Frame, Matrix, Vector
 from derive.robot import expression as tree
-from derive.robot.description import Convention, Description, Inertia, Link, Motor
+from derive.robot.description import INERTIA, Convention, Description, Inertia, Link, Motor
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import ZERO, Call, Expression, Pi, Sum, is_constant, number
 from derive.robot.names import without_lost_symbols
@@ -221,9 +221,8 @@ def _links(robot: Robot, cells: Cells, moved: Sequence[Factor]) -> tuple[tuple[L
             if body.mass != link.mass:
                 links[i + 1] = replace(links[i + 1], motor=replace(rotors[i], mass=ZERO))
         body = body if to_modified else body.through(behind.inverse)
-        names, entries = [part.name for part in fields(Inertia)], vectors.from_matrix(body.inertia)
-        known = [getattr(link.inertia, name) for name in names]
-        inertia = Inertia(**{name: cells.cell(getattr(entries, name), known) for name in names})
+        known, entries = [getattr(link.inertia, key) for key in INERTIA], vectors.from_matrix(body.inertia)
+        inertia = Inertia(**{key: cells.cell(getattr(entries, key), known) for key in INERTIA})
         x, y, z = (cells.cell(entry, link.com) for entry in body.com)
         links[i] = replace(links[i], mass=body.mass, com=(x, y, z), inertia=inertia)
     return tuple(links), notes

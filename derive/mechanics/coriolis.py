@@ -29,7 +29,7 @@ from typing import Generic
 
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Chain, ChainJoint
-from derive.mechanics.inertia_matrix import wrench_to_parent
+from derive.mechanics.energy import wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child, to_parent
 from derive.mechanics.vectors import Matrix, S, Symmetric, Vector, add, add_matrices, cross, multiply, scale
 

@@ -7,8 +7,7 @@ from functools import cache, cached_property
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.ring import Polynomial
 from derive.mechanics.chain import Body, Chain, build_chain, constant_vector, way_frame
-from derive.mechanics.energy import potential_energy
-from derive.mechanics.inertia_matrix import inertia_matrix
+from derive.mechanics.energy import inertia_matrix, potential_energy
 from derive.mechanics.vectors import Frame, Symmetric, Vector, add, column, cross, multiply, scale, subtract
 from derive.robot import tree
 from derive.robot.coupling import projected

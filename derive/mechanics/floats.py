@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from derive.mechanics.chain import build_chain
+from derive.mechanics.energy import gravity_vector, inertia_matrix
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
-from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.robot.description import Joint
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Expression

@@ -22,7 +22,7 @@ from enum import Enum
 from typing import Generic
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.inertia_matrix import Wrench, wrench_to_parent
+from derive.mechanics.energy import Wrench, wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child
 from derive.mechanics.vectors import Matrix, S, Vector, add, conjugate, cross, dot, matmul, multiply, scale, transpose
 

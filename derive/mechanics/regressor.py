@@ -188,5 +188,4 @@ class Regressor(Generic[S]):
         spin_rate = dot(u, alpha) + joint.coupling * acceleration
         spin = dot(u, omega) + joint.coupling * rate
         moment = add(scale(spin_rate, u), scale(spin, cross(omega, u)))
-        felt_by = {k: dot(screw.angular, moment) for k, screw in carrier.screws.items()}
-        return {**felt_by, i: joint.coupling * spin_rate}
+        return {k: dot(screw.angular, moment) for k, screw in carrier.screws.items()} | {i: joint.coupling * spin_rate}

@@ -40,7 +40,7 @@ from typing import Generic
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.inertia_matrix import unit_wrench, wrench_to_parent
+from derive.mechanics.energy import unit_wrench, wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
 from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
 from derive.mechanics.vectors import Matrix, S, Vector, add, add_matrices, column, cross, dot, multiply, scale
@@ -71,8 +71,7 @@ class _MovingBody(Generic[S]):
         zddot = column(motion.tensor, 2)
         # Shifted base: df = m zddot, dn = h x zddot; the torque's lever delta = h' x z.
         if not joint.revolute:
-            delta = (hdot[1], -hdot[0], chain.zero)
-            return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
+            return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, (hdot[1], -hdot[0], chain.zero))
         # Turned base: zdot = omega x z, d a = a x z, and twice zdot meets the moments' rates.
         zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
         twice = add(zdot, zdot)

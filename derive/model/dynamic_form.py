@@ -210,8 +210,7 @@ def only_body(robot: Robot, i: int, of_rotor: bool) -> Robot:
     own, bare = tree.bodies(robot)[i - 1], Link()
     body = Link(motor=own.motor) if of_rotor else replace(own, motor=None, armature=bare.armature)
     fixed = (replace(row, link=body if k == i else bare) for k, row in enumerate(robot.fixed, robot.n + 1))
-    links = tuple(body if k == i else bare for k in range(1, robot.n + 1))
-    return replace(robot, links=links, fixed=tuple(fixed))
+    return replace(robot, links=tuple(body if k == i else bare for k in range(1, robot.n + 1)), fixed=tuple(fixed))
 
 
 def friction_torque(link: Link, rate: Expr, write: Callable[[Expression], Expr]) -> Expr:

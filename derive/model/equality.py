@@ -108,8 +108,7 @@ def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
         point = {}
         for name in drawn:
             size = Fraction(rng.randint(10, 290 if name in angles else 200), 100)
-            negative = rng.random() < (0.5 if name in angles else 0.25 * (trial % 2))
-            point[name] = -size if negative else size
+            point[name] = -size if rng.random() < (0.5 if name in angles else 0.25 * (trial % 2)) else size
             if name in typed:
                 usual = Fraction(typed[name]).limit_denominator(10**6) or Fraction(1, 50)
                 point[name] = usual * Fraction(rng.randint(80, 125), 100)
@@ -273,8 +272,7 @@ def _form_of_product(e: Product | Power) -> tuple[Fraction, Shape]:
     for base, exponent in _flat_factors(e, 1):
         k, shape = form_of(base)
         factor = factor if k is UNIT else factor * k**exponent if k else k
-        inner = shape[1:] if shape[0] == "*" else ((shape, 1),)
-        for part, power in inner:
+        for part, power in shape[1:] if shape[0] == "*" else ((shape, 1),):
             factors[part] = factors.get(part, 0) + power * exponent
     # by their text: shapes hold names, numbers and tuples, which have no order among each other
     kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)

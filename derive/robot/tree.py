@@ -66,8 +66,7 @@ def located_links(robot: Description) -> Iterator[tuple[Place, Link]]:
 
 def _stands(robot: Description) -> Iterator[tuple[Joint, Stand]]:
     """Each joint with what its stand is where it has none: right behind the joint above."""
-    labels = (BASE, *(joint.label for joint in robot.joints))
-    return zip(robot.joints, map(Stand, labels), strict=False)
+    return zip(robot.joints, map(Stand, (BASE, *(joint.label for joint in robot.joints))), strict=False)
 
 
 def explicit(robot: Some) -> Some:

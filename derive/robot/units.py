@@ -73,8 +73,7 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
         yield from (((*path, i, j), entry) for i, row in enumerate(matrix) for j, entry in enumerate(row))
     for index, row in enumerate(table(robot)):
         place: KeyPath = ("joints", index)
-        cells = (("theta", row.theta), ("d", row.d), ("a", row.a), ("alpha", row.alpha))
-        yield from (((*place, key), expression) for key, expression in cells)
+        yield from (((*place, key), getattr(row, key)) for key in ("theta", "d", "a", "alpha"))
         if row.stand:
             yield from (((*place, "gamma"), row.stand.gamma), ((*place, "b"), row.stand.b))
         if isinstance(row, Joint):

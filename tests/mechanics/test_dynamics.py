@@ -14,10 +14,9 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.chain import build_chain
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.exact import Dynamics, Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
-from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations
-from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_set

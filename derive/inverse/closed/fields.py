@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from derive.algebra.residues import Residue, ResidueDomain, power
-from derive.inverse.closed.conic import line_points
+from derive.inverse.closed.elementary_solver import line_points
 from derive.inverse.closed.nodes import NodeFormula
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, substitute

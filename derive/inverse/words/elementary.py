@@ -151,8 +151,7 @@ class Scribe:
             together = _atan2(*map(self.write, above))
             apart = self._turned(g, c) - self._turned(-b, a)
             from_axis_y = (self._turned(a, -b) - self._turned(c, g), self._turned(c, -g) - self._turned(a, b))
-            forms = (together, apart, *from_axis_y)
-            return min(forms, key=lambda value: (value.count_ops(), value.count(sympy.atan2)))
+            return min((together, apart, *from_axis_y), key=lambda e: (e.count_ops(), e.count(sympy.atan2)))
         return self._quotients(unknown, label, (above[0], determinant), (above[1], determinant))
 
     def _turned(self, sine: Polynomial, cosine: Polynomial) -> Expr:

@@ -7,8 +7,8 @@ from itertools import combinations
 from derive.algebra.ring import determinant
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.chain import Chain
+from derive.mechanics.energy import Wrench
 from derive.mechanics.forward_kinematics import TILTED, analytic_jacobian, jacobian_hessian, jacobian_rate
-from derive.mechanics.inertia_matrix import Wrench
 from derive.mechanics.joint_motion import to_child, to_parent
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, subtract, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links

@@ -22,8 +22,7 @@ from derive.inverse.closed.unknowns import turned
 from derive.inverse.closed.walk import GraphWalk
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.energy import kinetic_energy, potential_energy
-from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
+from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.vectors import Frame
 from derive.programs.formulations.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose

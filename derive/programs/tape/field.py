@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from derive.inverse.closed.conic import line_points
-from derive.inverse.closed.elementary_solver import Solver
+from derive.inverse.closed.elementary_solver import Solver, line_points
 from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
 from derive.inverse.closed.graph import Node
 from derive.inverse.closed.nodes import NodeFormula, NodeKind

@@ -206,33 +206,21 @@ class Style:
 
 DEFAULT_STYLE: Final = "compact"  # name of the set that holds where a file says nothing
 
-NAMED_STYLES: Mapping[str, Style] = {
-    DEFAULT_STYLE: Style(),
-    "by-geometry": Style(
-        positions=LengthOrder.LENGTH,
-        inertia=Grouping.GEOMETRY,
-        christoffel=Grouping.GEOMETRY,
-        gravity=Grouping.GEOMETRY,
-        potential=Grouping.GEOMETRY,
-        products=Products.EXPANDED,
-        velocities=Rates.SYMBOL,
-    ),
-    "expanded": Style(
-        rotations=Order.EXPANDED,
-        positions=LengthOrder.EXPANDED,
-        inertia=Grouping.EXPANDED,
-        christoffel=Grouping.EXPANDED,
-        gravity=Grouping.EXPANDED,
-        potential=Grouping.EXPANDED,
-        products=Products.EXPANDED,
-        coriolis=Rates.EXPANDED,
-        velocities=Rates.EXPANDED,
-        accelerations=Rates.EXPANDED,
-    ),
-}
-"""The usual sets of options by their names."""
-
 STYLE_OPTIONS: Mapping[str, type[StrEnum]] = {
     option.name: cast(type[StrEnum], type(option.default)) for option in fields(Style)
 }
 """Every option of a style and its values."""
+
+_OF_DYNAMICS = ("inertia", "christoffel", "gravity", "potential")
+_EXPANDED = ("rotations", "positions", *_OF_DYNAMICS, "products", "coriolis", "velocities", "accelerations")
+_BY_GEOMETRY = {"positions": "length", "products": "expanded", "velocities": "symbol"}
+_CHANGES: Mapping[str, Mapping[str, str]] = {
+    DEFAULT_STYLE: {},
+    "by-geometry": dict.fromkeys(_OF_DYNAMICS, "geometry") | _BY_GEOMETRY,
+    "expanded": dict.fromkeys(_EXPANDED, "expanded"),
+}
+NAMED_STYLES: Mapping[str, Style] = {
+    name: Style().changed({option: STYLE_OPTIONS[option](word) for option, word in changes.items()})
+    for name, changes in _CHANGES.items()
+}
+"""The usual sets of options by their names."""

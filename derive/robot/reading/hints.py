@@ -190,8 +190,7 @@ def key_hint(key: str, block: str, allowed: Sequence[str]) -> str:
     word, colon, value = key.partition(":")
     if colon and word in allowed:
         return f"put a space after the colon: '{word}: {value}'" if value else "remove one colon"
-    of_the_block = {"joints": _KEYS_OF_A_JOINT, "links": _KEYS_OF_A_LINK}.get(block, {})
-    return of_the_block.get(key) or _KEYS.get(key, "")
+    return {"joints": _KEYS_OF_A_JOINT, "links": _KEYS_OF_A_LINK}.get(block, {}).get(key) or _KEYS.get(key, "")
 
 
 # Other words for what may be chosen, by key.

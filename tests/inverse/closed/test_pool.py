@@ -12,8 +12,7 @@ from derive.algebra.ring import Polynomial, Ring
 from derive.handouts.notation.derivation import derivation_lines
 from derive.handouts.notation.notation import Notation
 from derive.inverse.closed.branches import InverseSolver
-from derive.inverse.closed.conic import line_points
-from derive.inverse.closed.elementary_solver import Branch, Solver
+from derive.inverse.closed.elementary_solver import Branch, Solver, line_points
 from derive.inverse.closed.evidence import Change, Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.formulas import GraphDerivation

@@ -11,9 +11,8 @@ import numpy.typing as npt
 import pytest
 
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.energy import kinetic_energy, potential_energy
+from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, joint_poses, link_transforms
-from derive.mechanics.inertia_matrix import gravity_vector, inertia_matrix
 from derive.mechanics.newton_euler import PLAIN, FrameChoice, inverse_dynamics
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
 from derive.programs.build import build_program
