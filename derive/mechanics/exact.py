@@ -207,7 +207,9 @@ class Dynamics:
                 p.append(self.lumped.number(value.constant_term) if value.is_constant else ring.generator(name))
             bodies.append(Body(p[0], (p[1], p[2], p[3]), Symmetric(*p[4:])))
         self.chain = replace(build_chain(bare, self.lumped), bodies=tuple(bodies))
-        self.expand, self._slope, self._symbol = cache(self._expand), cache(self._find_slope), cache(self._find_symbol)
+        self.expand, d = cache(self._expand), self.derivative
+        self._slope = cache(lambda i, j, k: self.lumped.derivative(self.inertia_matrix[i][j], k))
+        self._symbol = cache(lambda i, j, k: Fraction(1, 2) * (d(i, j, k) + d(i, k, j) - d(j, k, i)))
 
     @cached_property
     def inertia_matrix(self) -> list[list[Polynomial]]:
@@ -224,17 +226,9 @@ class Dynamics:
         """dB_ij/dq_k."""
         return self._slope(min(i, j), max(i, j), k)
 
-    def _find_slope(self, i: int, j: int, k: int) -> Polynomial:
-        value = self.inertia_matrix[i][j]
-        return self.lumped.derivative(value, k) if value else value
-
     def christoffel(self, i: int, j: int, k: int) -> Polynomial:
         """c_ijk = 1/2 (dB_ij/dq_k + dB_ik/dq_j - dB_jk/dq_i) (Siciliano et al., Robotics, section 7.2.1)."""
         return self._symbol(i, min(j, k), max(j, k))
-
-    def _find_symbol(self, i: int, j: int, k: int) -> Polynomial:
-        d = self.derivative
-        return Fraction(1, 2) * (d(i, j, k) + d(i, k, j) - d(j, k, i))
 
     def skew(self, i: int, j: int, k: int) -> Polynomial:
         """The coefficient of qd_k in N_ij, N = Bdot - 2C: dB_jk/dq_i - dB_ik/dq_j."""

@@ -175,18 +175,6 @@ def inverse_dynamics(
 
     ``tip`` is the wrench of the last link on what is beyond it, in its joint frame, about its origin.
     """
-    return torques_and_wrench(chain, qd, qdd, choices, base, tip)[0]
-
-
-def torques_and_wrench(
-    chain: Chain[S],
-    qd: Sequence[S],
-    qdd: Sequence[S],
-    choices: Sequence[FrameChoice] = (),
-    base: LinkMotion[S] | None = None,
-    tip: Wrench[S] | None = None,
-) -> tuple[list[S], Wrench[S]]:
-    """The same, and force and moment (at the origin of frame 0, in its axes) by which the base moves the arm."""
     rates, accelerations = along_axes(chain, qd), along_axes(chain, qdd)
     motions = link_motions(chain, rates, accelerations, choices, base)
     torques: list[S] = []
@@ -197,7 +185,7 @@ def torques_and_wrench(
             own_rotor = joint.coupling * dot(axis(joint), alpha) + joint.armature * accelerations[i]
             torque = generalized_force(joint, *wrench) + own_rotor
             torques.append(torque if joint.sign > 0 else -torque)
-    return torques[::-1], wrench
+    return torques[::-1]
 
 
 def carried_wrenches(

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from math import lcm
 
 import sympy
@@ -53,13 +53,7 @@ class DynamicForm:
 
     def __init__(self, dynamics: Dynamics, form: LectureForm) -> None:
         self.dynamics, self.form = dynamics, form
-        self._lumps: dict[int, Expr] = {}
-        self._coefficients: dict[object, Expr] = {}
-        self._cache: dict[object, Expr] = {}
-
-    @cached_property
-    def _lumped_form(self) -> LectureForm:
-        return LectureForm(self.dynamics.lumped, style=self.form.style)
+        self._grouped = cache(self._by_lumps)
 
     @cached_property
     def inertia_limit(self) -> int:
@@ -85,30 +79,28 @@ class DynamicForm:
         """One entry as a SymPy expression."""
         if not p:
             return sympy.S.Zero
-        short = self.dynamics.expanded_size(p) <= limit
-        key = (p.key(), short, grouping)
-        if key not in self._cache:
-            self._cache[key] = self.form.dynamic(self.dynamics.expand(p), grouping) if short else self._grouped(p)
-        return self._cache[key]
+        is_short = self.dynamics.expanded_size(p) <= limit
+        return self.form.dynamic(self.dynamics.expand(p), grouping) if is_short else self._grouped(p)
 
-    def _grouped(self, p: Polynomial) -> Expr:
+    def _by_lumps(self, p: Polynomial) -> Expr:
         """Sum of lumped parameter times trigonometric polynomial, equal ones of the latter written once."""
         parts, rest = self.dynamics.split(p)
         terms = []
         for lump, coefficient in parts:
-            if lump.generator not in self._lumps:
-                self._lumps[lump.generator] = self.form.dynamic(lump.value)
-            scale, key = coefficient.normalised()
-            if key not in self._coefficients:
-                unit = coefficient * (1 / scale)
-                self._coefficients[key] = self._lumped_form.sympy(flat(self._lumped_form.table.terms(unit)))
-            value = self._coefficients[key]
+            scale = coefficient.normalised()[0]
+            value = self._lumped(coefficient * (1 / scale))
             if scale != 1:
                 value = sympy.Mul(sympy.Rational(scale), value, evaluate=not value.is_Add)
-            terms.append(sympy.Mul(self._lumps[lump.generator], value))
+            terms.append(sympy.Mul(self.form.dynamic(lump.value), value))
         if rest:
             terms.append(self.form.dynamic(self.dynamics.domain.ring.project(rest)))
         return sympy.Add(*terms)
+
+    @cached_property
+    def _lumped(self) -> Callable[[Polynomial], Expr]:
+        """Writes polynomials in lumped parameters."""
+        form = LectureForm(self.dynamics.lumped, style=self.form.style)
+        return cache(lambda p: form.sympy(flat(form.table.terms(p))))
 
     def rate_sum(self, pairs: Sequence[tuple[Polynomial, Expr]], writing: RateWriting) -> Expr:
         """sum p * rate, collected as the style says: ``h*(qd1 + qd2)``, or ``h*qd1 + h*qd2``."""

@@ -67,7 +67,7 @@ class GraphWalk(Generic[N, M]):
         self.graph, self.field, self.pose = graph, field, pose
         self.given, self.near = given, near
         self.known: dict[str, N] = {}
-        self.constants: dict[str, N] = {}
+        self._constant = cache(lambda index: field.constant(graph.domain.generators[index].expression))
         self.results: list[dict[tuple[int, ...], list[Value[N, M]]]] = []
 
     def leaves(self) -> Iterator[Leaf[N, M]]:
@@ -203,9 +203,7 @@ class GraphWalk(Generic[N, M]):
             return self.field.number(plan)
         index, quotient, rest = plan
         name = self.graph.domain.ring.names[index]
-        if name not in values and name not in self.constants:
-            self.constants[name] = self.field.constant(self.graph.domain.generators[index].expression)
-        generator = values[name] if name in values else self.constants[name]
+        generator: N = values[name] if name in values else self._constant(index)
         if quotient == 1 or quotient == -1:
             product_ = generator if quotient == 1 else -generator
         else:

@@ -20,11 +20,12 @@ from typing import Any, Generic
 import numpy as np
 
 from derive.arrays import Array
-from derive.mechanics import vectors
+from derive.mechanics import newton_euler, vectors
 from derive.mechanics.chain import Body, Chain, Domain, body_in, build_chain, constant_vector
 from derive.mechanics.energy import kinetic_energy, potential_energy
 from derive.mechanics.floats import ArrayDomain, FloatDomain
-from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, inverse_dynamics, torques_and_wrench
+from derive.mechanics.joint_motion import along_axes
+from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, carried_wrenches, inverse_dynamics
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
 from derive.plans.segments import Payload
 from derive.plans.surroundings import BaseCurve
@@ -124,7 +125,9 @@ class OnBase(Generic[S]):
 
     def power(self, qd: Sequence[S], qdd: Sequence[S]) -> S:
         """Of the force and the moment by which the base moves the arm [W]."""
-        force, moment = torques_and_wrench(self.chain, qd, qdd, base=self.motion)[1]
+        rates, accelerations = along_axes(self.chain, qd), along_axes(self.chain, qdd)
+        motions = newton_euler.link_motions(self.chain, rates, accelerations, base=self.motion)
+        *_, (_, (force, moment)) = carried_wrenches(self.chain, motions, rates, accelerations, ())
         return dot(force, self.velocity) + dot(moment, self.motion.omega)
 
     def energy(self, qd: Sequence[S], half: S) -> S:

@@ -98,10 +98,8 @@ _SYMMETRIC = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 
 
 def shape_hint(key: str, value: Any) -> str:
     """What to write instead of a block of another shape, with the user's own numbers where they are clear."""
-    if key == "limits":
-        return _limits(value)
-    if key == "inertia":
-        return _inertia(value)
+    if key in ("limits", "inertia"):
+        return _limits(value) if key == "limits" else _inertia(value)
     if key == "row" and isinstance(value, list) and len(value) == 4:
         return "name the cells, for instance {type: revolute, theta: q1, d: 0, a: 1, alpha: 0}"
     if key == "join":

@@ -37,7 +37,7 @@ def read_table(document: Document, cells: Cells) -> Description:
         moved = (*(Link() for _ in moving if has_dynamics), *moved)
     convention, gravity = description.Convention(document.text("convention")), read_gravity(document, cells)
     whole = Description("", "", convention, joints, base, tool, gravity, moved, fixed=fixed, ends=ends, root=root)
-    return plain(with_loops(document, cells, replace(whole, coupled=coupled), reader.passive, reader.any_label))
+    return plain(with_loops(document, cells, replace(whole, coupled=coupled), reader.passive, reader.label))
 
 
 def _read_root(document: Document) -> Root | None:
@@ -228,13 +228,13 @@ class _Table:
                 found, allowed = f"{key} in the {convention} convention", "allowed: gamma and b in convention: modified"
                 raise self._document.error(at, found, allowed, f"write {else_write}")
         given = self._document.find((*path, "after")) is not None
-        after = self._label((*path, "after"), row) if given else (BASE, *self._labels)[row]
+        after = self.label((*path, "after"), row) if given else (BASE, *self._labels)[row]
         mount = read_frame(self._document, self._cells, (*path, "mount"))
         return Stand(after, mount, self._cells.angle((*path, "gamma")), self._cells.length((*path, "b")))
 
-    def _label(self, path: KeyPath, rows: int) -> str:
-        """The label of the row that is named, which must be one of the first, or the base."""
-        name = self._document.text(*path)
+    def label(self, path: KeyPath, before: int | None = None) -> str:
+        """The label of the row that is named, which must be one of the first if there is a bound, or the base."""
+        name, rows = self._document.text(*path), len(self._labels) if before is None else before
         if name == BASE:
             return BASE
         at, known = self._at(name), (BASE, *self._labels[:rows])
@@ -249,10 +249,6 @@ class _Table:
                 found = f"row {at + 1}, {quoted(name)}, follows this one: a circle"
                 remedy = "let one of the two follow a row above both"
         raise self._document.error(path, found, f"allowed: {listed(known)}", remedy)
-
-    def any_label(self, path: KeyPath) -> str:
-        """The label of the row that is named."""
-        return self._label(path, len(self._labels))
 
     def _at(self, name: str) -> int | None:
         """The row with a label, else that with a variable."""
@@ -303,7 +299,7 @@ class _Table:
             found = f"a function such as jacobian_{name} could be another one, or another end's"
             raise self._document.error(path, found, remedy="use another name")
         place = (*path, "after") if isinstance(self._document.find(path), YamlMapping) else path
-        after = label = self._label(place, len(rows))
+        after = label = self.label(place)
         followed = {row.name: row.stand.after for row in rows if isinstance(row, FixedRow)}
         while label in followed:
             label = followed[label]
