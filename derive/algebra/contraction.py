@@ -53,11 +53,9 @@ def contract(size: int, sums: bool, items: Items) -> tuple[Contracted, ...]:
     places = [*used, *(size + i for i in used)]
     small = tuple((tuple(e[p] for p in places), coefficient) for e, coefficient in items)
     nodes = (0, *(i + 1 for i in used))
-    found = []
-    for term in _shortest(len(used), True, small):
-        factors = tuple(Trig(f.is_sine, (nodes[f.edge[0]], nodes[f.edge[1]]), f.exponent) for f in term.factors)
-        found.append(Contracted(term.coefficient, factors))
-    return tuple(found)
+    terms = _shortest(len(used), True, small)
+    placed = ([f._replace(edge=(nodes[f.edge[0]], nodes[f.edge[1]])) for f in term.factors] for term in terms)
+    return tuple(Contracted(term.coefficient, tuple(own)) for term, own in zip(terms, placed, strict=True))
 
 
 @lru_cache(maxsize=100_000)

@@ -381,11 +381,8 @@ class MappedDomain(Generic[Value]):
 
 def polynomial_expression(p: Polynomial, domain: PolynomialDomain) -> Expression:
     """The polynomial as an expression tree, term by term."""
-    terms = []
-    for exponents, coefficient in p.terms():
-        factors = (power(g.expression, e) for g, e in zip(domain.generators, exponents, strict=True) if e)
-        terms.append(multiply(Number(coefficient), *factors))
-    return add(*terms)
+    bases = [g.expression for g in domain.generators]
+    return add(*(multiply(Number(factor), *map(power, bases, exponents)) for exponents, factor in p.terms()))
 
 
 def _add_angles(a: tuple[Polynomial, Polynomial], b: tuple[Polynomial, Polynomial]) -> tuple[Polynomial, Polynomial]:

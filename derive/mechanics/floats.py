@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class ArrayDomain(FloatDomain):
     functions = (np.cos, np.sin, float)
 
 
-def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[float]]:
+def value_at(robot: Robot, name: Literal["T", "J", "B", "g"], q: Sequence[float]) -> Sequence[Sequence[float]]:
     """T, J, B or g at a configuration q [rad or m], n entries, by the recursions of the generated functions."""
     known = {symbol for symbol, _ in robot.parameters}
     further = tuple((symbol, value) for symbol, value in robot.figure.values if symbol not in known)
@@ -74,4 +74,3 @@ def value_at(robot: Robot, name: str, q: Sequence[float]) -> Sequence[Sequence[f
             return inertia_matrix(chain)
         case "g":
             return [[torque] for torque in gravity_vector(chain)]
-    raise KeyError(name)

@@ -115,10 +115,8 @@ class _LinkView(Generic[S]):
                 moment = (-u[2][0], u[2][1], x * x - y * y)
             case "Ixz":
                 moment = (u[1][0], z * z - x * x, -u[1][2])
-            case "Iyz":
+            case _:  # Iyz
                 moment = (y * y - z * z, -u[0][1], u[0][2])
-            case _:
-                raise KeyError(part)
         return dot(screw.angular, moment)
 
 

@@ -71,7 +71,6 @@ def _value(expression: Expression, values: Values) -> Fraction | float:
             if function == "sqrt" and points[0] < 0:
                 raise ArithmeticError("root of a negative number")
             return _finite(FUNCTIONS[function](*points))
-    raise TypeError(expression)
 
 
 def _finite(value: Fraction | float) -> float:

@@ -237,7 +237,6 @@ def to_text(expression: Expression, write: Callable[[Fraction], str] = str) -> s
             return f"{_base_text(base, write)}**{exponent}" if exponent > 0 else _product_text((expression,), write)
         case Call(function, arguments):
             return f"{function}({', '.join(to_text(argument, write) for argument in arguments)})"
-    raise TypeError(expression)
 
 
 def multiple_of_pi(factor: Fraction) -> str:

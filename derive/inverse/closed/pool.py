@@ -110,8 +110,7 @@ class Atoms(Generic[S]):
         if not second:
             return (self.position if name[0] == "p" else self.back)[first]
         matrix = {"R": self.rotation, "m": self.moment, "k": self.reflection}[name[0]]
-        if matrix is None:
-            raise KeyError(name)
+        assert matrix is not None, "the higher invariants are asked for"
         return matrix[first][second[0]]
 
 

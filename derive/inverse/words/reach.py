@@ -85,8 +85,7 @@ class Reach:
     def margins(self, poses: Array, values: Mapping[str, float]) -> list[tuple[Array, ...]]:
         """By signs of distances how far poses are within each bound, (k,): squares of lengths, positive inside."""
         known: Numbers = {sympy.Symbol(name): np.float64(value) for name, value in values.items()}
-        for i, j in product(range(3), range(4)):
-            known[self.inverse.pose[i, j]] = poses[:, i, j]
+        known |= {self.inverse.pose[i, j]: poses[:, i, j] for i, j in product(range(3), range(4))}
         signs = list(dict.fromkeys(sign for line in self.names for sign in line.signs))
         found = []
         for choice in product((1.0, -1.0), repeat=len(signs)):
