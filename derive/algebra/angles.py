@@ -97,9 +97,8 @@ class _Reached:
         """The frame that is turned by a constant about z or x."""
         turn = _float(angle, units)
         c, s, (x, y, z) = math.cos(turn), math.sin(turn), self.axis
-        return replace(
-            self, axis=(x * c + y * s, y * c - x * s, z) if about == "z" else (x, y * c + z * s, z * c - y * s)
-        )
+        axis = (x * c + y * s, y * c - x * s, z) if about == "z" else (x, y * c + z * s, z * c - y * s)
+        return replace(self, axis=axis)
 
     def behind(self, stand: Stand, units: dict[Expression, float]) -> _Reached:
         """The frame behind the mount and gamma of a row."""

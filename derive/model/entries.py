@@ -225,6 +225,7 @@ class ModelEntries:
 
     # -- dynamics
 
+    # Coriolis matrix by Christoffel symbols, dB/dt - 2C, and dB/dt
     C, N, Bdot = map(_rate_matrix, ("C", "N", "Bdot"))
 
     @cached_property
