@@ -22,11 +22,10 @@ MERGED = 1e-14  # below this part of its size the two roots of a radicand are on
 class _ArrayMasks:
     """What fields of arrays have in common: masks of one truth value per pose."""
 
+    truth: Callable[[bool], Masks] = np.bool_
+
     def never(self, mask: Masks) -> bool:
         return not np.any(mask)
-
-    def truth(self, value: bool) -> Masks:
-        return np.bool_(value)
 
 
 class FloatField(_ArrayMasks):
