@@ -7,7 +7,7 @@ one unknown and what is known, and made the formulas of nodes.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from itertools import combinations, islice, product
 from math import gcd, lcm
 
@@ -92,12 +92,8 @@ class GraphDerivation:
         kept = {"keep_tool": keep_tool, "keep_base": keep_base}
         self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, **kept)
         evidence = partial(Evidence, self.sampled, list(self.links.cuts()), allowed, deep=deep, **kept)
-        self.evidence, self._special = evidence(), partial(evidence, special=True)
-
-    @cached_property
-    def special(self) -> Evidence:
-        """The equations at poses where formulas fail."""
-        return self._special()
+        self.evidence = evidence()
+        self._special = cache(partial(evidence, special=True))  # the equations at poses where formulas fail
 
     def graph(self) -> SolutionGraph | None:
         """The graph of one-joint nodes; None where there is no such way."""
@@ -182,7 +178,7 @@ class GraphDerivation:
             first, unknown, choice = min(written, key=lambda row: self._cost(*row[:2]))
             found = [first]
             if first.degenerate:
-                others = islice(self.search.others(step, choice, self.special), _ALTERNATIVES)
+                others = islice(self.search.others(step, choice, self._special()), _ALTERNATIVES)
                 found += [formula for other in others if (formula := self._formula(other, state, unknown)) is not None]
             self._append((unknown,), tuple(found))
             state = state.joined(step.group, *step.parts)
