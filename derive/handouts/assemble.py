@@ -3,19 +3,14 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 
-from derive.handouts.parts import (
-    closure,
-    conversion,
-    dynamics,
-    example,
-    figure,
-    inverse,
-    jacobian,
-    kinematics,
-    newton_euler,
-    singularities,
-    table,
-)
+from derive.handouts.parts import dynamics, figure, kinematics, table
+from derive.handouts.parts.closure import closure
+from derive.handouts.parts.conversion import conversion
+from derive.handouts.parts.example import example
+from derive.handouts.parts.inverse import inverse
+from derive.handouts.parts.jacobian import jacobian
+from derive.handouts.parts.newton_euler import newton_euler
+from derive.handouts.parts.singularities import singularities
 from derive.handouts.sheet.context import Context, poses_of
 from derive.handouts.sheet.document import Block, Document, Section
 from derive.handouts.sheet.language import text_for
@@ -49,13 +44,13 @@ def section_of(context: Context, name: str) -> Section | None:
         "convention": (_("Convention"), figure.convention),
         "parameters": (_("Parameters"), table.parameters),
         "transforms": (_("Transforms between successive frames"), kinematics.transforms),
-        "closure": (_("Closed loops"), closure.closure),
-        "conversion": (_("The other convention"), conversion.conversion),
+        "closure": (_("Closed loops"), closure),
+        "conversion": (_("The other convention"), conversion),
         "kinematics": (_("End effector"), kinematics.end_effector),
         "orientation": (_("Position and orientation"), kinematics.orientation),
-        "jacobian": (_("Geometric Jacobian"), jacobian.jacobian),
-        "singularities": (_("Singularities"), singularities.singularities),
-        "inverse": (_("Inverse kinematics"), inverse.inverse),
+        "jacobian": (_("Geometric Jacobian"), jacobian),
+        "singularities": (_("Singularities"), singularities),
+        "inverse": (_("Inverse kinematics"), inverse),
         "link-jacobians": (links, dynamics.link_jacobians),
         "energies": (_("Energies"), dynamics.energies),
         "inertia": (_("Inertia matrix"), dynamics.inertia),
@@ -64,8 +59,8 @@ def section_of(context: Context, name: str) -> Section | None:
         "skew": (_("Skew symmetry"), dynamics.skew),
         "gravity": (_("Gravity"), dynamics.gravity),
         "motion": (_("Equations of motion"), dynamics.equations_of_motion),
-        "newton-euler": (_("Newton-Euler recursion"), newton_euler.newton_euler),
-        "example": (_("Example in numbers"), example.example),
+        "newton-euler": (_("Newton-Euler recursion"), newton_euler),
+        "example": (_("Example in numbers"), example),
     }
     title, make = parts[name]
     if name in CLOSED_FORMS and not context.has_closed_dynamics:

@@ -12,26 +12,9 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from derive.errors import TargetError
+from derive.handouts.notation import pieces as typeset
 from derive.handouts.notation.notation import Notation, Order, is_below
-from derive.handouts.notation.pieces import (
-    BRACKET_WIDTH,
-    EMPTY,
-    MINUS,
-    Box,
-    Break,
-    TexPiece,
-    binary,
-    concatenate,
-    fraction,
-    greek,
-    italic,
-    joined,
-    list_separator,
-    magnitude,
-    operator,
-    script,
-    signed_sum,
-)
+from derive.handouts.notation.pieces import EMPTY, MINUS, Box, Break, TexPiece, concatenate, joined, magnitude, script
 from derive.lecture.shorthand import clear_labels
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.robot.description import Joint, Variable
@@ -40,8 +23,7 @@ from derive.robot.robot import Robot
 from derive.robot.rounding import number_text, shown
 from derive.robot.units import Unit, in_file_units, symbol_unit
 
-# Widest numerator or denominator [pt]; a wider quotient is written with negative powers, which can be broken.
-WIDEST_FRACTION = 120.0
+WIDEST_FRACTION = 120.0  # of a numerator or denominator [pt]; a wider quotient has negative powers, which can be broken
 _HALF, _ONE = S.Half, S.One
 _CIRCULAR = ("cos", "sin", "tan")
 _FUNCTIONS = {"sign": "sgn", "atan2": "atan2", "acos": "arccos", "asin": "arcsin", "atan": "arctan"}
@@ -80,19 +62,18 @@ class LatexPrinter:
         degrees = TexPiece(Box(f"{number.tex}{_CIRCLE}", number.width + 5.0), depth=depth)
         if rest == 0:
             return [degrees] if turn > 0 else [MINUS, degrees]
-        return [*self._sum(rest, depth), binary("+" if turn > 0 else "-", depth), degrees]
+        return [*self._sum(rest, depth), typeset.binary("+" if turn > 0 else "-", depth), degrees]
 
     def _sum(self, expression: Any, depth: int) -> Pieces:
         """Written once: a root inside a root is measured before it is placed, which doubles the work at each level."""
         key = (expression, depth)
         if key not in self._written:
             terms = sorted(expression.args if expression.is_Add else (expression,), key=self._order.term)
-            self._written[key] = tuple(signed_sum((self._term(term, depth) for term in terms), depth))
+            self._written[key] = tuple(typeset.signed_sum((self._term(term, depth) for term in terms), depth))
         return list(self._written[key])
 
     def _term(self, term: Any, depth: int) -> tuple[bool, Pieces]:
         """Whether the term is negative, and its absolute value."""
-        # coefficient times base_1^e_1 base_2^e_2 ..., in the order of textbooks
         coefficient, rest = term.as_coeff_Mul()
         if not coefficient.is_Rational:
             coefficient, rest = type(coefficient)(1), term
@@ -110,7 +91,7 @@ class LatexPrinter:
             if row:
                 pieces[0] = pieces[0]._replace(before=Break.FACTOR, depth=depth)
             row += pieces
-        return value < 0, row or [TexPiece(italic("1"), depth=depth)]
+        return value < 0, row or [TexPiece(typeset.italic("1"), depth=depth)]
 
     def _factors(self, powers: list[Power], depth: int) -> Iterator[Pieces]:
         """Each power; where functions are written in full and a factor follows, the argument ends with a bracket."""
@@ -139,7 +120,7 @@ class LatexPrinter:
             # One fraction, of which sines, rates and brackets stay behind; a wide one is written with negative powers.
             if max(numerator.width, denominator.width) <= WIDEST_FRACTION:
                 rest = [power for power in powers if power not in above and not is_below(power[1])]
-                return fraction(numerator, denominator, small=not below), rest
+                return typeset.fraction(numerator, denominator, small=not below), rest
         boxes = (joined(self._power(base, exponent, 0)) for base, exponent in constants)
         return concatenate(number, *boxes), [power for power in powers if power not in constants]
 
@@ -165,9 +146,9 @@ class LatexPrinter:
         if base.is_Symbol:
             return [TexPiece(self.notation.glyph(base.name).power(raised), depth=depth)]
         if base is pi:
-            return [TexPiece(script(greek("pi"), sup=raised), depth=depth)]
+            return [TexPiece(script(typeset.greek("pi"), sup=raised), depth=depth)]
         if base.is_Integer and base >= 0:
-            return [TexPiece(script(italic(str(base)), sup=raised), depth=depth)]
+            return [TexPiece(script(typeset.italic(str(base)), sup=raised), depth=depth)]
         if base.is_Function:
             return self._function(base, raised, depth, closed)
         if not (base.is_Add or base.is_Mul or base.is_Pow or base.is_Rational):
@@ -187,13 +168,13 @@ class LatexPrinter:
             return [TexPiece(Box("\\lvert ", 5.0)), *self._sum(argument, depth + 1), TexPiece(Box(" \\rvert", 5.0))]
         if name not in _FUNCTIONS and name not in _CIRCULAR:
             raise TargetError(f"no LaTeX for the function {name}", remedy="use sin, cos, tan, sqrt or atan2")
-        head = script(operator(_FUNCTIONS.get(name, name)), sup=exponent)
+        head = script(typeset.operator(_FUNCTIONS.get(name, name)), sup=exponent)
         head = Box(head.tex + (" " if head.tex[-1].isalpha() else ""), head.width)
         if len(call.args) == 1 and (argument.is_Symbol or argument.is_NumberSymbol) and not closed:
             return [TexPiece(concatenate(head, joined(self._power(argument, Integer(1), 0))), depth=depth)]
         write = self.angle if name in _CIRCULAR else self._sum
         inner, others = write(argument, depth + 1), [self._sum(other, depth + 1) for other in call.args[1:]]
-        separator = list_separator(chain(inner, *others))
+        separator = typeset.list_separator(chain(inner, *others))
         for other in others:
             inner += [TexPiece(separator, depth=depth + 1), *other]
         row = [TexPiece(head, depth=depth), *_bracket(inner, EMPTY, depth)]
@@ -206,9 +187,9 @@ class LatexPrinter:
 
 def _bracket(inner: Pieces, exponent: Box, depth: int) -> Pieces:
     height = _nested(inner)
-    left, right = _BRACKETS[height % len(_BRACKETS)]
-    opening = TexPiece(Box(left, BRACKET_WIDTH), depth=depth, nest=height + 1)
-    return [opening, *inner, TexPiece(script(Box(right, BRACKET_WIDTH), sup=exponent), depth=depth, nest=height + 1)]
+    left, right = (Box(mark, typeset.BRACKET_WIDTH) for mark in _BRACKETS[height % len(_BRACKETS)])
+    opening = TexPiece(left, depth=depth, nest=height + 1)
+    return [opening, *inner, TexPiece(script(right, sup=exponent), depth=depth, nest=height + 1)]
 
 
 def _nested(pieces: Pieces) -> int:
@@ -270,9 +251,9 @@ class DataPrinter:
             return (TexPiece(Box("\\text{--}", 6.0)),)
         # [lower, upper] unit: one unit for both, none where a limit is in degrees
         (lower, _), (upper, unit) = (self._position(joint, limit) for limit in joint.limits)
-        opening, closing = (TexPiece(Box(bracket, BRACKET_WIDTH)) for bracket in "[]")
+        opening, closing = (TexPiece(Box(bracket, typeset.BRACKET_WIDTH)) for bracket in "[]")
         end = [TexPiece(unit)] if unit.tex and _CIRCLE not in joined(lower).tex else []
-        return (opening, *lower, TexPiece(list_separator((*lower, *upper))), *upper, closing, *end)
+        return (opening, *lower, TexPiece(typeset.list_separator((*lower, *upper))), *upper, closing, *end)
 
     def _position(self, joint: Joint | Variable, cell: Expression) -> tuple[Cell, Box]:
         """A value, and the unit behind it; degrees have their circle instead."""
@@ -357,8 +338,7 @@ class TextPrinter(PlainPrinter):
 
     def _print_cos(self, expression: Any) -> str:
         function, angle = expression.func.__name__, expression.args[0]
-        terms = angle.args if angle.is_Add else (angle,)
-        labels = [self._labels.get(str(term), "") for term in terms]
+        labels = [self._labels.get(str(term), "") for term in (angle.args if angle.is_Add else (angle,))]
         return str(function[0] + "".join(sorted(labels))) if all(labels) else f"{function}({self._print(angle)})"
 
     _print_sin = _print_cos

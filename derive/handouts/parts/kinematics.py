@@ -10,21 +10,8 @@ from itertools import pairwise
 
 from derive.handouts.layout.lines import Equation, equated, equation_lines, matrix, pack
 from derive.handouts.layout.quantity import LaidOut
-from derive.handouts.notation.pieces import (
-    BINARY_WIDTH,
-    BRACKET_WIDTH,
-    Box,
-    Break,
-    TexPiece,
-    concatenate,
-    fraction,
-    greek,
-    italic,
-    minus,
-    operator,
-    script,
-    upright,
-)
+from derive.handouts.notation import pieces as typeset
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, greek, italic, minus, script, upright
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, tool_of
 from derive.handouts.sheet.context import Context, entry_namer, formula, in_rows, side_by_side, small, textbook
@@ -142,10 +129,9 @@ def _partial_products(context: Context) -> Iterator[Block]:
     yield Rows(tuple(equation_lines([Equation(_frame(0, last), tuple(factors))])))
 
 
-# Most terms of the entries of T from which angles are written out; of more they are given by the entries alone.
-SHORT_ANGLES = 12
+SHORT_ANGLES = 12  # most terms of the entries of T by which angles are written out; of more they are not
 _COMMA = TexPiece(Box(",\\, ", 5.0), depth=1)
-_RIGHT_ANGLE = fraction(greek("pi"), italic("2"))
+_RIGHT_ANGLE = typeset.fraction(greek("pi"), italic("2"))
 
 Angles = tuple[tuple[TexPiece, ...], tuple[TexPiece, ...], tuple[TexPiece, ...]]  # each angle by entries of T
 Place = tuple[int, int]
@@ -229,7 +215,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
     is_parallel = not _terms(context, (1, 3), (2, 3))
     if is_parallel:
         signed = [concatenate(cosine, t(i, 1)) for i in (2, 1)]
-        inside = concatenate(Box("(1", 10.0), Box(" - ", BINARY_WIDTH), cosine, Box(")", BRACKET_WIDTH))
+        inside = concatenate(Box("(1", 10.0), Box(" - ", typeset.BINARY_WIDTH), cosine, Box(")", typeset.BRACKET_WIDTH))
         angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))
         used = [(3, 3), (2, 1), (1, 1)]
     else:
@@ -289,11 +275,11 @@ def _terms(context: Context, *places: Place) -> int:
 
 def _root(first: Box, second: Box) -> Box:
     squares = [script(box, sup=italic("2")) for box in (first, second)]
-    inner = concatenate(squares[0], Box(" + ", BINARY_WIDTH), squares[1])
+    inner = concatenate(squares[0], Box(" + ", typeset.BINARY_WIDTH), squares[1])
     return Box(f"\\sqrt{{{inner.tex}}}", inner.width + 10.0)
 
 
 def _atan2(sine: Box, cosine: Box) -> tuple[TexPiece, ...]:
-    opening, closing = TexPiece(Box("(", BRACKET_WIDTH)), TexPiece(Box(")", BRACKET_WIDTH))
+    opening, closing = TexPiece(Box("(", typeset.BRACKET_WIDTH)), TexPiece(Box(")", typeset.BRACKET_WIDTH))
     second = TexPiece(cosine, Break.COMMA, depth=1)
-    return TexPiece(operator("atan2")), opening, TexPiece(sine, depth=1), _COMMA, second, closing
+    return TexPiece(typeset.operator("atan2")), opening, TexPiece(sine, depth=1), _COMMA, second, closing

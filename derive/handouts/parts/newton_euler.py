@@ -12,19 +12,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from derive.handouts.layout.lines import Equation, break_lines, equated, equation_lines, fits, matrix, pack
-from derive.handouts.notation.pieces import (
-    BRACKET_WIDTH,
-    EMPTY,
-    RELATION_WIDTH,
-    Box,
-    TexPiece,
-    bracketed,
-    concatenate,
-    italic,
-    joined,
-    script,
-    signed_sum,
-)
+from derive.handouts.notation import pieces as typeset
+from derive.handouts.notation.pieces import Box, TexPiece, bracketed, concatenate, italic, joined, script, signed_sum
 from derive.handouts.notation.printer import LatexPrinter, PlainPrinter
 from derive.handouts.notation.symbols import Symbols
 from derive.handouts.parts.dynamics import has_rotors
@@ -159,13 +148,12 @@ def _constants(context: Context, recursion: Recursion, i: int) -> Iterator[_Cons
 
 # -- the recursion as equations: for any joint, or for one joint of the robot
 
-_TIMES = Box(" \\times ", RELATION_WIDTH)
-_OPEN, _CLOSE = Box("(", BRACKET_WIDTH), Box(")", BRACKET_WIDTH)
+_TIMES = Box(" \\times ", typeset.RELATION_WIDTH)
+_OPEN, _CLOSE = Box("(", typeset.BRACKET_WIDTH), Box(")", typeset.BRACKET_WIDTH)
 _TWICE = italic("2")
 _OMEGA = Box("\\boldsymbol{\\omega}", 8.0)
 
-# Sign and absolute value, which may be broken over lines where it is in pieces.
-Term = tuple[int, "Box | tuple[TexPiece, ...]"]
+Term = tuple[int, "Box | tuple[TexPiece, ...]"]  # sign and absolute value; in pieces where it may be broken over lines
 Sides = tuple[Box, list[Term]]  # left side of an equation, and the terms of the right one
 
 
@@ -208,7 +196,7 @@ class Recursion:
 
     def offset(self, index: str) -> Box:
         """The vector p from o_{i-1} to o_i, with a star in the standard convention."""
-        return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else EMPTY)
+        return script(Box("\\mathbf{p}", 6.5), italic(index), Box("*", 5.0) if self.is_standard else typeset.EMPTY)
 
     def outward(self, joint: JointLetters) -> list[str]:
         """Motion of link i from that of link i-1, and the force and moment that this motion takes."""

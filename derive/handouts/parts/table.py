@@ -5,18 +5,8 @@ from dataclasses import fields
 from itertools import chain
 
 from derive.handouts.layout.lines import Equation, equation_lines, pack
-from derive.handouts.notation.pieces import (
-    BRACKET_WIDTH,
-    Box,
-    Break,
-    TexPiece,
-    concatenate,
-    italic,
-    joined,
-    list_separator,
-    script,
-    upright,
-)
+from derive.handouts.notation import pieces as typeset
+from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, joined, script, upright
 from derive.handouts.notation.printer import Cell
 from derive.handouts.notation.symbols import bold
 from derive.handouts.sheet.context import Context, entry_namer, matrix_lines
@@ -113,10 +103,9 @@ def _mounts_and_ends(context: Context) -> Iterator[Block]:
     if places:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
-    tools = ((tool_of(end.name), end.tool) for end in tree.ends(robot))
     yield from context.announced(
         "Constant transforms: the base takes frame $0$ into the world, a tool its end into the frame of its row.",
-        _matrices(context, ((BASE, robot.base), *tools)),
+        _matrices(context, ((BASE, robot.base), *((tool_of(end.name), end.tool) for end in tree.ends(robot)))),
     )
 
 
@@ -251,15 +240,15 @@ def link_equations(context: Context, link: Link) -> Iterator[Equation]:
     """Mass and centre of mass; inertia, rotor and friction of a link as far as they are not zero."""
     _ = context.text
     yield Equation(_word(_("mass")), context.data.value(link.mass))
-    com: list[TexPiece] = [TexPiece(Box("(", BRACKET_WIDTH))]
+    com: list[TexPiece] = [TexPiece(Box("(", typeset.BRACKET_WIDTH))]
     parts = [context.data.length(cell) for cell in link.com]
-    separator = TexPiece(list_separator(chain(*parts)))
+    separator = TexPiece(typeset.list_separator(chain(*parts)))
     for index, part in enumerate(parts):
         if index:  # behind a comma a line may be broken
             com.append(separator)
             part = (part[0]._replace(before=Break.COMMA), *part[1:])
         com += part
-    yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", BRACKET_WIDTH))))
+    yield Equation(_word(_("centre of mass")), (*com, TexPiece(Box(")", typeset.BRACKET_WIDTH))))
     cells = [(f"$I_{{{item.name}}}$", getattr(link.inertia, item.name)) for item in fields(link.inertia)]
     if motor := link.motor:
         cells += [(_("rotor mass"), motor.mass), (_("rotor inertia"), motor.inertia), (_("gear ratio"), motor.ratio)]

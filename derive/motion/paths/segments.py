@@ -9,20 +9,10 @@ from derive.errors import RobotFileError
 from derive.motion.curves.limits import MOST_CRUISE, numeric_peak, placed, proportions, rounded_up
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.hand import Hand
+from derive.plans import profile as profiles
 from derive.plans.hermite import ZERO, Piece, joined, symbolic
 from derive.plans.plan import Plan
-from derive.plans.profile import (
-    CRUISE,
-    UNIT_PEAKS,
-    VALUES,
-    AnyPiece,
-    Curve,
-    Profile,
-    rest_to_rest,
-    spline,
-    trapezoid,
-    via_velocities,
-)
+from derive.plans.profile import CRUISE, UNIT_PEAKS, VALUES, AnyPiece, Curve, Profile
 from derive.plans.segments import Joints, Segment, Step
 
 
@@ -120,10 +110,10 @@ def _passing(hand: Hand, run: Sequence[Step], corners: Sequence[Corner], start: 
     tracks = []
     for positions in () if by_hand else zip(*corners, strict=True):
         if profile is Profile.SPLINE:
-            tracks.append(spline(times, positions))
+            tracks.append(profiles.spline(times, positions))
         else:
             rest = (ZERO,) * (VALUES[profile] - 2)
-            ends = zip(positions, via_velocities(times, positions), strict=True)
+            ends = zip(positions, profiles.via_velocities(times, positions), strict=True)
             tracks.append(joined([(q, v, *rest) for q, v in ends], times))
     joints: list[Joints] = [tuple((track[i],) for track in tracks) for i in range(len(run))]
     if by_hand:
@@ -156,7 +146,6 @@ def _limited(step: Step, duration: Expr | None) -> Expr:
 
 def _rest_to_rest_time(hand: Hand, step: Step, q0: Corner, q1: Corner) -> tuple[Expr, list[Expr]]:
     """The time of a segment between two stops, and of trapezoids the speed of each joint by distance and time."""
-    # As the plan says, or what the slowest joint needs within the limits.
     ways = [abs(b - a) for a, b in zip(q0, q1, strict=True)]
     cruises = [CRUISE] * len(ways)
     if step.profile is Profile.TRAPEZOIDAL:
@@ -190,5 +179,5 @@ def _check_cruise(step: Step, cruise: Expr, duration: Expr | None = None, way: E
 
 def _single(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Expr, cruise: Expr) -> tuple[AnyPiece, ...]:
     if profile is not Profile.TRAPEZOIDAL:
-        return rest_to_rest(profile, start, duration, q0, q1)
-    return trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)
+        return profiles.rest_to_rest(profile, start, duration, q0, q1)
+    return profiles.trapezoid(start, duration, q0, q1, cruise * abs(q1 - q0) / duration)
