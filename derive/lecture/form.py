@@ -29,8 +29,7 @@ from derive.robot.rounding import is_given_in_decimals
 
 MOST_SHORT_TERMS = 3  # a kinematic sum with at most so many terms is short, see `ShortSums`
 SAVING = 2  # operations that lengths inside a joint's bracket must save, see `LengthOrder.USUAL`
-# Entries with more terms are grouped by the first rule alone: candidates would cost more time than they give sight.
-MAX_CANDIDATE_TERMS = 300
+MAX_CANDIDATE_TERMS = 300  # longer entries are grouped by the first rule alone: candidates would cost too much time
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,6 @@ class LectureForm:
         """Each offset in front of the direction that it multiplies; the link lengths nested."""
 
         def _split(rest: Terms) -> Plan:
-            # terms with an offset beside those with link lengths alone
             beside = {m: c for m, c in rest.items() if project(m, self._offsets)}
             links = {m: c for m, c in rest.items() if m not in beside}
             plans = [grouped(beside, self._lengths, lambda part: self._by_joints(part, Order.BASE))] if beside else []
@@ -174,7 +172,6 @@ class LectureForm:
     def _by_joints(self, terms: Terms, order: Order) -> Plan:
         """Nested joint by joint, lengths inside the first bracket, if that is no longer than the plain sum."""
         present = {f for m in terms for f, _ in m}
-        # one level per group of parallel axes, from the base outwards
         outwards = [joint for joint in self._outwards if present & joint]
         match order:
             case Order.EXPANDED:
@@ -309,7 +306,6 @@ class LectureForm:
         if kept and (product := planning.product_form(terms)) is not None:
             return planning.cheapest([product, flat(terms)])
         gravity = frozenset[int]() if self.style.g is GravityPlace.TERM else self._gravity
-        # which factors that all terms share may come out of the bracket
         in_front = {
             CommonFactors.NONE: gravity,
             CommonFactors.FUNCTIONS: gravity | self._sines,

@@ -181,10 +181,8 @@ def partition(terms: Terms, level: frozenset[int]) -> dict[Monomial, Terms]:
     return parts
 
 
-# Sums with more terms are not tried as products: the coefficient of a mass that is one has far fewer.
-MAX_TRIED_AS_PRODUCT = 120
-# A number from which a factor of a product of decimals is written with smaller ones, see `with_plain_numbers`.
-LARGE_FACTOR = 1000
+MAX_TRIED_AS_PRODUCT = 120  # longer sums are not tried as products: the coefficient of a mass that is one is shorter
+LARGE_FACTOR = 1000  # from which a factor of a product of decimals gets smaller numbers, see `with_plain_numbers`
 
 
 @dataclass(frozen=True)
@@ -278,14 +276,11 @@ def nested(terms: Terms, levels: Sequence[Level]) -> Plan:
 
 
 def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False) -> Plan | None:
-    """The terms as a product with at least two sums in it, (a2*c2 + a3*c23)**2; None where there are fewer.
-
-    Sines and cosines are independent symbols here: only what is a product by its form is found.
-    """
+    """The terms as a product with at least two sums in it, (a2*c2 + a3*c23)**2; None where there are fewer."""
+    # Sines and cosines are independent symbols here: only what is a product by its form is found.
     if not 2 <= len(terms) <= MAX_TRIED_AS_PRODUCT:
         return None
     names = sorted({f for m in terms for f, _ in m})
-    # a polynomial of FLINT's in the factors with these numbers
     context = fmpq_mpoly_ctx.get([f"x{i}" for i in names], Ordering.lex)
     powers = ((dict(monomial), fmpq(c.numerator, c.denominator)) for monomial, c in terms.items())
     content, factors = context.from_dict({tuple(e.get(f, 0) for f in names): c for e, c in powers}).factor()
@@ -310,12 +305,10 @@ def product_form(terms: Terms, write: Writer = flat, *, monomials: bool = False)
 
 
 def with_plain_numbers(plan: Plan) -> Plan:
-    """A product of decimals whose sums have numbers of the size that people write.
-
-    Factors come out with whole numbers, ``-4.8e-8*(141 + 10000*d3)*(...)``. Powers of ten, which leave every digit what
-    it is, are moved between the number in front and the sums, ``-4.8e-4*(0.0141 + d3)*(...)``; what stands in front of
-    a single sum alone is multiplied out, ``-6.768e-6 - 4.8e-4*d3``.
-    """
+    """A product of decimals whose sums have numbers of the size that people write."""
+    # Factors come out with whole numbers, -4.8e-8*(141 + 10000*d3)*(...). Powers of ten, which leave every digit what
+    # it is, are moved between the number in front and the sums, -4.8e-4*(0.0141 + d3)*(...); what stands in front of a
+    # single sum alone is multiplied out, -6.768e-6 - 4.8e-4*d3.
     if not isinstance(plan, Times):
         return plan
     coefficient, sums = plan.coefficient, []

@@ -19,8 +19,7 @@ from derive.robot.rounding import shown
 Real = Any  # a number of mpmath, which comes without types
 DIGITS = 50
 KEPT = 30  # digits that are given out; what rounding spoils lies behind them
-# What a sum has left of its largest term, or a sine of 1, when it is zero but for rounding.
-NOISE = mpmath.mpf(10) ** -40
+NOISE = mpmath.mpf(10) ** -40  # of its largest term, or of 1 for a sine: what is left of a zero that rounding hides
 
 
 def _direction(y: Real, x: Real) -> Real:

@@ -22,8 +22,7 @@ class PlanCells:
     def __init__(self, document: Document, robot: Robot) -> None:
         self._document = document
         self._robot = robot
-        # expressions as written, in SI units and radians
-        self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))
+        self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))  # as written, in SI units and radians
         self.values: dict[str, Expression] = {}  # numbers of symbols that the plan gives
         for name in self.keys(("values",)):
             path: KeyPath = ("values", name)

@@ -32,11 +32,8 @@ def basis(k: int) -> tuple[tuple[int, ...], ...]:
         # i! h_i = u^i (1 - u)^k sum_j C(k - 1 + j, j) u^j, with (1 - u)^k by the binomial theorem.
         falling, rising = [comb(k, j) * (-1) ** j for j in range(k + 1)], [comb(k - 1 + j, j) for j in range(k - i)]
         start: list[int] = [0] * i + np.convolve(falling, rising).tolist()
-        end = [0] * (2 * k)
         # (-1)^i h_i(1 - u): (1 - u)^p = sum_m C(p, m) (-u)^m.
-        for power, coefficient in enumerate(start):
-            for m in range(power + 1):
-                end[m] += (-1) ** (i + m) * comb(power, m) * coefficient
+        end = ((-1) ** (i + m) * sum(comb(p, m) * c for p, c in enumerate(start)) for m in range(2 * k))
         starts.append(tuple(start))
         ends.append(tuple(end))
     return (*starts, *ends)
@@ -64,11 +61,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Piece(Span):
-    """A polynomial of one joint on an interval of time.
+    """A polynomial of one joint on an interval of time."""
 
-    Of many pieces in floats, none of which is printed, these are Python's: SymPy's take a hundred times as long.
-    """
-
+    # Floats of many pieces, none of which is printed, are Python's: SymPy's take a hundred times as long.
     values: tuple[tuple[Expr, ...], tuple[Expr, ...]]  # position, velocity, ... at the first end, then at the second
 
     @property

@@ -33,8 +33,7 @@ UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
     Profile.SEPTIC: (Rational(35, 16), 84 * sqrt(5) / 25),
     Profile.HARMONIC: (pi / 2, pi**2 / 2),
 }
-# Speed of a trapezoid as a multiple of distance by time, by default: a third each to speed up, go on and slow down.
-CRUISE = Rational(3, 2)
+CRUISE = Rational(3, 2)  # speed of a trapezoid by distance and time: a third each to speed up, go on and slow down
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,10 +95,7 @@ def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Ex
 
 
 def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> tuple[Piece, ...]:
-    """Constant acceleration, constant speed, constant deceleration.
-
-    With D = |q1 - q0| the time to speed up is T - D/V, and V lies in (D/T, 2 D/T].
-    """
+    """Constant acceleration, constant speed V in (D/T, 2 D/T], constant deceleration, with D = |q1 - q0|."""
     way = q1 - q0
     if way == 0:
         return (Piece(start, duration, ((q0, ZERO), (q1, ZERO))),)

@@ -120,11 +120,9 @@ def build_robot(
     target = folder_of(robot, out)
     heal(out)
 
-    def _chosen() -> tuple[Target, ...]:
-        return targets_named(targets, written_targets(target), only=only)
-
+    choose = partial(targets_named, targets, only=only)  # beside those that the folder holds by then
     while True:
-        chosen = _chosen()
+        chosen = choose(written_targets(target))
         if not force and is_current(target, robot.digest, __version__, chosen, effort):
             tell(robot.name, "unchanged")
             texts, compiled = _listed_files(target)
@@ -144,7 +142,7 @@ def build_robot(
                 tell(robot.name, " and ".join(stages))
                 finish = partial(_finished, robot, take, whole, verified, target)
                 late = [name for each in chosen if not each.needs_program for name in each.files]
-                further, still = [*libraries, *late], lambda written=chosen: written == _chosen()
+                further, still = [*libraries, *late], lambda written=chosen: written == choose(written_targets(target))
                 report, rendered = publish(first.files, target, robot.name, finish, further, still)
         except OvertakenError:  # a build of other targets was faster, and what it has written stays
             continue

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 _ARRAYS = (*ARGUMENTS, POSE, GIVEN, NEAR, DAMPING, "sines", "cosines", "k", "params")
 _LANES = ((128, 32), (256, 16))  # lanes of a block by the most entries that its result may have; larger ones have 8
 HEADER, CODE = "model.h", "model.c"
-# Length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones.
-_LEAST = 4
+_LEAST = 4  # length of the sides of square matrices, at least: compilers warn of loops that never run on shorter ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +36,7 @@ class Read:
     """An entry of an array that a part uses."""
 
     name: str  # its name in the part
-    # One of ``q``, ``qd``, ``qdd``, ``tau``, ``h``, ``T``, ``given``, ``sines``, ``cosines``, ``k`` and ``params``.
-    array: str
+    array: str  # one of `_ARRAYS`
     index: int  # its place, from 0
 
 

@@ -94,11 +94,9 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 @contextmanager
 def compiling_meanwhile(work: Callable[P, R], *arguments: P.args, **options: P.kwargs) -> Iterator[Callable[[], R]]:
-    """Let compilers work beside what follows; they are stopped if that fails or is interrupted.
-
-    An interrupt may leave a lock written in Python held for ever, those of threads, pools and futures among them: none
-    is touched by both threads where one can come.
-    """
+    """Let compilers work beside what follows; they are stopped if that fails or is interrupted."""
+    # An interrupt may leave a lock written in Python held for ever, those of threads, pools and futures among them:
+    # none is touched by both threads where one can come.
     outcome: list[Future[R]] = []
     ended: SimpleQueue[None] = SimpleQueue()
 

@@ -36,8 +36,7 @@ class Language:
 
     assignment: str  # the statement that names a value, with ``{name}`` and ``{value}`` in it
     double_minus: bool = False  # whether ``--2`` is 2; where it is a mistake, a negative number is no atom
-    # Whether it has ``case ? a : b``, and a comparison is a number; elsewhere functions do both.
-    has_choice: bool = False
+    has_choice: bool = False  # whether it has ``case ? a : b``, and a comparison is a number; else functions do both
     times: str = "*"  # how it multiplies
     over: str = "/"  # how it divides
     names: Mapping[Op, str] = field(default_factory=lambda: ALL_NAMES)  # what it calls functions

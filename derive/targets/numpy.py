@@ -96,12 +96,9 @@ def _python_function(
     parameters: Sequence[str],
     joints: int,
     felt: Sequence[str] = (),
-    listed: Sequence[str] = (),
+    listed: Sequence[str] = (),  # the module's parameters where the robot is a part of another one
 ) -> dict[str, object]:
-    """The texts of one function of a robot with so many joints, and with an optional wrench where that is ``felt``.
-
-    The module's parameters are ``listed`` where the robot is a part of another one.
-    """
+    """The texts of one function of a robot with so many joints, and with an optional wrench where that is ``felt``."""
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]

@@ -158,11 +158,9 @@ def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot,
 
 def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> dict[str, Any]:
     names = [one_line(robot.joints[i].label) for i in inverse.given]
-    params = ["params"] if program.parameters else []
-    inputs = [*([GIVEN] if names else []), *params]
+    inputs = [*([GIVEN] if names else []), *(["params"] if program.parameters else [])]
     size, count = f"{robot.n} x {inverse.branches}", len(names)
     call = ", ".join([POSE, *inputs])
-    given = [f"given: variables of {', '.join(names)}, {count} x 1 or {count} {_WIDE}."] if names else []
     documentation = (
         f"q = {package}.inverse_kinematics({call}) has a column for each branch, {size}; with poses",
         f"4 x 4 x N it is {size} {_WIDE}. A branch that does not exist is not a number.",
@@ -174,7 +172,7 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         inverse.summary,
         "",
         "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *given,
+        *([f"given: variables of {', '.join(names)}, {count} x 1 or {count} {_WIDE}."] if names else []),
         *([_PARAMS] if program.parameters else []),
         "",
         *map(one_line, inverse.order),

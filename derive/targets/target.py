@@ -29,15 +29,12 @@ class Target:
     summary: str  # one line for help texts
     files: tuple[str, ...]  # names of the files that it writes
     render: Callable[[Source], dict[str, str]]  # makes their contents, by file name; a pure function
-    # Whether it is made of the program; else it is rendered while the program is searched for.
-    needs_program: bool = True
+    needs_program: bool = True  # else it is rendered while the program is searched for
     default: bool = True  # whether a build writes it when no target is named
     requires: tuple[str, ...] = ()  # names of the targets whose files it needs
-    # Libraries that a build compiles from them: for each the files that it depends on, the first of which is given to
-    # the compiler.
+    # For each library that a build compiles, the files that it depends on; the first is given to the compiler.
     compiled: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    # Name of the folder of a robot that it writes besides; None for none.
-    package: Callable[[Robot], str] | None = None
+    package: Callable[[Robot], str] | None = None  # name of the folder that it writes besides, by the robot
 
     def names(self, robot: Robot) -> tuple[str, ...]:
         """What it writes for a robot, as the page of the folder lists it."""

@@ -27,8 +27,7 @@ from derive.workspace.point import TURN, Picture, PlaneMap
 
 Determinant = Callable[[Array, Array], Array]  # a function of two joint variables, zero where the map folds
 MAX_TERMS = 3_000  # determinants with more terms are followed in floats, not as exact factors
-# Grid lines are moved by this part of a range, off the round angles where a factor is zero along a whole line.
-_WARP = 0.013
+_WARP = 0.013  # part of a range by which grid lines are moved off round angles, where a factor may be zero all along
 _START = math.sqrt(2.0) - 1.0  # where the grid of a joint that turns all around starts, beyond its lower limit [rad]
 _BISECTIONS = 48
 _ZOOMS = 45
@@ -174,8 +173,7 @@ def _curves(plane: PlaneMap, cells: int) -> Array:
     if len(plane.joints) == 1:
         return _image(plane, _joined(_grid(plane, 0, 4 * cells)[None]))
     grids = [_grid(plane, k, cells) for k in range(2)]
-    ways = [way.full for way in plane.ranges]
-    zero_lines = [zeros(factor, grids[0], grids[1], ways) for factor in folds(plane)[0]]
+    zero_lines = [zeros(factor, grids[0], grids[1], [way.full for way in plane.ranges]) for factor in folds(plane)[0]]
     found = [_image(plane, ends) for ends in zero_lines]
     for held, moved in ((0, 1), (1, 0)):
         for value in () if plane.ranges[held].full else (grids[held][0], grids[held][-1]):
@@ -232,7 +230,6 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     low = np.stack([np.append(us[across[0]], us[along[0]]), np.append(vs[across[1]], vs[along[1]])])
     high = np.stack([np.append(us[across[0] + 1], us[along[0]]), np.append(vs[across[1]], vs[along[1] + 1])])
     sign = np.append(above[across], above[along])
-    # All zeros at once by bisection along their grid lines.
     for _ in range(_BISECTIONS if len(sign) else 0):
         middle = (low + high) / 2
         same = (function(middle[0], middle[1]) >= 0.0) == sign

@@ -24,8 +24,7 @@ _DEPENDS = 1e-9  # a joint that moves the point less than this part of the arm's
 _PROBES = 12  # random configurations at which it is seen which joints move the point
 _STEPS = 60  # most steps of the search for the nearest configuration
 _SETTLED = 1e-8  # a step that makes the squared distance smaller by less than this part is the last one
-# Least damping, and that with which a step is too short to go on, in squares of the arm's size.
-_SOFT, _STIFF = 1e-12, 1e3
+_SOFT, _STIFF = 1e-12, 1e3  # least damping, and that with which a step is too short, in squares of the arm's size
 
 
 # What a map shows: distance from the axis of symmetry and height along it, what is seen along the axis, or across it,
@@ -97,8 +96,7 @@ class ArmPoint:
     def size(self) -> float:
         """How far the point is from the axis frame at most, of some configurations [m]; 1 for a point that rests."""
         everything = tuple(range(len(self.ranges)))
-        reach = float(np.linalg.norm(self.motion(self.random(256, everything), everything)[0], axis=0).max())
-        return reach or 1.0
+        return float(np.linalg.norm(self.motion(self.random(256, everything), everything)[0], axis=0).max()) or 1.0
 
     @cached_property
     def moving(self) -> tuple[int, ...]:

@@ -106,8 +106,7 @@ class RobotPoses:
         for k, (variable, bounds) in enumerate(zip(self.robot.variables, self.limits, strict=True)):
             if variable.is_revolute:
                 low, high = bounds or (-math.pi, math.pi)
-                twelfths = (_FIRST[k % len(_FIRST)], *range(-12, 13))
-                cells = [multiply(Number(Fraction(i, 12)), Pi()) for i in twelfths]
+                cells = [multiply(Number(Fraction(i, 12)), Pi()) for i in (_FIRST[k % len(_FIRST)], *range(-12, 13))]
             else:
                 low, high = bounds or (-self.longest, self.longest)
                 cells = [Number(Fraction(f"{low + (high - low) * i / 20:.2g}")) for i in (11, *range(1, 20))]
@@ -166,11 +165,9 @@ class RobotPoses:
         return tuple(found)
 
     def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m].
-
-        Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
-        they begin, and last the ends.
-        """
+        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]."""
+        # Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
+        # they begin, and last the ends.
         inner, chain = self._joint_frames(self.joints(q), math.cos, math.sin), self._chain
         rows = [chain.base, *(frame @ end for frame, end in zip(inner, chain.ends, strict=True))]
         tips = [rows[joint + 1] @ end for joint, end in self._ends] or [(inner[-1] if inner else rows[0]) @ chain.tool]

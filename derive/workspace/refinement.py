@@ -17,8 +17,7 @@ _SAMPLES_PER_CELL = 10
 _KEPT = 3  # configurations that are remembered for a cell
 _TRIED = 6  # configurations from which it is tried to come nearer to a node
 _LAYERS = 3  # cells around the area in which the distance from it is known
-# Part of a cell by which the boundary may be off on average; arms that have an exact one show less than 0.01.
-_DOUBT = 0.05
+_DOUBT = 0.05  # part of a cell by which the boundary may be off; where it is known it is less than 0.01
 _SETTLED = 1e-3  # part of a cell by which a distance shrinks where it matters to its neighbours
 _REACHED = 1e-6
 _NEIGHBOURS = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0))
@@ -58,7 +57,6 @@ class _Cells:
                 good = ~np.isnan(q[0])
                 rows.append(np.flatnonzero(good))
                 found.append(q[:, good])
-        # Of all known around each node, so many that are nearest to it.
         row, q = np.concatenate(rows), np.concatenate(found, axis=1)
         away = np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0)
         order = np.argsort(away, kind="stable")
@@ -68,7 +66,6 @@ class _Cells:
     def visit(self, nodes: Indices, best: bool = False) -> Flags:
         """Finds out how far nodes are from what is reached, remembers configurations, and says which are reached."""
         rows, starts = self.starts(nodes, best)
-        # The best few configurations of each node are remembered, the nearest first.
         q, _, distance = self.plane.nearest(self.places(nodes)[:, rows], starts)
         order = np.argsort(distance, kind="stable")
         rows, q, distance = rows[order], q[:, order], distance[order]

@@ -182,11 +182,9 @@ def is_reached(plane: PlaneMap, places: Array, seeds: int = _SEEDS) -> Flags:
 
 
 def dexterous(region: Region, radius: float, revolves: bool) -> Region:
-    """Places around which a whole circle, or sphere, lies in what a wrist centre reaches.
-
-    A sphere does not meet a part of the outside if that part is farther away than its radius, or lies inside of it as a
-    whole. The outermost part lies inside of none. The radius is that of the hand, from the wrist's centre [m].
-    """
+    """Places around which a whole circle, or sphere, lies in what a wrist centre reaches; the radius is a hand's."""
+    # A sphere does not meet a part of the outside if that part is farther away than its radius, or lies inside of it as
+    # a whole. The outermost part lies inside of none.
     package, whole = shapely(), _whole(region, revolves)
     if radius <= 0.0 or whole.is_empty:
         return region

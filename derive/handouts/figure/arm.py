@@ -146,8 +146,7 @@ class _Stage:
         self.paper.arrow(a, b, DIMENSION, 0.45, both=True)
         outward = (math.copysign(1.0, offset) * nx, math.copysign(1.0, offset) * ny)
         middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
-        places = around(middle, outward, 6.0 + 4.0 * abs(outward[0]), label_width(latex))
-        self.paper.label(latex, places, DIMENSION)
+        self.paper.label(latex, around(middle, outward, 6.0 + 4.0 * abs(outward[0]), label_width(latex)), DIMENSION)
 
 
 def _length(robot: Robot, data: DataPrinter, segment: LinkSegment) -> str:

@@ -52,8 +52,7 @@ class Label:
 
     at: Point  # where it stands
     latex: str  # LaTeX in mathematics mode
-    # Which corner of the text stands there: a pair of -1, 0 or 1 (left, middle, right; bottom, middle, top).
-    anchor: tuple[int, int] = (0, 0)
+    anchor: tuple[int, int] = (0, 0)  # which of its corners stands there: left and bottom -1, middle 0, right and top 1
     color: Color = BLACK  # colour of the text
 
 

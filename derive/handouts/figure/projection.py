@@ -259,7 +259,6 @@ def best_view(
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
     costs = []
     for view in views:
-        # Axes that crowd, links seen from their end, origins that nearly meet on the page, an unusual direction.
         axes = 0.0
         for star in stars:  # arrows from one point: small angles between them, and arrows that point at the reader
             x, y, _ = view.project(star).T
@@ -321,8 +320,7 @@ def view_along(normal: Array, up: tuple[float, float, float]) -> View:
 
 # -- faces on the page
 
-# x and y of the corners on the page one after the other, the colour in between, and the faces of which it is one.
-Area = tuple[list[float], Color, Faces]
+Area = tuple[list[float], Color, Faces]  # x, y of corners on the page in turn, the colour in between, where it is from
 
 
 def seen(solids: Sequence[Faces], view: View, page: Array | None = None) -> list[Area]:

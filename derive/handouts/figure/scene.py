@@ -70,8 +70,7 @@ class Scene:
     """An arm or a tree in space."""
 
     axes: tuple[FrameAxis, ...]  # axes of all frames
-    # The joints from the base outwards, without those of a root that moves; behind them those that close loops.
-    joints: tuple[JointAxis, ...]
+    joints: tuple[JointAxis, ...]  # from the base outwards, but those of a root that moves; then those that close loops
     segments: tuple[LinkSegment, ...]  # links with a length
     places: Array  # (k, 3) distinct origins and corners of links
     up: tuple[float, float, float]  # what points up

@@ -11,8 +11,7 @@ from itertools import pairwise
 
 from derive.handouts.notation.pieces import DOT_WIDTH, RELATION_WIDTH, Box, Break, TexPiece, concatenate, joined
 
-# Room for an equation [pt]: A4 less margins of 20 mm (483 pt), the indentation (20 pt) and a reserve.
-LINE_WIDTH = 455.0
+LINE_WIDTH = 455.0  # of an equation [pt]: A4 less margins of 20 mm (483), the indentation (20) and a reserve
 LANDSCAPE_WIDTH = 710.0  # width of a line on a page turned on its side [pt]
 DEPTH_COST = 0.25  # part of the line that may stay empty to break one bracket further out
 FACTOR_COST = 0.45  # part of the line that may stay empty to break at a sum rather than between two factors

@@ -28,8 +28,7 @@ class SheetPolicy:
 
     flat_terms: int = 200  # longest entry of kinematics that is written at all: a line holds eight terms or so
     grouped_terms: int = 500  # longest entry of dynamics; grouped by inertial parameters a line holds some thirty
-    # So many of the longest entries make the longest quantity that is written, shortest first.
-    quantity_entries: int = 10
+    quantity_entries: int = 10  # so many of the longest entries make the longest quantity that is written
     entry_lines: int = 16  # longest entry that is printed: a third of a page is as much as anybody reads
     quantity_lines: int = 190  # longest quantity that is printed, shortest entries first: four pages
     landscape_lines: int = 18  # longest entry that is printed on a page turned on its side
@@ -66,8 +65,7 @@ class LaidOut:
     symmetric: bool = False  # whether entries below the diagonal were left out
     landscape: tuple[str, ...] = ()  # entries that are too long for an upright page, for one turned on its side
     values: tuple[tuple[Box, Any], ...] = ()  # names and expressions of the printed entries
-    # Left sides without their values, for an exercise; none where something is too long to print.
-    blanks: tuple[str, ...] = ()
+    blanks: tuple[str, ...] = ()  # left sides alone, for an exercise; none where something is too long to print
     box: Box = EMPTY  # of a small matrix, which may share its line: ``symbol = [...]``
 
 
@@ -145,7 +143,6 @@ class Layouter:
         upright = _within(sizes, policy.entry_lines, policy.quantity_lines)
         if len(upright) == len(equations):
             return upright, []
-        # What does not fit upright gets a page on its side, where a line holds half as much again.
         rest = set(range(len(equations))) - set(upright)
         wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]
         return upright, _within(wide, policy.landscape_lines, policy.landscape_total)

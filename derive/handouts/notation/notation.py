@@ -131,10 +131,10 @@ class Notation:
     """How the symbols of a robot are written."""
 
     glyphs: Mapping[str, Glyph]  # the symbol of every name, velocities and accelerations included
-    # Place of every name in the order of factors: parameters, joint variables, velocities, accelerations.
-    positions: Mapping[str, tuple[int, int]]
-    # Joint variable of a revolute joint -> its label; a joint without a unique label is missing.
-    labels: Mapping[str, str]
+    positions: Mapping[
+        str, tuple[int, int]
+    ]  # in the order of factors: parameters, variables, velocities, accelerations
+    labels: Mapping[str, str]  # joint variable of a revolute joint -> its label, where no other one has that
     inertial: Mapping[str, int]  # masses, inertias and ratios, in the order of the links
     decimals: bool  # whether rationals are printed as decimals
     digits: int | None = DIGITS  # significant digits of a number in print; None for all of them

@@ -67,8 +67,7 @@ def with_names(notation: Notation, found: InverseKinematics) -> Notation:
     """The notation in which the entries of the pose, then named quantities stand behind the parameters of the arm."""
     pose = [symbol.name for symbol in found.pose[:3, :].T] + [line.symbol.name for line in found.definitions]
     named = [line.symbol.name for line in found.lines if line.symbol.is_Symbol]
-    last = len(notation.positions)
-    positions = {name: (0, last + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
+    positions = {name: (0, len(notation.positions) + k) for k, name in enumerate(dict.fromkeys((*pose, *named)))}
     # The rotation of the pose by its columns n, s and a, where that is wanted and no symbol looks like it.
     letters = {found.pose[i, j].name: Glyph(italic("nsa"[j]), italic("xyz"[i])) for j in range(3) for i in range(3)}
     is_free = all(glyph.box.tex not in notation.taken for glyph in letters.values())

@@ -19,8 +19,7 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # how fast a motion is played
 CURVES = 8  # colours and dashes of curves; further joints begin anew
 QUANTITIES = ("position", "speed", "acceleration", "torque")  # what is shown of each joint of a motion as it is wanted
 FEWEST = 4  # polynomials that follow each other and are told to the script together
-# Generated functions that torques need; the second one where the tool carries something.
-TORQUE, REGRESSOR = "inverse_dynamics", "regressor"
+TORQUE, REGRESSOR = "inverse_dynamics", "regressor"  # for torques; the second where the tool carries something
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,17 +57,14 @@ class Playback:
 
     tracks: tuple[tuple[PlayedPiece, ...], ...]  # the pieces of each joint
     segments: tuple[PlayedSegment, ...]  # one after the other
-    # By the number of values at each end, the coefficients of the polynomials that `PlayedPiece.values` weigh, from
-    # the constant on.
+    # By the number of values at each end, coefficients of what `PlayedPiece.values` weigh, from the constant on.
     basis: Mapping[int, Sequence[Sequence[int]]]
     duration: float  # how long it lasts [s]
     sample: float  # time between two rows of its table [s]
     ranges: tuple[tuple[float, float], ...]  # lowest and highest value of each joint [rad or m]
     functions: tuple[str, ...]  # what of the robot's program it needs besides what the figure needs
-    # Transform of a base that moves, 4 x 4 formulas; nothing where it stands.
-    base: tuple[tuple[Formula, ...], ...] = ()
-    # Its first and its second derivative, where torques are known.
-    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()
+    base: tuple[tuple[Formula, ...], ...] = ()  # transform of a base that moves, 4 x 4; nothing where it stands
+    base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()  # both its derivatives, where torques are known
     # What its motion adds to the torques, for each thing that the tool carries, as JavaScript: statements in ``q``,
     # ``qd`` and ``base``, the upper three rows of the transform of the base, of its rate and of its second derivative;
     # then a result for each joint.
@@ -92,7 +88,6 @@ class Playback:
     def configuration(self) -> dict[str, object]:
         """What the script knows of it, as plain data."""
         grids: list[_Grid] = []
-        place = self.quantities.index
         return {
             "tracks": [_joined(track, grids) for track in self.tracks],
             "grids": grids,
@@ -103,7 +98,7 @@ class Playback:
             "base": self.base or None,
             "baseRates": self.base_rates or None,
             "bounds": [self.bounds.get(name) for name in self.quantities],
-            "exceeded": [[place(quantity), *where] for quantity, *where in self.exceeded],
+            "exceeded": [[self.quantities.index(quantity), *where] for quantity, *where in self.exceeded],
             "run": [self.run.times, self.run.q, self.run.qd, self.run.tau] if self.run else None,
         }
 

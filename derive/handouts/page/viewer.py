@@ -77,8 +77,7 @@ class Dragging:
     """What of an arm's end effector is dragged."""
 
     task: InverseOptions  # what the inverse kinematics is asked for
-    # The direction in which the target cannot go; None where it goes anywhere in space.
-    normal: tuple[float, float, float] | None
+    normal: tuple[float, float, float] | None  # the direction in which the target cannot go; None for none
 
 
 def viewer(

@@ -150,6 +150,5 @@ def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -
 
 def undefined(loops: Sequence[LoopClosure]) -> str:
     """Where the derivatives do not exist."""
-    write = PlainPrinter().doprint
-    zeros = [f"{write(zero)} = 0" for one in loops for zero in one.zeros]
+    zeros = [f"{PlainPrinter().doprint(zero)} = 0" for one in loops for zero in one.zeros]
     return f"no value where {' or '.join(zeros)}" if zeros else "values wherever the loops close"

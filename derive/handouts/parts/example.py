@@ -41,7 +41,6 @@ def example(context: Context) -> Iterator[Block]:
     bare = replace(given, links=(), gravity=None, fixed=massless(given.fixed))
     if context.poses is None and (given.coupled or _unnumbered(bare)):
         return
-    # lengths and angles without a number, with those of the drawing
     assumed: dict[str, Expression] = {
         name: Product((Number(Fraction(1, 6)), Pi())) if unit == "rad" else Number(Fraction(str(value)))
         for name, value, unit in (context.poses.assumed if context.poses is not None else ())

@@ -25,8 +25,7 @@ from derive.robot.expression import ZERO
 from derive.robot.options.inverse import POSE, InverseOptions
 
 LONGEST_SUM = 80.0  # lines of formulas on paper beyond which the part leaves them to the generated code
-# Of all equations of an arm; longer ones are not even written, which takes longer than a sheet should.
-MOST_TERMS = 200
+MOST_TERMS = 200  # of all equations of an arm; longer ones are not even written, which takes longer than a sheet should
 MOST_BRANCHES = 16  # in the table of branches
 Factors = Sequence[SingularFactor]  # of det J
 
@@ -203,8 +202,7 @@ class InversePart:
             if wrist:
                 yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))
             return
-        names = {str(line.symbol) for line in found.definitions}
-        if wrist and len(names) <= 3:
+        if wrist and len({line.symbol for line in found.definitions}) <= 3:
             words, task = _("The wrist centre:"), _("Find the wrist centre from the pose.")
             if found.robot.joints[0].d != ZERO:
                 words = _("Wrist centre relative to frame 0, moved by the constant offset of joint 1:")
@@ -231,8 +229,7 @@ class InversePart:
     def derived(self) -> Iterator[Block]:
         """Each unknown in its order."""
         found = self.found
-        written = [self.writer.rows(line) for step in found.steps for line in step.lines]
-        if sum(map(len, written)) > LONGEST_SUM:
+        if sum(len(self.writer.rows(line)) for step in found.steps for line in step.lines) > LONGEST_SUM:
             yield _too_long(self.context)
             return
         # Singularities are those of one chain; an arm of the unknown joints of a loop is none.

@@ -32,8 +32,7 @@ from derive.workspace.poses import RobotPoses
 
 _PLACES = 4  # decimals of lengths and radians; two less of degrees
 _DIGIT = 5.0  # width of a digit [pt]
-# Widths of the unit of a variable, of a number with its gap, and of all numbers of a configuration in a table [pt].
-_UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0
+_UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0  # width of a unit, of a number with its gap, of a table's numbers [pt]
 _LEAST = 1e-9  # two configurations closer to each other than this are one [rad or m]
 
 
@@ -174,8 +173,7 @@ def _results(context: Context, solutions: Solutions) -> Iterator[Block]:
     if sum(max(name.width + _UNIT, _CELL) for name in names) > _ROOM:
         separator = ";\\, " if context.notation.comma else ",\\, "
         vectors = (f"\\mathbf{{q}} = [{separator.join(row)}]" for row in cells)
-        lines = (f"{k}\\colon\\quad {q}" for k, q in zip(solutions, vectors, strict=True))
-        yield Rows(tuple(lines), is_answer=True)
+        yield Rows(tuple(map("{}\\colon\\quad {}".format, solutions, vectors)), is_answer=True)
         return
     # a phantom minus aligns a number without a sign below one that has it
     aligned = ([f"${x}$" if x.startswith("-") else f"$\\phantom{{-}}{x}$" for x in row] for row in cells)

@@ -27,9 +27,7 @@ _ZERO = Box("\\mathbf{0}", 6.0)
 _CROSS = Box(" \\times ", BINARY_WIDTH)
 
 
-# A vector of a step: with its entries, small enough to share a line or one by one; else what stands in their place,
-# where they are too long, or stand elsewhere.
-Vector = LaidOut | Box
+Vector = LaidOut | Box  # of a step: its entries; else what stands for it, where these are too long or stand elsewhere
 
 
 def jacobian(context: Context) -> Iterator[Block]:
@@ -79,8 +77,7 @@ def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
         yield Rows((equated(column, matrix([[half] for half in axes.columns(index)])).tex,))
     if not all(joint.is_revolute for joint in joints):
         yield context.paragraph("The column of a prismatic joint is")
-        sliding = [[half] for half in axes.columns(index, is_revolute=False)]
-        yield Rows((equated(column, matrix(sliding)).tex,))
+        yield Rows((equated(column, matrix([[half] for half in axes.columns(index, is_revolute=False)])).tex,))
     if any(joint.sign < 0 for joint in joints):
         yield context.paragraph("with the opposite sign where the joint variable has a minus sign in the table.")
     if context.robot.coupled:

@@ -233,8 +233,7 @@ def _decimal(context: Context, value: float) -> str:
 
 HEIGHT = 74.0  # height of a panel [pt]
 WIDTHS = {1: 330.0, 2: 185.0}  # width of a panel by the number of panels beside each other [pt]
-# Room for numbers on the left of a panel, on its right, above and below all, and between two [pt].
-LEFT, RIGHT, TOP, BOTTOM, GAP = 34.0, 8.0, 16.0, 46.0, 16.0
+LEFT, RIGHT, TOP, BOTTOM, GAP = 34.0, 8.0, 16.0, 46.0, 16.0  # room beside a panel, above, below, between two [pt]
 PALE: Color = (0.82, 0.82, 0.82)
 
 # Of curves, told apart with colour-blind eyes and on grey paper.
@@ -245,8 +244,7 @@ COLORS: tuple[Color, ...] = (
 STEPS = (1.0, 2.0, 5.0, 10.0)  # between numbers at an axis, times a power of ten
 
 
-# What some curves over time are, with their one unit, as LaTeX; numbers of their colours, and their values, (k,) each.
-Panel = tuple[str, tuple[tuple[int, Array], ...]]
+Panel = tuple[str, tuple[tuple[int, Array], ...]]  # what curves are, with their unit, in LaTeX; colours and values (k,)
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from math import ceil
 from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 
-# What a page holds by the heights below, which are on the high side [pt]; the text of a page is 731 pt high.
-PAGE = 780.0
+PAGE = 780.0  # what a page holds by the heights below, which are on the high side [pt]; its text is 731 pt high
 # Parts of the handout, the least useful first: what follows from other parts by rule comes before what does not.
 USEFULNESS = (
     *("conversion", "skew", "christoffel", "link-jacobians", "newton-euler", "coriolis", "energies", "orientation"),

@@ -52,7 +52,6 @@ class Context:
         self.has_closed_dynamics = robot.has_dynamics and robot.n <= policy.closed_form_joints
         self.steps = options.derivation is Derivation.STEPS  # whether intermediate steps are shown
         notation = Notation.of(robot, options.notation, comma=text.comma)
-        # how symbols are written
         self.notation: Notation = whole.notation if whole else replace(notation, degrees=robot.units.degrees)
         self.symbols = Symbols(self.notation, self.whole.robot.n, end)  # names of entries
         self.printer = LatexPrinter(self.notation)  # prints expressions
@@ -163,14 +162,12 @@ def unlisted(text: Text, symmetric: bool, has_zeros: bool) -> str:
 
 def entry_namer(symbol: Box, comma: str = "") -> Namer:
     """Names of the entries of a matrix that has no letter of its own: (A)_{12}."""
-    held = bracketed(symbol)
-    return lambda row, column: script(held, italic(f"{row}{comma}{column}"))
+    return lambda row, column: script(bracketed(symbol), italic(f"{row}{comma}{column}"))
 
 
 def component_namer(symbol: Box) -> Namer:
     """Names of the components of a vector: (z_1)_2."""
-    held = bracketed(symbol)
-    return lambda row, _: script(held, italic(str(row)))
+    return lambda row, _: script(bracketed(symbol), italic(str(row)))
 
 
 def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> list[str]:
@@ -211,8 +208,7 @@ def in_rows(quantities: Iterable[LaidOut]) -> Iterator[LaidOut]:
         yield from [side_by_side(neighbours)] if is_small else neighbours
 
 
-# Of one link or rotor what it is called, the quantity, and which letter its intermediate terms have.
-BodyItem = tuple[Box, Entries, int]
+BodyItem = tuple[Box, Entries, int]  # what it is called, the quantity, the letter of its intermediate terms
 
 
 def body_formulas(

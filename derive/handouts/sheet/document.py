@@ -48,14 +48,11 @@ class SheetFormula:
     rows: tuple[Rows, ...]  # the matrix, or its entries one by one
     named: tuple[str, ...] = ()  # definitions of intermediate terms that the entries use
     omitted: tuple[str, ...] = ()  # entries that are too long, with their numbers of terms
-    # What else a reader must know: which entries are left out because they are zero, that it is symmetric.
-    note: str = ""
+    note: str = ""  # what else a reader must know: that it is symmetric, that entries are left out since they are zero
     function: str = ""  # the generated function that computes it, empty if none does
-    # Every printed entry for copying, written when it is asked for: paper has no use for them.
-    entries: Callable[[], Iterable[Entry]] = tuple
+    entries: Callable[[], Iterable[Entry]] = tuple  # for copying; written when asked for: paper has no use for them
     task: str = ""  # what an exercise asks in its place; empty where it asks nothing
-    # Left sides of the answers, empty for an answer without one; none for what is too long by hand.
-    blanks: tuple[str, ...] = ()
+    blanks: tuple[str, ...] = ()  # left sides of the answers, "" for one without; none for what is too long by hand
 
 
 @dataclass(frozen=True, slots=True)

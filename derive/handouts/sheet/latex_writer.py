@@ -13,11 +13,9 @@ from derive.handouts.sheet.language import Text
 from derive.targets.escape import latex_text
 from derive.targets.templating import environment
 
-# Letters of a title's word after which a line may be broken; longer ones are rare, and no line holds forty.
-_LONGEST_WORD = 16
+_LONGEST_WORD = 16  # letters of a title's word after which a line may be broken: no line holds forty
 _DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
-# Ends a text whose paragraph goes on: a display right behind it stands closer than one that starts a paragraph.
-_OPEN = "%"
+_OPEN = "%"  # ends a text whose paragraph goes on: a display right behind it stands closer
 _TABLE_FOLLOWS = "\\nopagebreak"  # between a paragraph and what it announces
 _NO_SECTION_BREAK = "\\makeatletter\\global\\@secpenalty=10000 \\makeatother\n"
 

@@ -95,7 +95,6 @@ def highest(function: Callable[[Array], Array], times: Array, values: Array) -> 
     """When each function of time is largest, (n,), also between ascending times (k,) at which they are (k, n)."""
     at, joints = values.argmax(axis=0), np.arange(values.shape[1])
     low, high = times[np.maximum(at - 1, 0)], times[np.minimum(at + 1, times.size - 1)]
-    # Each function is looked at between the neighbours of its largest known value.
     when, found = refined(lambda places: function(places)[joints, :, joints], low, high)
     known = values[at, joints]
     return np.where(found > known * (1 + MORE * np.sign(known)), when, times[at])
@@ -186,8 +185,7 @@ def _real_zeros(coefficients: list[float]) -> list[float]:
 # -- limits of a motion, and by how much they make it longer
 
 MOST_CRUISE = Rational(2)  # speed of a trapezoid without a part of constant speed, as a multiple of distance by time
-# Times that are found by numbers are rounded up to one of these in a second, so that what follows stays exact.
-MICROSECONDS = 10**6
+MICROSECONDS = 10**6  # times that are found by numbers are rounded up to one of these, so that what follows is exact
 Largest = tuple[Expr | None, ...]  # the largest value of something of each joint; None where nothing limits it
 
 
@@ -206,15 +204,11 @@ class Limits:
         return a, b, c
 
     def stretch(self, speeds: Sequence[Expr], accelerations: Sequence[Expr]) -> Expr | None:
-        """By how much a motion must be longer so that it keeps to speed and acceleration.
-
-        In a time that is f times as long speeds are 1/f, accelerations 1/f^2 of what they were. The factor may be below
-        one; it is zero where nothing moves, and None where nothing limits what moves.
-        """
+        """By how much a motion must be longer to keep to the limits: zero where it stands, None without limits."""
         longest: Expr | None = None
         for j, (speed, acceleration) in enumerate(zip(speeds, accelerations, strict=True)):
             fastest, hardest = self.speed[j], self.acceleration[j]
-            # T >= v/v_max, T^2 >= a/a_max for a motion of one second.
+            # In a time f times as long speeds are 1/f, accelerations 1/f^2: f >= v/v_max, f^2 >= a/a_max.
             needed = [(speed / fastest).expand()] if speed != 0 and fastest is not None else []
             if acceleration != 0 and hardest is not None:
                 needed.append(sqrt(acceleration / hardest))
@@ -224,11 +218,9 @@ class Limits:
         return longest if longest is not None or any(speeds) else ZERO
 
     def cruise(self, joint: int, way: Expr) -> Expr:
-        """The speed of a joint's trapezoid at full limits, as a multiple of distance by time.
-
-        At speed V and acceleration A a way D takes T = D/V + V/A, so that V T/D = 1 + V^2/(A D); where that is above
-        two the joint never gets to V, and T = 2 sqrt(D/A).
-        """
+        """The speed of a joint's trapezoid at full limits, as a multiple of distance by time."""
+        # At speed V and acceleration A a way D takes T = D/V + V/A, so that V T/D = 1 + V^2/(A D); where that is above
+        # two the joint never gets to V, and T = 2 sqrt(D/A).
         speed, acceleration = self.speed[joint], self.acceleration[joint]
         if acceleration is None:
             return CRUISE
@@ -266,10 +258,8 @@ def placed(piece: Piece, start: Expr, factor: Expr) -> Piece:
 ROUNDING = 1e-9  # what exceeds a limit by less, relative to it, does not exceed it
 Bound = tuple[Array, Array]  # lowest and highest values, (n,) each
 Function = Callable[[Array], Array]  # values at times, (...) to (..., n)
-# A motion comes near a limit that is closer than this part of half the way between both limits, or of the only one.
-NEAR = 0.35
-# By `position`, `speed`, `acceleration`, `torque` the lowest and highest values, (n,) each, or infinite.
-Bounds = Mapping[str, Bound]
+NEAR = 0.35  # of half the way between both limits, or of the only one: a motion that is closer comes near a limit
+Bounds = Mapping[str, Bound]  # by `position`, `speed`, `acceleration`, `torque`; infinite where nothing limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,7 +341,6 @@ def nearby(values: Mapping[str, Array], bounds: Bounds, kinds: Array) -> Bounds:
         both = np.isfinite(low) & np.isfinite(high)
         only = np.where(np.isfinite(high), np.abs(high), np.abs(low))
         half = np.where(both, (high - np.where(both, low, 0.0)) / 2, only)
-        # Near: within a part of half the way between both limits, and not farther outside than the picture is high.
         room = np.minimum(NEAR * half, picture)
         found[what] = np.where(least <= low + room, low, -np.inf), np.where(most >= high - room, high, np.inf)
     return found

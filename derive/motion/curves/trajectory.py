@@ -159,8 +159,7 @@ def _cosine(numbers: Array, u: Array, length: Array, order: int) -> Array:
 #
 # A recording is a CSV file: recorded angles, or the samples that ``derive move --csv`` writes.
 
-# Times at which parts of a formula are looked at; zeros between two of them are found by the change of sign.
-PLACES = 4001
+PLACES = 4001  # times at which formulas are looked at; zeros between two are found by the change of sign
 NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
 ROWS = 200_000  # most rows of a file
 BYTES = 100_000_000  # most bytes of a file

@@ -103,8 +103,7 @@ class Film:
 
     @cached_property
     def _scenes(self) -> list[Scene]:
-        robot = self.motion.plan.robot
-        return [arm_scene(robot, frames) for frames in frames_of(self.motion, self.times, self._q)]
+        return [arm_scene(self.motion.plan.robot, frames) for frames in frames_of(self.motion, self.times, self._q)]
 
     @cached_property
     def _view(self) -> View:

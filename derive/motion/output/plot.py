@@ -16,8 +16,7 @@ from derive.motion.simulation.simulation import Run
 WIDTH = 460.0  # width of the plot [pt]
 ROW = 105.0  # height of a row of panels [pt]
 PLACES = 2000  # times at which a line is drawn, however far samples are apart; more are not told apart
-# Room for the name of an axis, its ticks, and the distances between them [pt]; the numbers of a y axis are beside.
-AXIS = 25.0
+AXIS = 25.0  # room for the name of an axis, its ticks and what is between, without the numbers of a y axis [pt]
 DIGIT = 5.1  # width of a digit beside an axis [pt]
 LINE = 15.0  # height of a line of the legend, and of the names of points [pt]
 GAP = 10.0  # between panels [pt]

@@ -29,12 +29,9 @@ from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.plans.hermite import MOST_PRINTED, ZERO, Piece, joined, sampled, symbolic
 from derive.plans.segments import Joints
 
-# Torques of steps by their index, at positions, velocities and accelerations: (...), then (..., n) each.
-Torques = Callable[[Indices, Array, Array, Array], Array]
-# Largest speed, acceleration and torque of each joint, infinite where there is none, (n,) each.
-Bounds = tuple[Array, Array, Array]
-# How far from the ends of an interval its bounds are held: on the right side of turns and of changes of payload.
-INSIDE = 1e-9
+Torques = Callable[[Indices, Array, Array, Array], Array]  # of steps by index, at q, qd, qdd: (...), then (..., n)
+Bounds = tuple[Array, Array, Array]  # largest speed, acceleration and torque of each joint, or infinite, (n,) each
+INSIDE = 1e-9  # of an interval, from its ends: bounds are held on the right side of turns and changes of payload
 SAMPLES = 24  # places of an interval at which a motion is looked at
 ROUNDS = 12  # how often viscous friction and the bounds are corrected
 SETTLED = 1e-6  # change of x, relative to its largest value, below which viscous friction is right
@@ -253,7 +250,6 @@ class Nodes:
     def inside(self, u: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration at the same places of each interval."""
         count, n = self.ends.shape[0], self.ends.shape[-1]
-        # All intervals at all places in one call for each joint and order.
         lengths = np.repeat(np.diff(self.times), u.size)
         places = np.tile(u, count)
         found = np.empty((VALUES, count * u.size, n))

@@ -110,7 +110,6 @@ class Hand:
         for name, point in self._plan.points.items():
             if not point.branch:
                 continue
-            # Those whose names have all words of the point's branch.
             names, wanted = self._arm(point.end).names, _words(point.branch)
             found[name] = tuple(k for k, own in enumerate(names) if wanted <= _words(own))
             if not found[name]:

@@ -29,8 +29,7 @@ from derive.robot.robot import Robot
 if TYPE_CHECKING:
     from derive.model.singularities.singularities import Condition
 
-# Places of a way at which the arm is put exactly, more of them where it is else too far from the way between them.
-NODES = (64, 128, 256, 512)
+NODES = (64, 128, 256, 512)  # places of a way at which the arm is put exactly; more where it is off between them
 NEAR = 1e-9  # largest distance of the end effector from its way between these [m or rad]
 CLOSED = 1e-12  # error of a pose that is reached, relative to the arm's size
 ITERATIONS = 20  # Newton steps from one place to the next
@@ -71,8 +70,9 @@ class Way:
     """A way of the end effector by its fraction s from 0 to 1."""
 
     place: Callable[[float], tuple[Array, Array, Array]]  # position at s, and its first and second derivative
-    # Rotation (3, 3), and in the world omega and omega' by s (3,).
-    turned: Callable[[float], tuple[Array, Array, Array]]
+    turned: Callable[
+        [float], tuple[Array, Array, Array]
+    ]  # rotation (3, 3), and in the world omega and omega' by s (3,)
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:
@@ -198,7 +198,6 @@ class Follower:
             drift = self.functions("jacobian_dot", q, qd) @ qd
             for sdd, states in ((before, befores), (after, afters)):
                 states.append((q, qd, self._solve(jacobian, twist * sdd + bend * sd**2 - drift, passed)))
-        # Polynomials of degree five by position, velocity and acceleration at both ends of each interval.
         when = [Float(t) for t in times]
 
         def _piece(k: int, j: int) -> Piece:

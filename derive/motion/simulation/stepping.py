@@ -184,8 +184,7 @@ def solver(rates: Callable[[float, Array], Array], state: Array, span: tuple[flo
     aside = ASIDE * np.eye(count, state.size)
     columns = [(rates(span[0], state + a) - rates(span[0], state - a))[:count] / (2 * ASIDE) for a in aside]
     system = np.array(columns).T
-    stiff = np.isfinite(system).all() and np.abs(np.linalg.eigvals(system)).max() > STIFF
-    return "LSODA" if stiff else "DOP853"
+    return "LSODA" if np.isfinite(system).all() and np.abs(np.linalg.eigvals(system)).max() > STIFF else "DOP853"
 
 
 # -- in C: without control, and between two looks of a sampled controller

@@ -29,12 +29,10 @@ class Contact:
 
     @classmethod
     def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
-        """What slips after a time at which the velocity of joints at rest is zero; None where rounding leaves it open.
-
-        A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
-        them do depends on all: accelerations a = a(tau) - B^-1 p with -f_minus <= p <= f_plus, and p is at the bound of
-        the sign of a where a is not zero.
-        """
+        """What slips after a time at which joints at rest have velocity zero; None where rounding leaves it open."""
+        # A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
+        # them do depends on all: accelerations a = a(tau) - B^-1 p with -f_minus <= p <= f_plus, and p is at the bound
+        # of the sign of a where a is not zero.
         rough, (ahead, back) = (plant.coulomb > 0).any(axis=0), plant.coulomb
         way, open_ = np.where(rough, np.sign(qd), 0.0), rough & (qd == 0)
         if open_.any():

@@ -86,8 +86,7 @@ class OpenLinks:
         return found
 
 
-# Argument of a tape: the upper three rows of the transform of the base, of its rate and of its second derivative.
-BASE = "base"
+BASE = "base"  # argument of a tape: upper rows of the transform of the base, its rate and second derivative
 
 
 @dataclass(frozen=True, slots=True)

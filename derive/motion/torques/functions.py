@@ -127,8 +127,7 @@ def _imported(robot: Robot, names: frozenset[str], *, inverse: bool, compiled: b
     return loaded(Source(robot, program_of(robot, names, inverse=inverse), __version__), compiled=compiled)
 
 
-# Of a segment, for work and root mean square, however few samples it has; a multiple of four, for Boole's rule.
-LEAST_INTERVALS = 64
+LEAST_INTERVALS = 64  # of a segment, for work and root mean square; a multiple of four, for Boole's rule
 
 
 def mean_weights(count: int) -> Array:
@@ -166,5 +165,4 @@ def loads(
     when = highest(lambda at: np.abs(_both(at)), times, np.abs(values))
     own = np.arange(when.size)
     peaks, powers = np.split(_both(when)[own, own], 2)
-    columns = (peaks, when[: peaks.size], rms, powers, work)
-    return tuple(Load(*map(float, row)) for row in zip(*columns, strict=True))
+    return tuple(Load(*map(float, row)) for row in zip(peaks, when[: peaks.size], rms, powers, work, strict=True))
