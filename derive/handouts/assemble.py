@@ -86,7 +86,7 @@ def sections_of(context: Context, names: Sequence[str]) -> Iterator[Section]:
 
 def document(context: Context) -> Document:
     """The handout of a robot: the parts that are asked for, in the order of `PARTS`."""
-    robot = context.robot
+    _, robot = context.text, context.robot
     # The singularities of a tree are one sentence, before what is said of each end.
     shown = [name for name in PARTS if name in context.options.parts]
     if context.robot.is_tree:
@@ -95,11 +95,9 @@ def document(context: Context) -> Document:
         title=robot.title,
         subtitle="",
         name=robot.name,
-        language=context.text.language,
+        language=_.language,
         digest=robot.digest,
         version=context.version,
-        footer=context.text(
-            "derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]
-        ),
+        footer=_("derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]),
         sections=tuple(sections_of(context, shown)),
     )

@@ -177,8 +177,7 @@ def _quantity(context: Context, name: str) -> sheet.Section:
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     if row.name == "inverse" and entry is None:
-        blocks = tuple(formulas(context))
-        if not blocks:
+        if not (blocks := tuple(formulas(context))):
             found = f"formulas for {name} of {context.robot.name}"
             raise QuantityError(found, allowed="allowed: arms that have a closed form")
         return sheet.Section("", "", blocks)
@@ -321,8 +320,7 @@ def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
     """Equations; ``named`` are the entries of a matrix that stands alone, in their own names."""
     items = []
     for equation in whole_equations(lines):
-        matrix = matrix_equation(equation)
-        if matrix is not None:
+        if (matrix := matrix_equation(equation)) is not None:
             entries = tuple(breakable(entry) for entry in named or matrix.entries())
             is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
             note = _words(unlisted(text, is_half, matrix.has_zeros))

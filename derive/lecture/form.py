@@ -88,9 +88,7 @@ class LectureForm:
         self._point_masses = roles.point_masses
         self._gravity: Level = frozenset(i for i, name in symbols.items() if name in roles.gravity)
         self._lengths: Level = frozenset(i for i, f in factors if f.kind in (Kind.PARAMETER, Kind.VARIABLE))
-        self._offsets: Level = frozenset(
-            i for i, f in factors if f.kind is Kind.VARIABLE or symbols.get(i, "") in roles.offsets
-        )
+        self._offsets = frozenset(i for i, f in factors if f.kind is Kind.VARIABLE or symbols.get(i) in roles.offsets)
         self._sines: Level = frozenset(i for i, f in factors if f.kind in (Kind.SINE, Kind.COSINE))
         self._not_gravity: Level = frozenset(i for i, _ in factors) - self._gravity
         self._not_inertial: Level = frozenset(i for i, _ in factors) - self.inertial
@@ -106,8 +104,7 @@ class LectureForm:
 
     def terms(self, p: Polynomial) -> Terms:
         """A polynomial in the factors that are printed, each one contracted once."""
-        key = p.key()
-        if key not in self._terms:
+        if (key := p.key()) not in self._terms:
             self._terms[key] = self.table.terms(p)
         return self._terms[key]
 
@@ -194,9 +191,8 @@ class LectureForm:
     def determinant(self, p: Polynomial) -> Expr:
         """A scalar whose zeros matter, as a product wherever it is one."""
         terms = self.terms(p)
-        return self.sympy(
-            planning.product_form(terms, self._kinematic_plan, monomials=True) or self._kinematic_plan(terms)
-        )
+        product = planning.product_form(terms, self._kinematic_plan, monomials=True)
+        return self.sympy(product or self._kinematic_plan(terms))
 
     def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
         """An inertia, Christoffel symbol or energy."""

@@ -38,8 +38,6 @@ Row = tuple[dict[int, int], Monomial, Fraction]
 
 
 class _Group(NamedTuple):
-    """An aligned group and its generators."""
-
     joints: tuple[int, ...]  # the joints, from 0
     places: tuple[int, ...]  # indices of their sines, then of their cosines
     sums: bool  # whether the generators are sums of angles
@@ -237,8 +235,7 @@ def cheapest(plans: Iterable[Plan]) -> Plan:
 
 def flat(terms: Terms) -> Plan:
     """The sum of the terms as they are."""
-    parts = tuple(Term(c, m) for m, c in terms.items())
-    if not parts:
+    if not (parts := tuple(Term(c, m) for m, c in terms.items())):
         return Term(Fraction(0), ())
     return parts[0] if len(parts) == 1 else Plus(parts)
 

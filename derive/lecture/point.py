@@ -45,8 +45,7 @@ def at_point(
     """An expression or matrix with numbers put in."""
     put_in = {sympy.Symbol(name): expression_to_sympy(value) for name, value in values.items()}
     if exact:
-        found = expression.xreplace(put_in)
-        if found.has(sympy.nan, sympy.zoo, sympy.oo, sympy.I):
+        if (found := expression.xreplace(put_in)).has(sympy.nan, sympy.zoo, sympy.oo, sympy.I):
             raise QuantityError(f"{name} has no finite real value here", remedy="choose another point")
         return found
     with mpmath.workdps(DIGITS):

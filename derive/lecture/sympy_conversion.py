@@ -83,8 +83,7 @@ def expression_from_sympy(expression: Any) -> Expression:
 
 def _tree(e: Any, known: dict[Any, Expression]) -> Expression:
     """The tree of a SymPy expression; what is known already is not walked again."""
-    found = known.get(e)
-    if found is not None:
+    if (found := known.get(e)) is not None:
         return found
     if e.is_Symbol:
         found = Name(e.name)

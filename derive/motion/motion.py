@@ -230,8 +230,7 @@ class Motion:
     def _samples_in(self, duration: float) -> tuple[float, int]:
         """Time between two samples [s], and how many times it fits into a duration, the last one rounded up."""
         sample, robot = self.sample, self.plan.robot
-        count = duration / sample
-        if count > MOST_SAMPLES:
+        if (count := duration / sample) > MOST_SAMPLES:
             size = count * 8 * (1 + (4 if robot.has_dynamics else 3) * robot.dof) / 1e9
             found = f"{count:.4g} samples of {duration:.6g} s, {size:.3g} GB"
             allowed, remedy = f"allowed: at most {MOST_SAMPLES} samples", f"write sample: {duration / 1000:.2g} [s]"
@@ -409,7 +408,6 @@ class Motion:
         return Functions(self.plan.robot, frozenset(names), self.values)
 
     def _check_dynamics(self) -> None:
-        robot = self.plan.robot
-        if not robot.has_dynamics:
+        if not (robot := self.plan.robot).has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
         check_numbers(free_symbols(robot), self.values, robot.name, self.plan.places["robot"])

@@ -104,8 +104,7 @@ def waypoints(points: ArrayLike, times: ArrayLike | None) -> dict[str, Any]:
     """The points, (points, n), and the path of a plan; times of the segments or one for all [s], None by limits."""
     import numpy as np  # names of plans are completed without it
 
-    rows = np.asarray(points)
-    if rows.ndim != 2 or len(rows) < 2:
+    if (rows := np.asarray(points)).ndim != 2 or len(rows) < 2:
         raise ValueError(f"points: two rows at least, not an array of shape {rows.shape}")
     count = len(rows) - 1
     if times is not None and np.size(times) not in (1, count):

@@ -94,8 +94,7 @@ def plan_from_bytes(data: bytes, source: str) -> Plan:
 
 
 def _robot(document: Document, data: bytes) -> Robot:
-    scalar = document.scalar(("robot",))
-    if scalar is None:
+    if (scalar := document.scalar(("robot",))) is None:
         return Robot.from_bytes(data, document.source)
     if not scalar.text:
         raise document.error(("robot",), "found nothing", "allowed: a name from derive list, or a path")
@@ -107,8 +106,6 @@ def _robot(document: Document, data: bytes) -> Robot:
 
 
 class _PlanReader:
-    """Reads the blocks of a plan in the units of its robot."""
-
     def __init__(self, document: Document, robot: Robot) -> None:
         self._document, self._robot, self._numbers = document, robot, PlanCells(document, robot)
         self._cells = self._numbers.cells
@@ -198,8 +195,7 @@ class _PlanReader:
         path: KeyPath = ("points", name)
         location = self._document.key_location(path)
         if isinstance(self._document.find(path), YamlMapping):
-            branch = self._document.scalar((*path, "branch"))
-            if branch and not branch.text.strip(" ,"):
+            if (branch := self._document.scalar((*path, "branch"))) and not branch.text.strip(" ,"):
                 raise self._document.error((*path, "branch"), "found nothing", remedy="leave it out for the nearest")
             place: KeyPath = (*path, "pose")
 
@@ -264,8 +260,7 @@ class _PlanReader:
     def _target(self, path: KeyPath, points: Mapping[str, Point]) -> str:
         """The name of a point that stands at a place, or under ``to`` there."""
         path = path if isinstance(self._document.find(path), YamlScalar) else (*path, "to")
-        name = self._document.text(*path)
-        if name not in points:
+        if (name := self._document.text(*path)) not in points:
             allowed = f"allowed: {listed(tuple(points))}" if points else "write points: {rest: [0, 0], ...}"
             found = f"unknown point {quoted(name)}" if name else "found nothing"
             raise self._document.error(path, found, allowed, near_miss(name, points))
@@ -318,8 +313,7 @@ class _PlanReader:
         )
 
     def _payload(self, path: KeyPath, end: str = "") -> Payload | None:
-        node = self._document.find(path)
-        if node is None:
+        if (node := self._document.find(path)) is None:
             return None
         numbers, length = self._numbers, self._cells.length
         place = path if isinstance(node, YamlScalar) else (*path, "mass")

@@ -96,8 +96,7 @@ def rest_to_rest(profile: Profile, start: Expr, duration: Expr, q0: Expr, q1: Ex
 
 def trapezoid(start: Expr, duration: Expr, q0: Expr, q1: Expr, speed: Expr) -> tuple[Piece, ...]:
     """Constant acceleration, constant speed V in (D/T, 2 D/T], constant deceleration, with D = |q1 - q0|."""
-    way = q1 - q0
-    if way == 0:
+    if (way := q1 - q0) == 0:
         return (Piece(start, duration, ((q0, ZERO), (q1, ZERO))),)
     velocity = sign(way) * speed
     blend = together(duration - way / velocity)  # D = V (T - t_b): the area under the trapezoid of velocity

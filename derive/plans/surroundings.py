@@ -56,8 +56,7 @@ def disturbances(document: Document, robot: Robot, numbers: PlanCells) -> tuple[
     variables, found = tuple(joint.variable for joint in robot.variables), []
     for k in range(document.length(("disturbance",))):
         path: KeyPath = ("disturbance", k)
-        name = document.text(*path, "joint")
-        if name not in variables:
+        if (name := document.text(*path, "joint")) not in variables:
             text, allowed = f"no joint {quoted(name)}", f"allowed: {listed(variables)}"
             raise document.error((*path, "joint"), text, allowed, near_miss(name, variables))
         start, torque, end = (numbers.plain((*path, key)) for key in ("start", "torque", "end"))

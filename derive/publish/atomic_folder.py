@@ -24,8 +24,7 @@ from typing import TypeVar
 
 from derive.errors import DeriveError, OutputError
 from derive.interrupts import uninterrupted
-from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import compiled_files, contents, read_manifest
+from derive.publish.manifest import MANIFEST, compiled_files, contents, read_manifest
 
 try:
     import fcntl
@@ -108,8 +107,7 @@ def _recover(parent: Path) -> None:
     for path in sorted(parent.iterdir()):
         if path.is_symlink() or not path.is_dir():
             continue
-        backup = _BACKUP.fullmatch(path.name)
-        if backup and not os.path.lexists(parent / backup[1]):
+        if (backup := _BACKUP.fullmatch(path.name)) and not os.path.lexists(parent / backup[1]):
             path.rename(parent / backup[1])
         elif backup:
             shutil.rmtree(path, ignore_errors=True)
@@ -131,8 +129,7 @@ def locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            works = error.errno not in _NO_LOCKS
-            if works:
+            if works := error.errno not in _NO_LOCKS:
                 raise
         yield works
     finally:
@@ -147,8 +144,7 @@ def exchange(one: Path, other: Path) -> bool:
         return False
     if call(_AT_FDCWD, os.fsencode(one), _AT_FDCWD, os.fsencode(other), ctypes.c_uint(_RENAME_EXCHANGE)) == 0:
         return True
-    number = ctypes.get_errno()
-    if number in _NO_EXCHANGE:
+    if (number := ctypes.get_errno()) in _NO_EXCHANGE:
         return False
     raise OSError(number, os.strerror(number), str(one), None, str(other))
 
@@ -195,8 +191,7 @@ def require_replaceable(target: Path, robot_name: str, files: Iterable[str]) -> 
         raise _refusal(target, "is not a folder", "move it away, or choose another --out")
     if not any(target.iterdir()):
         return
-    manifest = read_manifest(target)
-    if manifest is None:
+    if (manifest := read_manifest(target)) is None:
         raise _refusal(target, f"holds files, but no {MANIFEST} of derive", "move it away, or choose another --out")
     if manifest.get("robot") != robot_name:
         raise _refusal(target, f"belongs to the robot {manifest.get('robot')!r}", "choose another --out")
@@ -232,7 +227,6 @@ def _carry_over(target: Path, staging: Path) -> None:
 
 
 def _link_or_copy(source: str, copy: str) -> str:
-    """A second name for the same file where the file system can, else a copy."""
     try:
         os.link(source, copy, follow_symlinks=False)
     except OSError:

@@ -22,8 +22,7 @@ from derive.errors import DeriveError, OutputError, TargetError
 from derive.interrupts import TemporaryFolder, interruptible, uninterrupted
 from derive.programs.optimise.search_policy import Effort
 from derive.publish.atomic_folder import OvertakenError, heal, publish, require_replaceable, rewrite, system_errors
-from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import compiled_files, contents, is_current, read_manifest, written_targets
+from derive.publish.manifest import MANIFEST, compiled_files, contents, is_current, read_manifest, written_targets
 from derive.publish.render import Rendered, compile_libraries, library_names, render_robot, rendering
 from derive.publish.targets import targets_named
 from derive.robot.robot import Robot
@@ -189,16 +188,11 @@ def _compiling(
 
 
 def _finished(
-    robot: Robot,
-    take: Callable[[Path], None],
-    whole: Callable[[], Rendered],
-    verified: bool,
-    target: Path,
-    folder: Path,
+    robot: Robot, take: Callable[[Path], None], whole: Callable[[], Rendered], checks: bool, target: Path, folder: Path
 ) -> tuple[Report | None, Rendered]:
     """Checks what is made of the program, and then adds the rest to it, which takes as long to render."""
-    report = verify(robot, folder, libraries=partial(take, folder)) if verified else None
-    if not verified:
+    report = verify(robot, folder, libraries=partial(take, folder)) if checks else None
+    if not checks:
         take(folder)
     rendered = whole()
     rewrite(rendered.files, folder, target)
@@ -263,8 +257,7 @@ def require_distinct(robots: Iterable[Robot]) -> None:
     """Refuse two robots with one name: they would overwrite each other's folder."""
     seen: dict[str, Robot] = {}
     for robot in robots:
-        other = seen.setdefault(package_name(robot), robot)
-        if other.digest != robot.digest:
+        if (other := seen.setdefault(package_name(robot), robot)).digest != robot.digest:
             raise OutputError(
                 f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
                 allowed="robots that are built into one folder have different names",

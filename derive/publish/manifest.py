@@ -11,7 +11,7 @@ from derive.robot.expression import to_text
 from derive.robot.names import free_symbols
 from derive.targets.target import Source, Target
 
-FILE = "MANIFEST.json"
+MANIFEST = "MANIFEST.json"
 GENERATOR = "derive"
 LARGEST = 10_000_000  # bytes of a manifest that is read at all
 
@@ -43,7 +43,7 @@ def manifest_text(source: Source, targets: Collection[Target], files: Mapping[st
 
 def read_manifest(folder: Path) -> dict[str, Any] | None:
     """The manifest of a folder; None if there is none of ours."""
-    path = folder / FILE
+    path = folder / MANIFEST
     try:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > LARGEST:
             return None
@@ -71,8 +71,7 @@ def _names(manifest: Mapping[str, Any], key: str) -> tuple[str, ...]:
 
 def is_current(folder: Path, robot_digest: str, version: str, targets: Iterable[Target], effort: Effort) -> bool:
     """Whether a folder holds, untouched, what these targets of this version make of this robot file."""
-    manifest = read_manifest(folder)
-    if manifest is None:
+    if (manifest := read_manifest(folder)) is None:
         return False
     wanted = (robot_digest, version, [target.name for target in targets], effort)
     found = tuple(manifest.get(key) for key in ("robot_file_sha256", "version", "targets", "effort"))

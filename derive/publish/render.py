@@ -19,8 +19,7 @@ from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Program
 from derive.publish.atomic_folder import system_errors
-from derive.publish.manifest import FILE as MANIFEST
-from derive.publish.manifest import manifest_text
+from derive.publish.manifest import MANIFEST, manifest_text
 from derive.robot.robot import Robot
 from derive.targets import templating
 from derive.targets.compiler import Command, compile_shared

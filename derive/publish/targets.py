@@ -47,8 +47,7 @@ def targets_named(
     wanted = set(usual if names is None else [names] if isinstance(names, str) else names)
     if EVERY in wanted:
         wanted = wanted - {EVERY} | TARGETS.keys()
-    unknown = sorted(wanted - TARGETS.keys())
-    if unknown or not wanted:
+    if (unknown := sorted(wanted - TARGETS.keys())) or not wanted:
         found = f"unknown target {unknown[0]!r}" if unknown else "no target"
         remedy = near_miss(unknown[0], TARGETS) if unknown else ""
         raise TargetError(found, allowed=f"targets are {', '.join(TARGETS)}, and {EVERY}", remedy=remedy)

@@ -81,21 +81,19 @@ def casadi_inverse(inverse: Inverse, parameters: int) -> list[Any]:
     step_names, step_inputs, results = _evaluated(inverse.step, inverse.joints, parameters)
     step = casadi.Function("step", step_inputs, [casadi.vertcat(*results)], step_names, ["ahead"])
     pose, params = inputs[0], inputs[len(inputs) - bool(parameters) :]
-    functions, n = [], inverse.joints
+    found, n = [], inverse.joints
     for branch in range(inverse.branches):
         q, code = casadi.vertcat(*values[branch * n : branch * n + n]), values[inverse.branches * n + branch]
         ahead, mended = step(q, pose, POLICY.damping, *params), q
         for _ in range(2):  # as `_checked` of model_casadi.py
-            found = step(ahead[:n], pose, POLICY.damping, *params)
-            better = found[n] < ahead[n]
-            mended, ahead = casadi.if_else(better, ahead[:n], mended), casadi.if_else(better, found, ahead)
+            later = step(ahead[:n], pose, POLICY.damping, *params)
+            better = later[n] < ahead[n]
+            mended, ahead = casadi.if_else(better, ahead[:n], mended), casadi.if_else(better, later, ahead)
         kind = casadi.if_else((ahead[n] <= POLICY.closed) * (code < 8), casadi.fmod(code, 4), 0)
         status = casadi.if_else(casadi.norm_1(pose[:12]) <= POLICY.far, casadi.if_else(code < 4, code, kind), 0)
         q = casadi.if_else(status > 0, casadi.if_else(code < 4, q, mended), casadi.DM.nan(n, 1))
-        functions.append(
-            casadi.Function(f"inverse_kinematics_{branch + 1}", inputs, [q, status], names, ["q", "status"])
-        )
-    return functions
+        found.append(casadi.Function(f"inverse_kinematics_{branch + 1}", inputs, [q, status], names, ["q", "status"]))
+    return found
 
 
 def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[str], list[Any], list[Any]]:

@@ -37,16 +37,14 @@ def find_command(variable: str, names: Sequence[str], environment: Mapping[str, 
     variables = os.environ if environment is None else environment
     given = shlex.split(variables.get(variable, ""))
     for command in [given] if given else [[name] for name in names]:
-        found = shutil.which(command[0], path=variables.get("PATH", os.defpath))
-        if found:
+        if found := shutil.which(command[0], path=variables.get("PATH", os.defpath)):
             return (found, *command[1:])
     return None
 
 
 def require_compiler() -> Command:
     """The command of the C compiler of this process's environment."""
-    compiler = find_compiler()
-    if compiler is None:
+    if (compiler := find_compiler()) is None:
         given = os.environ.get("CC")
         found = f"the C compiler of $CC, {given!r}, was not found" if given else f"no C compiler ({', '.join(NAMES)})"
         raise TargetError(found, remedy="install one, for instance gcc or clang, or name it in $CC")

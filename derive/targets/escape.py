@@ -111,8 +111,7 @@ def matlab_string(text: str) -> str:
 
 def html_text(text: str) -> str:
     """Text for an HTML element or a quoted attribute."""
-    body = html.escape(one_line(text))
-    if not body:
+    if not (body := html.escape(one_line(text))):
         return " " if text else ""
     return f"{' ' if text[0].isspace() else ''}{body}{' ' if text[-1].isspace() else ''}"
 
@@ -149,8 +148,7 @@ def _latex_character(character: str) -> str:
     if name.startswith("GREEK ") and " LETTER " in name:
         size, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
         word = letter.lower().replace("lamda", "lambda")
-        command = word.capitalize() if size == "CAPITAL" else word
-        if command in _GREEK:
+        if (command := word.capitalize() if size == "CAPITAL" else word) in _GREEK:
             return f"\\ensuremath{{\\{command}}}"
     base, *marks = tuple(unicodedata.normalize("NFD", character))
     if base.isascii() and base.isalpha() and len(marks) == 1 and marks[0] in _ACCENTS:
@@ -163,8 +161,7 @@ def markdown_text(text: str) -> str:
     """Text for a Markdown paragraph, heading or table cell."""
     escaped = "".join(_MARKDOWN.get(character, character) for character in one_line(text))
     unlinked = _MARKDOWN_LINK.sub(lambda found: "\\" + found.group(), escaped)
-    start = _MARKDOWN_START.match(unlinked)
-    if start is None:
+    if (start := _MARKDOWN_START.match(unlinked)) is None:
         return unlinked
     at = start.end(1) if start[1] else 0  # "1. " would begin a list
     return unlinked[:at] + "\\" + unlinked[at:]

@@ -63,7 +63,6 @@ TARGET = Target("octave", _WHAT, (), render_octave, default=False, package=packa
 
 
 def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Lists of texts about a robot, by the names of their fields."""
     standard = program["regressor"].columns if "regressor" in program else ()
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     lists: dict[str, Iterable[str]] = {

@@ -74,8 +74,7 @@ def _exact_factors(plane: PlaneMap) -> Iterator[Determinant]:
     # folds where its column lies in the plane of the others. From above it folds where z does.
     across = columns[turn] if plane.picture is Picture.SECTION else kinematics.axis(turn + 1)
     vectors = [across, *(columns[j] for j in plane.joints)]
-    product = determinant([[vector[row] for vector in vectors] for row in range(3)])
-    if not product:
+    if not (product := determinant([[vector[row] for vector in vectors] for row in range(3)])):
         return
     for factor in Factoring(domain).factors(product):
         if any(domain.derivative(factor.value, j) for j in plane.joints):

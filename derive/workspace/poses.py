@@ -59,9 +59,7 @@ class RobotPoses:
                 angles |= set(names(node))
             pending += children(node)
         self._loops, self._closed = linkage(self.robot), tuple[Expression, ...]()
-        choices: list[Iterator[float]] = [
-            cycle(float(f"{unit * length:.1g}") for length in pattern) for pattern in PATTERNS
-        ]
+        choices: list[Iterator[float]] = [cycle(float(f"{unit * part:.1g}") for part in row) for row in PATTERNS]
         if self._loops and missing:  # with which they were assembled
             closing, *_ = assembled(self.robot, self._loops)
             choices.append(iter(float(f"{closing[name]:.3g}") for name in missing if name not in angles))

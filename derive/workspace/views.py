@@ -209,8 +209,7 @@ class _Search:
 
     def _dexterous(self, picture: Picture, reachable: Area) -> Area | None:
         """What is dexterous in a picture; None where it is not known."""
-        wrist = self.wrist
-        if wrist is None or not wrist.complete:
+        if (wrist := self.wrist) is None or not wrist.complete:
             return None
         if wrist.hand == 0.0:
             return reachable

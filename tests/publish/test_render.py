@@ -9,7 +9,7 @@ import pytest
 from derive.errors import TargetError
 from derive.programs.optimise.search_policy import Effort
 from derive.publish import manifest, render
-from derive.publish.manifest import FILE as MANIFEST
+from derive.publish.manifest import MANIFEST
 from derive.publish.render import library_names
 from derive.publish.targets import TARGETS, targets_named
 from derive.robot.robot import Robot
@@ -61,14 +61,14 @@ BROKEN = ("", "[]", "{}", '{"generator": "other", "files": {}}', '{"generator": 
 
 @pytest.mark.parametrize("content", BROKEN, ids=range(len(BROKEN)))
 def test_foreign_and_broken_manifests_are_none(content: str, tmp_path: Path) -> None:
-    (tmp_path / manifest.FILE).write_text(content, encoding="utf-8")
+    (tmp_path / MANIFEST).write_text(content, encoding="utf-8")
     assert manifest.read_manifest(tmp_path) is None
 
 
 def test_links_and_missing_files_are_no_manifest_and_compiled_files_are_names(tmp_path: Path) -> None:
     assert manifest.read_manifest(tmp_path) is None
     (tmp_path / "elsewhere").write_text(json.dumps({"generator": "derive", "files": {}}), encoding="utf-8")
-    (tmp_path / manifest.FILE).symlink_to("elsewhere")
+    (tmp_path / MANIFEST).symlink_to("elsewhere")
     assert manifest.read_manifest(tmp_path) is None
     assert manifest.compiled_files({}) == ()
     assert manifest.compiled_files({"compiled": "libm.so"}) == ()

@@ -11,7 +11,7 @@ from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Drawing, Item, Path, Point, label_width
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, bounds, moved, resized
 from derive.handouts.figure.projection import Sizes, View, best_view, joint_centers, paint, solid_faces, view_along
-from derive.handouts.figure.scene import LETTERS, LinkSegment, Scene, arm_scene
+from derive.handouts.figure.scene import LETTERS, Frames, LinkSegment, Scene, arm_scene
 from derive.handouts.notation.pieces import joined, upright
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot import tree
@@ -33,13 +33,7 @@ _OFFSETS = (14.0, -14.0, 20.0, -20.0, 28.0, -28.0, 38.0, -38.0)
 _MOST_NAMES = 8  # joints up to which every joint variable is written beside its joint
 
 
-def arm_drawing(
-    robot: Robot,
-    data: DataPrinter,
-    frames: Sequence[Sequence[Sequence[float]]],
-    title: str = "",
-    view: View | None = None,
-) -> Drawing:
+def arm_drawing(robot: Robot, data: DataPrinter, frames: Frames, title: str = "", view: View | None = None) -> Drawing:
     """The drawing of a robot; frames 0 to n and that of the end effector in the world are 4x4 each [m]."""
     scene = arm_scene(robot, frames)
     view = view or arm_view(scene)
@@ -122,8 +116,7 @@ class _Stage:
 
     def _draw_length(self, segment: LinkSegment) -> None:
         """A dimension line beside a link, where it crosses least; only the name beside a short one."""
-        latex = _length(self.robot, self.data, segment)
-        if not latex:
+        if not (latex := _length(self.robot, self.data, segment)):
             return
         start, end = self.view.flat(segment.start * self.scale), self.view.flat(segment.end * self.scale)
         length = math.hypot(end[0] - start[0], end[1] - start[1])
@@ -191,9 +184,7 @@ _ARROW = 24.0
 _SAME = 1e-6  # lines closer to each other than this part of the arm's size are one
 
 
-def branches_drawing(
-    robot: Robot, frames: Sequence[Sequence[Sequence[Sequence[float]]]], names: Sequence[str], title: str
-) -> Drawing | None:
+def branches_drawing(robot: Robot, frames: Sequence[Frames], names: Sequence[str], title: str) -> Drawing | None:
     """The drawing of an arm with frames (configurations, n + 2, 4, 4) [m]; None where its links cover each other."""
     scenes = [arm_scene(robot, own) for own in frames]
     lines = []  # the links of each, as one line from the base to the end effector
@@ -238,7 +229,6 @@ def branches_drawing(
 def _draw_arms(
     paper: Paper, lines: Sequence[Sequence[Point]], dots: Sequence[Sequence[Point]], texts: Sequence[str]
 ) -> None:
-    """Arms over each other, each in its colour with its text beside it."""
     for index, (places, centers) in enumerate(zip(lines, dots, strict=True)):
         color, dashed = COLORS[index % len(COLORS)], index >= len(COLORS)
         paper.draw(Path(tuple(places), stroke=color, width=1.5, dashed=dashed))

@@ -249,10 +249,8 @@ class View:
         return float(x), float(y)
 
 
-def best_view(
-    origins: Array, stars: Sequence[Array], segments: Sequence[Array], up: tuple[float, float, float]
-) -> View:
-    """The view in which axes, links and origins are told apart best; ties go to the usual directions.
+def best_view(places: Array, stars: Sequence[Array], segments: Sequence[Array], up: tuple[float, float, float]) -> View:
+    """The view in which axes, links and places are told apart best; ties go to the usual directions.
 
     A star is the unit vectors of the axes that start at one place, (m, 3); a segment a link with a length, (2, 3).
     """
@@ -272,11 +270,11 @@ def best_view(
             ratio = float(np.hypot(*view.project(end - start)[:2]) / np.linalg.norm(end - start))
             links += math.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
         meeting = 0.0
-        if len(origins) > 1:
-            size = float(np.max(np.linalg.norm(origins - origins[0], axis=1))) or 1.0
-            flat = view.project(origins)[:, :2] / size
-            apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(origins), 1)]
-            meeting = float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(origins) / 3
+        if len(places) > 1:
+            size = float(np.max(np.linalg.norm(places - places[0], axis=1))) or 1.0
+            flat = view.project(places)[:, :2] / size
+            apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(places), 1)]
+            meeting = float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(places) / 3
         azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
         away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
         unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
@@ -296,8 +294,7 @@ def plane_normal(scenes: Sequence[Scene]) -> Array | None:
         sliding = [joint.direction for joint in scene.joints if not joint.revolute]
         crossed = turning if turning else [np.cross(sliding[0], other) for other in sliding[1:]]
         longest = max(crossed, key=lambda vector: float(vector @ vector), default=np.zeros(3))
-        size = float(np.linalg.norm(longest))
-        if size < _SAME:
+        if (size := float(np.linalg.norm(longest))) < _SAME:
             return None
         normals.append(longest / size)
         turns = all(np.linalg.norm(np.cross(normals[-1], axis)) < _SAME for axis in turning)

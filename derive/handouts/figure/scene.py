@@ -13,6 +13,7 @@ from derive.robot.expression import names
 from derive.robot.robot import Robot
 
 LETTERS = "xyz"
+Frames = Sequence[Sequence[Sequence[float]]]  # 4x4 each, in the world [m]
 
 SAME_PLACE = 1e-3  # origins nearer to each other than this part of the arm's size are one place
 _SAME_DIRECTION = 0.9998
@@ -83,7 +84,7 @@ class Scene:
         return float(np.max(np.linalg.norm(self.places - self.places[0], axis=1))) or 1.0
 
 
-def arm_scene(robot: Robot, frames: Sequence[Sequence[Sequence[float]]]) -> Scene:
+def arm_scene(robot: Robot, frames: Frames) -> Scene:
     """The scene of a robot whose frames are known."""
     poses = np.array(frames, dtype=float)
     joints, corners, parts = _links(robot, poses)
@@ -147,8 +148,7 @@ def upwards(robot: Robot, values: Mapping[str, float] | None = None) -> tuple[fl
         gravity = np.array([evaluate(cell, known | dict(values or {})) for cell in cells])
     except ArithmeticError:
         return vertical
-    size = float(np.linalg.norm(gravity))
-    if size < 1e-9:
+    if (size := float(np.linalg.norm(gravity))) < 1e-9:
         return vertical
     x, y, z = (float(-part / size) for part in gravity)
     return (x, y, z)

@@ -76,8 +76,7 @@ def _fill(axes: Any, region: Region, picture: Picture, color: Any, edge: Any, na
 
     package = shapely()
     parts = [part for part in package.get_parts(region) if not part.is_empty]
-    rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
-    if not rings:
+    if not (rings := [ring for part in parts for ring in (part.exterior, *part.interiors)]):
         return
     corners = [np.asarray(ring.coords) for ring in rings]
     codes = [np.r_[Path.MOVETO, np.full(len(ring) - 2, Path.LINETO), Path.CLOSEPOLY] for ring in corners]

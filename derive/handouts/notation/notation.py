@@ -120,8 +120,7 @@ def variable_glyphs(robot: Robot, names: Iterable[str], options: NotationOptions
     while True:  # giving one glyph up may bring back a name that clashes with another in turn
         printed = {name: (chosen.get(name) or natural(name)).box.tex for name in names}
         uses = Counter(printed.values())
-        clashing = {name for name in chosen if uses[printed[name]] > 1}
-        if not clashing:
+        if not (clashing := {name for name in chosen if uses[printed[name]] > 1}):
             return chosen
         chosen = {name: glyph for name, glyph in chosen.items() if name not in clashing}
 
@@ -131,9 +130,7 @@ class Notation:
     """How the symbols of a robot are written."""
 
     glyphs: Mapping[str, Glyph]  # the symbol of every name, velocities and accelerations included
-    positions: Mapping[
-        str, tuple[int, int]
-    ]  # in the order of factors: parameters, variables, velocities, accelerations
+    positions: Mapping[str, tuple[int, int]]  # in the order of factors: parameters, variables, rates, accelerations
     labels: Mapping[str, str]  # joint variable of a revolute joint -> its label, where no other one has that
     inertial: Mapping[str, int]  # masses, inertias and ratios, in the order of the links
     decimals: bool  # whether rationals are printed as decimals
@@ -263,8 +260,7 @@ class Order:
         if base.is_Symbol and base.name in self._inertial:
             return (_INERTIAL, (self._inertial[base.name],), "")
         if base.is_Symbol:
-            position = self._positions.get(base.name)
-            if position is None:
+            if (position := self._positions.get(base.name)) is None:
                 return (_UNKNOWN, (), base.name)
             return (_CLASS_OF_POSITION[position[0]], (position[1],), "")
         if base.is_Number or base.is_NumberSymbol:

@@ -287,8 +287,7 @@ class PlainPrinter(StrPrinter):  # type: ignore[misc]
     def _print(self, expression: Any, **options: Any) -> str:
         if options or not isinstance(expression, Basic):
             return str(super()._print(expression, **options))
-        found = self._printed.get(expression)
-        if found is None:
+        if (found := self._printed.get(expression)) is None:
             found = self._printed[expression] = str(super()._print(expression))
         return found
 
@@ -348,8 +347,7 @@ def loses_digits(expressions: Iterable[Any], *, decimals: bool, digits: int) -> 
     """Whether a number is not what is printed of it."""
     stack, seen = list(expressions), set()
     while stack:
-        expression = stack.pop()
-        if expression in seen:
+        if (expression := stack.pop()) in seen:
             continue
         seen.add(expression)
         if expression.is_Rational:

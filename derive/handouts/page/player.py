@@ -141,22 +141,17 @@ def player_texts(playback: Playback, robot: Robot, rows: Sequence[Mapping[str, o
     """Everything that the template of the player asks for."""
     kinds = {joint.is_revolute for joint in robot.variables}
     quantities = [_quantities(text)[name] for name in playback.quantities]
+    exceeded = []  # of which quantity, of which kind of joints, and in words
+    for quantity, j, time, _ in playback.exceeded:
+        joint, when = robot.variables[j], text.number(f"{time:.4g}")
+        words = text("%(joint)s beyond its limit at %(time)s s", joint=joint.variable, time=when)
+        exceeded.append((quantity, joint.is_revolute, html_text(words)))
     plots = [
         {
             "order": order,
             "revolute": revolute,
             "title": html_text(f"{title} [{unit}]"),
-            "exceeded": [
-                html_text(
-                    text(
-                        "%(joint)s beyond its limit at %(time)s s",
-                        joint=robot.variables[joint].variable,
-                        time=text.number(f"{time:.4g}"),
-                    )
-                )
-                for quantity, joint, time, _ in playback.exceeded
-                if playback.quantities[order] == quantity and robot.variables[joint].is_revolute is revolute
-            ],
+            "exceeded": [words for *of, words in exceeded if of == [playback.quantities[order], revolute]],
         }
         for order, (_, of_kind) in enumerate(quantities)
         for revolute, (title, unit) in of_kind.items()

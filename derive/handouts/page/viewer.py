@@ -282,8 +282,7 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
     linear = np.hstack([own[:3] for own in columns])
     kept = min(_rank(own) - _rank(own[3:]) for own in columns)  # directions with the orientation kept
-    directions = _rank(linear)
-    if directions < 2:
+    if (directions := _rank(linear)) < 2:
         return None
     normal = None
     if directions < 3:  # what is normal to all columns, which lie in a plane; its largest component is positive

@@ -42,9 +42,7 @@ def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> 
         form=[_words(word) for word in document.form],
         sections=sections,
         viewer=viewer.html if viewer else "",
-        steps=any(
-            isinstance(block, sheet.Steps) for section in document.sections for block in sheet.blocks_of(section)
-        ),
+        steps=any(isinstance(block, sheet.Steps) for part in document.sections for block in sheet.blocks_of(part)),
         footer=_words(document.footer),
         name=html_text(document.name),
         digest=html_text(document.digest),

@@ -230,8 +230,7 @@ def christoffel(context: Context) -> Iterator[Block]:
     if context.steps and context.dynamics.is_compact(context.entries.Bdot):
         joints, partial, derivatives = range(1, context.robot.dof + 1), Box("\\partial ", 6.0), []
         for i, j, k in ((i, j, k) for i in joints for j in joints for k in joints if i <= j):
-            derivative = context.entries.inertia_derivative(i, j, k)
-            if derivative.terms(1, 1):
+            if (derivative := context.entries.inertia_derivative(i, j, k)).terms(1, 1):
                 variable = context.notation.glyph(context.robot.variables[k - 1].variable).box
                 entry = context.dynamics.inertia_entry(i, j)
                 symbol = fraction(concatenate(partial, entry), concatenate(partial, variable))

@@ -134,14 +134,12 @@ def _dynamics(context: Context, robot: Robot, q: Sequence[float], rates: Array) 
     numbers = [_number(context, value) for value in values]
     newton, moment = Box("\\,\\mathrm{N}", 10.0), Box("\\,\\mathrm{N\\,m}", 20.0)
     units = [moment if joint.is_revolute else newton for joint in robot.variables]
-    lines = pack(equated(name, *pair) for name, *pair in zip(names, numbers, units, strict=True))
+    lines = tuple(pack(equated(name, *pair) for name, *pair in zip(names, numbers, units, strict=True)))
     rows = zip(names, numbers, values, strict=True)
     entries = tuple(Entry(name.tex, number.tex, copied(value)) for name, number, value in rows)
     blanks = tuple(name.tex for name in names)
     task = context.text("Compute the gravity vector in numbers, each component with its unit.")
-    yield SheetFormula(
-        (Rows(tuple(lines)),), function="gravity_vector", entries=lambda: entries, task=task, blanks=blanks
-    )
+    yield SheetFormula((Rows(lines),), function="gravity_vector", entries=lambda: entries, task=task, blanks=blanks)
 
 
 def _cleaned(rows: Values) -> list[list[float]]:

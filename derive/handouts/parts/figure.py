@@ -16,7 +16,7 @@ from derive.handouts.figure.arm import arm_drawing, arm_view
 from derive.handouts.figure.drawing import BLACK, Color, Drawing, Path
 from derive.handouts.figure.paper import AXIS_COLORS, DIMENSION, Paper, around, arrow_head, moved
 from derive.handouts.figure.projection import REVOLUTE, View, paint, prism
-from derive.handouts.figure.scene import arm_scene
+from derive.handouts.figure.scene import Frames, arm_scene
 from derive.handouts.notation.pieces import EMPTY, joined, magnitude
 from derive.handouts.sheet.context import Context, textbook
 from derive.handouts.sheet.document import Block, Figure, Paragraph
@@ -25,7 +25,6 @@ from derive.robot.description import Convention, Joint, Variable
 from derive.robot.expression import ZERO, Expression
 from derive.workspace.poses import RobotPoses
 
-Frames = Sequence[Sequence[Sequence[float]]]  # 4x4 each
 _DIGITS = 4  # significant digits of a number in a caption
 
 

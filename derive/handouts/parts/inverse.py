@@ -185,8 +185,7 @@ class InversePart:
     def decoupled(self) -> Iterator[Block]:
         """How the problem falls into parts, and names for what the pose is within the arm."""
         _, found, n = self.context.text, self.found, self.context.robot.n
-        wrist = self._is_decoupled
-        if wrist:
+        if wrist := self._is_decoupled:
             yield self.context.paragraph(
                 "Axes 4, 5 and 6 meet in the wrist centre, which joints 4, 5 and 6 do not move. So the problem "
                 "decouples: the position of the wrist centre follows from the pose and gives joints 1, 2 and 3; "
@@ -238,8 +237,7 @@ class InversePart:
         for step, (merged, free) in zip(found.steps, coincidences(found, factors), strict=True):
             if step.kind not in (NodeKind.GIVEN, NodeKind.GENERAL):
                 yield from self._step(step, merged, free)
-        node = next((node for node in found.graph.nodes if node.kind is NodeKind.GENERAL), None)
-        if node is None:
+        if (node := next((node for node in found.graph.nodes if node.kind is NodeKind.GENERAL), None)) is None:
             return
         hidden, others, eliminated = node.formulas[0].payload.joints
 

@@ -99,8 +99,7 @@ def _steps(context: Context, axes: JointAxes) -> Iterator[Block]:
     """Vectors that fit share lines; then those by their entries, and those whose entries are too long."""
     _ = context.text
     joints = range(1, context.robot.n + 1)
-    origins = [axes.of_joint("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]
-    if origins:
+    if origins := [axes.of_joint("o", i) for i in joints if context.robot.joints[i - 1].is_revolute]:
         origins.append(axes.end())
     columns = [] if context.robot.coupled else [axes.column(i) for i in joints]
     for title, vectors in (

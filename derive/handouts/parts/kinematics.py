@@ -168,8 +168,7 @@ def _roll_pitch_yaw(context: Context) -> Iterator[Block]:
         product=_rotations("zyx", names[::-1]),
     )
     task = _("Find roll, pitch and yaw of the end effector.")
-    is_upright = not _terms(context, (1, 1), (2, 1))
-    if is_upright:
+    if is_upright := not _terms(context, (1, 1), (2, 1)):
         upright_pitch = (TexPiece(minus(concatenate(_RIGHT_ANGLE, t(3, 1)))),)
         angles: Angles = ((TexPiece(italic("0")),), upright_pitch, _atan2(minus(t(1, 2)), t(2, 2)))
         used = [(3, 1), (1, 2), (2, 2)]
@@ -212,8 +211,7 @@ def _euler_zyz(context: Context) -> Iterator[Block]:
         product=_rotations("zyz", names),
     )
     task = _("Find the Euler angles ZYZ of the end effector.")
-    is_parallel = not _terms(context, (1, 3), (2, 3))
-    if is_parallel:
+    if is_parallel := not _terms(context, (1, 3), (2, 3)):
         signed = [concatenate(cosine, t(i, 1)) for i in (2, 1)]
         inside = concatenate(Box("(1", 10.0), Box(" - ", typeset.BINARY_WIDTH), cosine, Box(")", typeset.BRACKET_WIDTH))
         angles: Angles = (_atan2(*signed), (TexPiece(concatenate(_RIGHT_ANGLE, inside)),), (TexPiece(italic("0")),))

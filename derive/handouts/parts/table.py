@@ -64,12 +64,10 @@ def dh_table(context: Context) -> Iterator[Block]:
 
 def _variables(context: Context) -> Iterator[Block]:
     """What the variables of coupled joints are, how joints move with them, and within which limits."""
-    robot = context.robot
+    robot, glyph = context.robot, context.notation.glyph
     if not robot.coupled:
         return
-    symbols = {
-        q.variable: context.notation.glyph(q.variable).box.tex.strip() for q in (*robot.variables, *robot.passive)
-    }
+    symbols = {q.variable: glyph(q.variable).box.tex.strip() for q in (*robot.variables, *robot.passive)}
     named = ", ".join(f"${symbols[variable.variable]}$" for variable in robot.variables)
     if robot.passive:
         yield context.paragraph(
@@ -94,13 +92,11 @@ def _variables(context: Context) -> Iterator[Block]:
 
 
 def _mounts_and_ends(context: Context) -> Iterator[Block]:
-    """The constant transforms of a tree as matrices, and which end is on which row."""
     robot = context.robot
     rows = ((row.label, row.stand.mount) for row in tree.table(robot) if row.stand)
     lines = _matrices(context, ((script(bold("M"), context.name(label)), mount) for label, mount in rows))
     yield from context.announced("Mounts, which come before all else of their rows:", lines)
-    places = [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]
-    if places:
+    if places := [(end.name, f"${context.name(end.after).tex}$") for end in robot.ends if end.name]:
         named = ", ".join(f"`{name}` ({after})" for name, after in places)
         yield context.paragraph("Ends, and the rows on which they are: %(ends)s.", ends=named)
     yield from context.announced(

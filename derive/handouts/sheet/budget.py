@@ -136,9 +136,7 @@ def within(document: sheet.Document, limit: int, text: Text, spare: int = 0) -> 
     return _said(document, sections, touched, limit, text)
 
 
-def _shortened(
-    sections: dict[str, sheet.Section], limit: int, text: Text
-) -> Iterator[tuple[str, sheet.Section | None]]:
+def _shortened(parts: dict[str, sheet.Section], limit: int, text: Text) -> Iterator[tuple[str, sheet.Section | None]]:
     """One part after the other, shorter each time it comes; None in place of a part that is left out as a whole."""
     tests: tuple[Test, ...] = (
         lambda block: isinstance(block, sheet.Rows) and block.landscape,
@@ -151,9 +149,9 @@ def _shortened(
         lambda block: isinstance(block, sheet.SheetFormula) and height(block) > _LONG,
     )
     for test in tests:  # from what is missed least to what is missed most, through all parts each time
-        for anchor in _least_useful(sections, USEFULNESS):
-            yield anchor, replace(sections[anchor], blocks=_spared(sections[anchor].blocks, test, limit, text))
-    for anchor in _least_useful(sections, USEFULNESS[:-1]):
+        for anchor in _least_useful(parts, USEFULNESS):
+            yield anchor, replace(parts[anchor], blocks=_spared(parts[anchor].blocks, test, limit, text))
+    for anchor in _least_useful(parts, USEFULNESS[:-1]):
         yield anchor, None
 
 

@@ -159,8 +159,7 @@ class DynamicsLayout:
 
 def _once(quantity: Entries, alias: Expr, known: dict[Expr, Expr]) -> Expr:
     """The expression of a scalar, or the alias of an earlier one that is the same up to the sign."""
-    entry = quantity.entry(1, 1)
-    if entry in known:
+    if (entry := quantity.entry(1, 1)) in known:
         return known[entry]
     if -entry in known:
         return -known[-entry]

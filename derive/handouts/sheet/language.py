@@ -48,8 +48,7 @@ def languages(folder: Traversable | None = None) -> tuple[str, ...]:
 def text_for(language: str, folder: Traversable | None = None) -> Text:
     """Translates messages into a language, by the catalogues of a folder, by default that of the package."""
     known = languages(folder)
-    code = language if language in known else language.partition("_")[0]
-    if code == ENGLISH:
+    if (code := language if language in known else language.partition("_")[0]) == ENGLISH:
         return Text(language)
     if code not in known:
         raise TargetError(

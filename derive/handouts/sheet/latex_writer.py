@@ -103,8 +103,7 @@ def _joined(blocks: Iterable[sheet.Block], text: Text, is_open: bool = False) ->
     """Blocks one after the other; a display joins the paragraph before it, which may be that of a title."""
     written: list[str] = []
     for block in blocks:
-        source = _written(block, text)
-        if not source:  # a result of which only an exercise and a page say more
+        if not (source := _written(block, text)):  # a result of which only an exercise and a page say more
             continue
         is_display = source.startswith(_DISPLAY)
         if is_display and not is_open:  # the group ends with the display: a note behind it leaves the paragraph open

@@ -146,8 +146,7 @@ def _at(polynomial: Poly, place: Expr, factor: Poly | None = None) -> _Place:
 
 def _stationary(polynomial: Poly) -> Iterator[_Place]:
     """Where a polynomial is largest or smallest between 0 and 1."""
-    derivative = polynomial.diff(_U)
-    if derivative.degree() < 1:
+    if (derivative := polynomial.diff(_U)).degree() < 1:
         return
     rational = polynomial.domain == QQ
     for factor, _ in derivative.factor_list()[1] if rational else [(derivative, 1)]:

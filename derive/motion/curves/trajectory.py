@@ -52,8 +52,7 @@ class Trajectory:
 
     def __call__(self, t: float | Array) -> tuple[Array, Array, Array]:
         """q, qd, qdd, (..., n) each, at times t [s], (...); before the start and after the end the arm stands."""
-        times = np.asarray(t, dtype=float)
-        if times.ndim == 0:
+        if (times := np.asarray(t, dtype=float)).ndim == 0:
             q, qd, qdd = np.array([track.at(float(times)) for track in self._tracks]).T
             return q, qd, qdd
         found = np.stack([track(times.reshape(-1)) for track in self._tracks], axis=-1)
@@ -181,8 +180,7 @@ def followed(formula: Expr, duration: float) -> Expr:
     times = np.linspace(0.0, duration, PLACES)
     for magnitude in sorted(formula.atoms(Abs), key=lambda node: node.count_ops()):
         (inner,) = magnitude.args
-        values = _numbers(inner, times)
-        if values.min() < 0 < values.max():
+        if (values := _numbers(inner, times)).min() < 0 < values.max():
             raise _refusal("the velocity jumps", _zero(times, values))
         formula = formula.xreplace({magnitude: inner if values.max() > 0 else -inner})
     derivative = formula

@@ -18,10 +18,8 @@ from operator import add, mul
 
 import numpy as np
 import sympy
-from sympy import Expr
 
 from derive.algebra import constants
-from derive.algebra.constants import exact_number
 from derive.arrays import Array
 from derive.errors import QuantityError, VerificationError
 from derive.interrupts import TemporaryFolder
@@ -39,8 +37,7 @@ from derive.publish.modules import module_of
 from derive.targets import casadi
 from derive.targets.compiler import Command, compile_shared, find_compiler
 from derive.targets.escape import c_comment, c_prefix, python_docstring, python_string
-from derive.targets.kernel import PYTHON, C, Language, wrapped, write_statements
-from derive.targets.kernel import CodePiece as Text
+from derive.targets.kernel import PYTHON, C, CodePiece, Language, wrapped, write_statements
 from derive.targets.templating import render
 from derive.verification.generated import C_OPTIONS
 from derive.verification.tolerance import FLOOR, TINY, TOLERANCE, relative_errors
@@ -51,7 +48,7 @@ CLOCK, ROW = "t", "row"  # arguments of a tape: the time [s], and the numbers of
 NAMES = {2: "cubic", 3: "quintic", 4: "septic"}  # polynomials by the number of values at each end
 HARMONIC = "harmonic"
 
-_FUNCTIONS: dict[type[Expr], Callable[..., Value]] = {
+_FUNCTIONS: dict[type[sympy.Expr], Callable[..., Value]] = {
     sympy.Add: lambda *terms: reduce(add, terms),
     sympy.Mul: lambda *factors: reduce(mul, factors),
     sympy.sin: Value.sin,
@@ -72,13 +69,13 @@ class Kernel:
 
     def written(self, language: Language) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Its statements and results, with ``t``, ``row[0]``, ... for the arguments."""
-        texts: dict[int, Text] = {}
+        texts: dict[int, CodePiece] = {}
         for i, node in enumerate(self.tape.nodes):
             if node.op is Op.CONSTANT:
                 texts[i] = language.number(node.value)
             elif node.source is not None:
                 kind = node.source.kind
-                texts[i] = Text(CLOCK if kind == CLOCK else f"{kind}[{node.source.index}]")
+                texts[i] = CodePiece(CLOCK if kind == CLOCK else f"{kind}[{node.source.index}]")
         operations = [i for i, node in enumerate(self.tape.nodes) if node.op not in LEAVES]
         statements = write_statements(self.tape, language, operations, texts)
         return statements, tuple(language.output(self.tape, output, texts) for output in self.tape.outputs)
@@ -151,13 +148,13 @@ def _harmonic(graph: Graph, u: Value, duration: Value) -> list[Value]:
     return [q, way * rate * angle.sin() / 2, way * rate**2 * wave / 2]
 
 
-def _value(graph: Graph, formula: Expr, clock: Value) -> Value:
+def _value(graph: Graph, formula: sympy.Expr, clock: Value) -> Value:
     """A formula of the grammar of cells as a value."""
     if formula == TIME:
         return clock
     if not formula.has(TIME):
         number = Fraction(float(formula)) if formula.has(sympy.Float) else None
-        exact = exact_number(expression_from_sympy(formula), {}) if number is None else number
+        exact = constants.exact_number(expression_from_sympy(formula), {}) if number is None else number
         return Value(graph, graph.number(exact))
     if isinstance(formula, sympy.Pow) and formula.exp.is_Rational and formula.exp.q <= 2:
         base = _value(graph, formula.base, clock)
@@ -216,8 +213,7 @@ class MotionCode:
     @cached_property
     def _pieces(self) -> tuple[tuple[str, tuple[AnyPiece, ...]], ...]:
         segments, joints = self.motion.trajectory.segments, self.motion.plan.robot.variables
-        count = sum(len(pieces) for segment in segments for pieces in segment.joints)
-        if count > MOST:
+        if (count := sum(len(pieces) for segment in segments for pieces in segment.joints)) > MOST:
             remedy = "record fewer rows, or fewer lines and arcs in space"
             raise QuantityError(f"a motion of {count} pieces", allowed=f"allowed in code: {MOST}", remedy=remedy)
         tracks = (tuple(piece for segment in segments for piece in segment.joints[j]) for j in range(len(joints)))

@@ -172,8 +172,7 @@ class HandCurve:
     @cached_property
     def formula(self) -> tuple[Expr, Expr, Expr]:
         """x, y, z of the end effector as formulas of time, of a motion by curves."""
-        curves = self._motion.plan.curves
-        if not curves:
+        if not (curves := self._motion.plan.curves):
             raise QuantityError("no formula of the hand", remedy="only curves: have one")
         plain = Symbol(TIME.name)
         joints = {Symbol(name): expression_to_sympy(value).subs(plain, TIME) for name, value in curves.items()}
@@ -197,8 +196,7 @@ def printed_hand(motion: Motion, *, as_latex: bool = False) -> Iterator[str]:
         of_time = [hand.formula, [entry.diff(TIME) for entry in hand.formula]] if motion.plan.curves else []
         for letter, entries in zip("pv", of_time or [hand.position], strict=False):
             for axis, entry in zip(AXES, entries, strict=True):
-                value = entry.subs(TIME, plain)
-                if value != 0:
+                if (value := entry.subs(TIME, plain)) != 0:
                     yield f"{letter}_{axis}(t) = {latex(value)}" if as_latex else f"  {letter}{axis} = {sstr(value)}"
 
 

@@ -80,8 +80,7 @@ class FastestMotion:
                 break
         nodes = self._nodes(x)
         for _ in range(ROUNDS):
-            excess = self._excess(nodes)
-            if excess.max() <= 0:
+            if (excess := self._excess(nodes)).max() <= 0:
                 break
             margins += np.maximum(excess, 0) + 10 * SPARE * (excess > 0)
             x = self._largest(ends, margins, x)
@@ -176,8 +175,7 @@ class FastestMotion:
         # Both ends are bounds of the first node of their interval; the last node has those of the node before.
         rest = [np.concatenate(part, axis=1) for part in (a, b, c)]
         a_all, b_all, c_all = (np.vstack([part, part[-1:]]) for part in rest)
-        found = _by_toppra(self.grid, a_all / scale, b_all / scale, c_all)
-        if found is None:
+        if (found := _by_toppra(self.grid, a_all / scale, b_all / scale, c_all)) is None:
             raise self._refused(ends)
         return np.asarray(found / scale)
 

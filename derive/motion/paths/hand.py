@@ -82,8 +82,7 @@ class Hand:
 
     def configuration(self, name: str, before: Corner | None) -> Corner:
         """Joint variables at a point; of a pose the solution nearest to where the arm comes from, on its branch."""
-        point = self._plan.points[name]
-        if point.q is not None:
+        if (point := self._plan.points[name]).q is not None:
             return self._exact(point.q)
         corner, arm = list(before or (ZERO,) * self._plan.robot.dof), self._arm(point.end)
         start = arm.q(corner)

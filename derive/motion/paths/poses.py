@@ -70,9 +70,7 @@ class Way:
     """A way of the end effector by its fraction s from 0 to 1."""
 
     place: Callable[[float], tuple[Array, Array, Array]]  # position at s, and its first and second derivative
-    turned: Callable[
-        [float], tuple[Array, Array, Array]
-    ]  # rotation (3, 3), and in the world omega and omega' by s (3,)
+    turned: Callable[[float], tuple[Array, Array, Array]]  # rotation (3, 3), and in the world omega, omega' by s (3,)
 
     @classmethod
     def line(cls, a: Array, b: Array) -> Way:

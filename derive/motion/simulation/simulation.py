@@ -219,11 +219,7 @@ def looked_up(reference: Callable[[Array], tuple[Array, Array, Array]], period: 
 
 
 def stages_of(
-    plan: Plan,
-    trajectory: Trajectory,
-    values: Mapping[str, float],
-    calls: float | None,
-    added: BaseTorques | None = None,
+    plan: Plan, trajectory: Trajectory, values: Mapping[str, float], calls: float | None, added: BaseTorques | None
 ) -> list[Stage]:
     """The stages of a simulation whose functions will be called so often; None for an estimate."""
     # The controller knows the robot, how its base moves and what the path says that the tool carries; it knows nothing
@@ -276,8 +272,7 @@ def stages_of(
 
 def period_of(plan: Plan, values: Mapping[str, float], duration: float) -> float | None:
     """Time between two looks of the controller [s]; None for a continuous one, infinite without control."""
-    control = plan.control
-    if control.law == "none":
+    if (control := plan.control).law == "none":
         return float(np.inf)
     period = None if control.period is None else evaluate(control.period, values)
     if period is not None and duration / period > MOST_LOOKS:

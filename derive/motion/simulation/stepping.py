@@ -254,8 +254,7 @@ def _compiled(robot: Robot) -> _Library | None:
     from derive.targets.templating import render
     from derive.version import __version__
 
-    compiler = find_compiler()
-    if compiler is None:
+    if (compiler := find_compiler()) is None:
         return None
     temporary = TemporaryFolder()
     folder, source = temporary.path, Source(robot, program_of(robot, NAMES), __version__)

@@ -189,8 +189,7 @@ def _complementary(mobility: Array, free: Array, coulomb: Array) -> tuple[Array,
         for j in joints:
             # The friction that would stop joint j alone, cut to what it has; v -= B^-1 e_j dp.
             new = min(max(friction[j] + velocity[j] / rows[j][j], -back[j]), most[j])
-            change = new - friction[j]
-            if change:
+            if change := new - friction[j]:
                 largest, friction[j] = max(largest, abs(change)), new
                 for i, row in enumerate(rows):
                     velocity[i] -= row[j] * change

@@ -225,7 +225,7 @@ def test_ten_robots_settle_where_gains_hold_what_gravity_leaves(name: str, law: 
     motion = Motion(replace(motion.plan, plant_payload=Payload(number(1), (number(0),) * 3, (number(0),) * 3)))
     run = motion.simulate()
     q, step = run.q[-1], 1e-6
-    plant = stages_of(motion.plan, motion.trajectory, motion.values, None)[0].plant
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, None, None)[0].plant
     lifted = [plant.functions("potential_energy", q + s * step * np.eye(q.size)) for s in (1, -1)]
     left = (lifted[0] - lifted[1]) / (2 * step)
     if law == "pd-gravity":

@@ -23,7 +23,7 @@ from tests.targets.generated_models import needs_compiler
 def plant() -> Plant:
     motion = Motion.from_text(PUMA_FALLS.replace("TIME", "1"))
     values = {"g": 9.81, "a2": 0.4318, "a3": 0.0203, "d3": 0.15005, "d4": 0.4318}
-    return stages_of(motion.plan, motion.trajectory, values, None)[0].plant
+    return stages_of(motion.plan, motion.trajectory, values, None, None)[0].plant
 
 
 def state(plant: Plant) -> np.ndarray:
@@ -50,7 +50,7 @@ def test_large_gains_of_a_light_joint_take_few_steps() -> None:
 points: {{a: [0], b: [1]}}
 path: [a, {{to: b, time: 0.3}}]
 control: {{law: pd, kp: 400, kd: 20}}\n""")
-    (stage,) = stages_of(motion.plan, motion.trajectory, {}, None)
+    (stage,) = stages_of(motion.plan, motion.trajectory, {}, None, None)
     calls = 0
 
     def counted(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
@@ -144,7 +144,7 @@ def test_what_diverges_says_where_and_keeps_the_rows_so_far() -> None:
 @pytest.mark.usefixtures("held_alone")
 def test_a_time_as_near_as_rounding_is_reached() -> None:
     motion = Motion.from_text(HELD + "friction: none\n")
-    plant = stages_of(motion.plan, motion.trajectory, motion.values, 1e9)[0].plant
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, 1e9, None)[0].plant
     state = np.array([0.4, 0.1, 1.0, -0.5, 0.0, 0.0])
     for start in (0.5, 7.0, 1e5):
         end = np.nextafter(start, np.inf)
@@ -176,11 +176,11 @@ def error(text: str) -> float:
 def test_a_stage_lasts_as_long_as_load_and_push_stay_and_its_plant_carries_the_load() -> None:
     text = CARRYING + "disturbance: [{joint: q2, torque: 3, start: 0.7, end: 1.2}]\n"
     motion = Motion.from_text(text)
-    stages = stages_of(motion.plan, motion.trajectory, motion.values, None)
+    stages = stages_of(motion.plan, motion.trajectory, motion.values, None, None)
     assert [stage.start for stage in stages] == [0, 0.5, 0.7, 1, 1.2]
     assert [stage.plant.push[1] for stage in stages] == [0, 0, 3, 3, 0]
     motion = Motion.from_text(CARRYING)
-    plant = stages_of(motion.plan, motion.trajectory, motion.values, None)[1].plant
+    plant = stages_of(motion.plan, motion.trajectory, motion.values, None, None)[1].plant
     for t in (0.55, 0.7, 0.9):
         q, qd, qdd = motion(t)
         assert plant.functions("forward_dynamics", q, qd, motion.torques(t)) == pytest.approx(qdd, abs=1e-10)
@@ -235,7 +235,7 @@ friction: exact
 
 def plant_of(text: str) -> Plant:
     motion = Motion.from_text(text)
-    return stages_of(motion.plan, motion.trajectory, motion.values, None)[0].plant
+    return stages_of(motion.plan, motion.trajectory, motion.values, None, None)[0].plant
 
 
 def test_one_joint_stands_while_the_other_slides_and_both_come_to_rest() -> None:
