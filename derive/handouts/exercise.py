@@ -57,8 +57,7 @@ def exercise(document: Document, text: Text) -> Document:
     """The handout with questions and room for the answers in place of the results."""
     sections, total = [], 0
     for section, items in _asked(document):
-        questions = [item for item in items if isinstance(item, _Question)]
-        if questions or section.part in _GIVEN:
+        if (questions := [item for item in items if isinstance(item, _Question)]) or section.part in _GIVEN:
             total += sum(question.points for question in questions)
             blocks = (item.blank(text) if isinstance(item, _Question) else item for item in items)
             sections.append(replace(section, blocks=tuple(blocks)))

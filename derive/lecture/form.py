@@ -196,8 +196,7 @@ class LectureForm:
 
     def dynamic(self, p: Polynomial, grouping: Grouping | None = None) -> Expr:
         """An inertia, Christoffel symbol or energy."""
-        key = p.key(), grouping
-        if key not in self._dynamic_cache:
+        if (key := (p.key(), grouping)) not in self._dynamic_cache:
             self._dynamic_cache[key] = self.write_dynamic(self.terms(p), grouping)
         return self._dynamic_cache[key]
 

@@ -104,8 +104,7 @@ def _tree(e: Any, known: dict[Any, Expression]) -> Expression:
     elif isinstance(e, sympy.Abs):
         found = Call("sqrt", (exact.power(_tree(e.args[0], known), 2),))
     else:
-        name = getattr(e.func, "__name__", "")
-        if name not in _PLAIN and name not in _RECIPROCAL:
+        if (name := getattr(e.func, "__name__", "")) not in _PLAIN and name not in _RECIPROCAL:
             raise _refused(e, "sums, products, powers, sin, cos, tan, sqrt, atan2 and sign")
         arguments = tuple(_tree(part, known) for part in e.args)
         found = Call(name, arguments) if name in _PLAIN else exact.power(Call(_RECIPROCAL[name], arguments[:1]), -1)

@@ -109,7 +109,6 @@ def waypoints(points: ArrayLike, times: ArrayLike | None) -> dict[str, Any]:
     count = len(rows) - 1
     if times is not None and np.size(times) not in (1, count):
         raise ValueError(f"times: one, or {count} for {len(rows)} points, not {np.size(times)}")
-    steps: list[dict[str, Any]] = [{"to": f"p{k}"} for k in range(1, len(rows))]
-    for step, time in zip(steps, np.resize([] if times is None else times, count).tolist(), strict=True):
-        step["time"] = None if times is None else time
+    each = [None] * count if times is None else np.resize(times, count).tolist()
+    steps = [{"to": f"p{k}", "time": time} for k, time in enumerate(each, 1)]
     return {"points": {f"p{k}": row for k, row in enumerate(rows)}, "path": ["p0", *steps]}

@@ -20,8 +20,7 @@ class PlanCells:
     """The cells of a plan."""
 
     def __init__(self, document: Document, robot: Robot) -> None:
-        self._document = document
-        self._robot = robot
+        self._document, self._robot = document, robot
         self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))  # as written, in SI units and radians
         self.values: dict[str, Expression] = {}  # numbers of symbols that the plan gives
         for name in self.keys(("values",)):

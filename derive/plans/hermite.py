@@ -105,9 +105,8 @@ def power_coefficients(numbers: Array, k: int, duration: float) -> Array:
 
 def sampled(piece_numbers: Array, k: int, u: Array, duration: Array, order: int) -> Array:
     """A derivative of pieces at points u of unit time, (points,); their values at both ends are (points, 2k)."""
-    rows = _derived(k, order)
     powers = np.zeros((2 * k, u.size))
-    for column in rows.T:
+    for column in _derived(k, order).T:
         powers = powers * u + column[:, None]
     total = np.zeros(u.size)
     if order:  # two positions that are alike leave nothing but rounding in a sum

@@ -237,8 +237,7 @@ class _PlanReader:
 
     def _followed(self, path: KeyPath, end: str, what: str) -> str:
         """An end that the joints follow, which those of a root that moves and coupled ones cannot."""
-        robot = self._robot
-        if robot.root or robot.coupled:
+        if (robot := self._robot).root or robot.coupled:
             found = f"{what} of {robot.name}, whose {'joints are coupled' if robot.coupled else 'root moves'}"
             allowed = f"allowed: poses of {'uncoupled joints' if robot.coupled else 'robots that stand'}"
             remedy = "write joint variables, without line, through and spline: hand"

@@ -249,8 +249,7 @@ def refuse_taken(paths: Iterable[Path], *, force: bool) -> None:
             raise OutputError(f"{path} is a symbolic link", remedy="remove the link, or choose another name")
         if path.exists() and not force:
             raise _taken(path)
-        above = next((folder for folder in path.parents if os.path.lexists(folder)), path)
-        if not above.is_dir():
+        if not (above := next((folder for folder in path.parents if os.path.lexists(folder)), path)).is_dir():
             raise OutputError(f"{above} is not a folder", remedy="choose another place")
 
 

@@ -53,11 +53,10 @@ def require_compiler() -> Command:
 
 def compile_shared(compiler: Command, sources: Sequence[Path], library: Path, options: Sequence[str] = ()) -> None:
     """Compile C into a shared library; a compiler ends with all that it has started if this is left early."""
-    command = [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"]
     try:
         with TemporaryFolder() as temporary:  # one that is stopped leaves files between its passes behind
             process = subprocess.Popen(
-                command,
+                [*compiler, "-shared", "-fPIC", *options, *map(str, sources), "-o", str(library), "-lm"],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,

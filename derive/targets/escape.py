@@ -144,8 +144,7 @@ def _latex_character(character: str) -> str:
     """One character: as it is, by its escape, as a Greek command, as a letter with an accent, or by its code."""
     if character in _LATEX or character.isascii():
         return _LATEX.get(character, character)
-    name = unicodedata.name(character, "")
-    if name.startswith("GREEK ") and " LETTER " in name:
+    if (name := unicodedata.name(character, "")).startswith("GREEK ") and " LETTER " in name:
         size, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
         word = letter.lower().replace("lamda", "lambda")
         if (command := word.capitalize() if size == "CAPITAL" else word) in _GREEK:

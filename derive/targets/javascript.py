@@ -139,9 +139,8 @@ def _nested(results: Sequence[str], shape: Sequence[int]) -> tuple[str, ...]:
     """Results as the inside of an array literal of that shape, in lines."""
     if len(shape) == 1:
         return wrapped(results)
-    size = len(results) // shape[0]
     lines: list[str] = []
-    for part in rows_of(results, size):
+    for part in rows_of(results, len(results) // shape[0]):
         inside = _nested(part, shape[1:])
         short = len(shape) == 2 and len(inside) == 1
         lines += [f"[{inside[0].rstrip(',')}],"] if short else ["[", *(f"  {line}" for line in inside), "],"]

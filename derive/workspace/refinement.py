@@ -86,9 +86,8 @@ class _Cells:
         outside = ~self.reached & (self.distance < _LAYERS * self.width)
         fresh = outside
         while fresh.any():
-            nodes = np.stack(np.nonzero(fresh))
             before = self.distance[fresh]
-            self.visit(nodes, best=True)
+            self.visit(np.stack(np.nonzero(fresh)), best=True)
             shrunk = np.zeros(self.shape, dtype=bool)
             shrunk[fresh] = self.distance[fresh] < before - _SETTLED * self.width
             fresh = _grown(shrunk, 1) & outside

@@ -126,10 +126,9 @@ def _turns_everywhere(point: ArmPoint) -> bool:
         if abs(axes[0] @ axes[1]) > _SAME or abs(axes[1] @ axes[2]) > _SAME:
             return False
     # The outer axes, each perpendicular to the middle one, come to 0 and to pi apart: every orientation is there.
-    covered = max(angles) > 1.0 - 1e-4 and min(angles) < 1e-4 - 1.0
     outer = (point.ranges[first], point.ranges[last])
     if all(way.full for way in outer):
-        return covered
+        return max(angles) > 1.0 - 1e-4 and min(angles) < 1e-4 - 1.0
     half = all(way.upper - way.lower >= math.pi - _SAME for way in outer)
     return half and point.ranges[middle].full and any(way.full for way in outer)
 

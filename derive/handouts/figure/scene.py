@@ -109,8 +109,7 @@ def arm_scene(robot: Robot, frames: Frames) -> Scene:
 
 def _numbers(robot: Robot) -> list[int]:
     """The frames that are drawn, ends left out: none between the coordinates of a root that moves."""
-    first = len(robot.root.variables) + 1 if robot.root else 1
-    return [0, *range(first, len(tree.labels(robot)))]
+    return [0, *range(len(robot.root.variables) + 1 if robot.root else 1, len(tree.labels(robot)))]
 
 
 def _hands(robot: Robot, poses: Array, segments: Sequence[LinkSegment]) -> Iterator[Hand]:

@@ -155,9 +155,7 @@ class MatrixEquation:
 
 def matrix_equation(equation: str) -> MatrixEquation | None:
     """An equation whose right side is one matrix; None for any other equation."""
-    match = _MATRIX.fullmatch(equation)
-    if match is None or "bmatrix" in match["left"] + match["body"]:
+    if (match := _MATRIX.fullmatch(equation)) is None or "bmatrix" in match["left"] + match["body"]:
         return None
-    symbol = match["left"].partition(" = ")[0].strip()
     rows = (tuple(cell.strip() for cell in row.split("&")) for row in _ROW_END.split(match["body"]))
-    return MatrixEquation(_PHANTOM.sub(r"\1", symbol), tuple(rows))
+    return MatrixEquation(_PHANTOM.sub(r"\1", match["left"].partition(" = ")[0].strip()), tuple(rows))

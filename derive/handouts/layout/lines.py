@@ -49,8 +49,7 @@ def break_lines(head: Box, pieces: Sequence[TexPiece], width: float = LINE_WIDTH
         room, used = width - lead.width, _continued(pieces[start]).width
         best, best_cost, end = 0, 2.0, len(pieces)
         for index in range(start + 1, len(pieces)):
-            piece = pieces[index]
-            if piece.before is not Break.NEVER:
+            if (piece := pieces[index]).before is not Break.NEVER:
                 # The cost of ending the line here: what stays empty of it, more inside of brackets or of a product.
                 factor = FACTOR_COST if piece.before is Break.FACTOR else 0.0
                 cost = (1.0 - used / room) + DEPTH_COST * piece.depth + factor

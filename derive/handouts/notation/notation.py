@@ -71,8 +71,7 @@ class Glyph:
 def natural(name: str) -> Glyph:
     """A name as a textbook would print it, else in monospace letters."""
     parts = name.split("_")
-    match = re.fullmatch(r"([A-Za-z]+)([0-9][A-Za-z0-9]*)?", parts[0])
-    if match is None or not all(parts):
+    if (match := re.fullmatch(r"([A-Za-z]+)([0-9][A-Za-z0-9]*)?", parts[0])) is None or not all(parts):
         return Glyph(monospace(name))
     letters, suffix = match.group(1), ""
     if letters in GREEK and letters != "pi":
@@ -226,9 +225,7 @@ class Order:
     """Sort keys for the expressions of one robot."""
 
     def __init__(self, notation: Notation) -> None:
-        self._positions = notation.positions
-        self._inertial = notation.inertial
-        self._angles = notation.labels
+        self._positions, self._inertial, self._angles = notation.positions, notation.inertial, notation.labels
         self.factor, self._base = cache(self._factor_key), cache(self._base_key)
         self._terms: dict[Any, TermKey] = {}
 

@@ -186,8 +186,7 @@ def magnitude(value: Fraction, decimals: bool, *, digits: int | None = DIGITS, c
         return Box(plain.replace(".", mark), _DIGIT_WIDTH * len(plain))
     power = f"10^{{{exponent}}}"
     power_width = _TEN_WIDTH + italic(str(exponent)).width * SCRIPT
-    mantissa = f"{found:e}".partition("e")[0]
-    if mantissa == "1":
+    if (mantissa := f"{found:e}".partition("e")[0]) == "1":
         return Box(power, power_width)
     width = _DIGIT_WIDTH * len(mantissa) + DOT_WIDTH + power_width
     return Box(f"{mantissa.replace('.', mark)} \\cdot {power}", width)

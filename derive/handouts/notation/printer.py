@@ -66,8 +66,7 @@ class LatexPrinter:
 
     def _sum(self, expression: Any, depth: int) -> Pieces:
         """Written once: a root inside a root is measured before it is placed, which doubles the work at each level."""
-        key = (expression, depth)
-        if key not in self._written:
+        if (key := (expression, depth)) not in self._written:
             terms = sorted(expression.args if expression.is_Add else (expression,), key=self._order.term)
             self._written[key] = tuple(typeset.signed_sum((self._term(term, depth) for term in terms), depth))
         return list(self._written[key])
@@ -134,10 +133,9 @@ class LatexPrinter:
         return magnitude(value, self.notation.decimals, digits=self.notation.digits, comma=self.notation.comma)
 
     def _power(self, base: Any, exponent: Any, depth: int, closed: bool = False) -> Pieces:
-        if exponent is _HALF:  # no line breaks under a root: a wide one is a bracket to the power 1/2
-            inner = joined(self._sum(base, 0))
-            if inner.width <= WIDEST_FRACTION:
-                return [TexPiece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
+        # no line breaks under a root: a wide one is a bracket to the power 1/2
+        if exponent is _HALF and (inner := joined(self._sum(base, 0))).width <= WIDEST_FRACTION:
+            return [TexPiece(Box(f"\\sqrt{{{inner.tex.rstrip()}}}", inner.width + 10.0), depth=depth)]
         raised = EMPTY
         if exponent.is_Rational and exponent is not _ONE:
             raised = Box(str(exponent), 5.0 * len(str(exponent)) + 3.0)
@@ -259,8 +257,7 @@ class DataPrinter:
         """A value, and the unit behind it; degrees have their circle instead."""
         if not joint.is_revolute:
             return self.length(cell), self._metres
-        value = _sympy(cell)
-        if value == 0 and self.notation.degrees:
+        if (value := _sympy(cell)) == 0 and self.notation.degrees:
             return (TexPiece(Box(f"0{_CIRCLE}", 10.0)),), EMPTY
         pieces = self.angle(value)
         return pieces, EMPTY if _CIRCLE in joined(pieces).tex else RADIAN

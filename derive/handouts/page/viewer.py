@@ -281,7 +281,6 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
     # The Jacobian at five generic configurations: ranks that all of them agree on are those of the arm.
     columns = [_jacobian(robot, numbers, q) for q in np.random.default_rng(7).uniform(0.2, 1.3, (robot.n, 5)).T]
     linear = np.hstack([own[:3] for own in columns])
-    kept = min(_rank(own) - _rank(own[3:]) for own in columns)  # directions with the orientation kept
     if (directions := _rank(linear)) < 2:
         return None
     normal = None
@@ -297,7 +296,7 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
         missing = next((k for k, axis in enumerate("xyz") if axis not in axes), None)
         x, y, z = (float(k == missing) for k in range(3))
         return Dragging(robot.inverse, normal if missing is None else (x, y, z))
-    if kept == directions:
+    if min(_rank(own) - _rank(own[3:]) for own in columns) == directions:
         return Dragging(InverseOptions(POSE), normal)
     if min(_rank(own[:3]) for own in columns) < directions:
         return None

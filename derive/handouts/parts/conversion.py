@@ -81,10 +81,9 @@ def _factor(letter: str, index: int) -> Box:
 
 def _product(context: Context, base: Box | None, tool: Box | None) -> Equation:
     n = context.robot.n
-    shown = range(1, n + 1) if n <= FEW_FACTORS else (1, 2, n)
     opening, closing = Box("(", 5.0), Box(")\\,", 7.0)  # a line may end at the space
     boxes = [] if base is None else [base]
-    for i in shown:
+    for i in range(1, n + 1) if n <= FEW_FACTORS else (1, 2, n):
         pair = (_factor("Z", i), _factor("X", i)) if context.is_standard else (_factor("X", i - 1), _factor("Z", i))
         boxes += [Box("\\cdots ", 15.0)] if i == n and n > FEW_FACTORS else []
         boxes.append(concatenate(opening, *pair, closing))

@@ -136,13 +136,12 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
     if laid_out.landscape:
         rows.append(Rows(laid_out.landscape, landscape=True))
-    note = unlisted(context.text, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else ""
     python = PlainPrinter().doprint
     return SheetFormula(
         rows=tuple(rows),
         named=laid_out.named,
         omitted=laid_out.omitted,
-        note=note,
+        note=unlisted(context.text, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else "",
         function=function,
         entries=lambda: [Entry(name.tex, context.printer.latex(e), python(e)) for name, e in laid_out.values],
         task=task,

@@ -94,8 +94,7 @@ class _Track:
         for kind in set(self.kinds.tolist()):
             places = np.flatnonzero(self.kinds == kind)
             self.rows[kind] = np.zeros((len(pieces), max(self.numbers[i].size for i in places)))
-            for i in places:
-                self.rows[kind][i] = self.numbers[i]
+            self.rows[kind][places] = [self.numbers[i] for i in places]
 
     @cached_property
     def _powers(self) -> list[list[float]]:
@@ -250,10 +249,9 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     if len(data) > BYTES:
         raise _refused(f"more than {BYTES} bytes", f"at most {BYTES} bytes and {ROWS} rows")
     try:
-        text = data.decode("utf-8-sig")
+        lines = list(csv.reader(data.decode("utf-8-sig").splitlines()))
     except UnicodeDecodeError:
         raise _refused("this is no text in UTF-8", "comma-separated values") from None
-    lines = list(csv.reader(text.splitlines()))
     columns = _columns(lines[0] if lines else [], robot, source)
     if not 2 <= len(lines) - 1 <= ROWS:
         raise _refused(f"{max(len(lines) - 1, 0)} rows", f"2 to {ROWS}", max(len(lines), 1))

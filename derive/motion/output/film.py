@@ -166,12 +166,11 @@ class Film:
 
     def mp4(self) -> bytes:
         """The film as MP4."""
-        program = ffmpeg()
         raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", str(RATE), "-i", "-"]
         plain = ["-an", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-fflags", "+bitexact", "-threads", "1"]
         with TemporaryFolder() as folder:
             path = folder.path / "film.mp4"
-            command = [program, "-v", "error", *raw, *plain, "-flags:v", "+bitexact", str(path)]
+            command = [ffmpeg(), "-v", "error", *raw, *plain, "-flags:v", "+bitexact", str(path)]
             data = b"".join(frame.tobytes() for frame in self.frames())
             done = subprocess.run(command, input=data, capture_output=True, check=False)
             if done.returncode or not path.is_file():

@@ -55,11 +55,10 @@ REFERENCE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.7}
 
 def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:
     """The plot as the contents of a file."""
-    matplotlib = require_matplotlib()
     robot = motion.plan.robot
     kinds = [kind for kind in (True, False) if any(joint.is_revolute is kind for joint in robot.variables)]
     count = 4 if motion.has_torques else 3
-    with matplotlib.rc_context({**STYLE, **SETTINGS}):
+    with require_matplotlib().rc_context({**STYLE, **SETTINGS}):
         from matplotlib.figure import Figure
 
         height = ROW * count + 40.0
@@ -234,10 +233,9 @@ def _name_points(axes: Any, motion: Motion) -> None:
     segments = motion.trajectory.segments
     if motion.plan.curves:
         return
-    places = [float(segment.start) for segment in segments] + [motion.duration]
     names = [segments[0].name.split(" -> ")[0], *(segment.name.split(" -> ")[-1] for segment in segments)]
     above = axes.secondary_xaxis("top")
-    above.set_xticks(places, names, fontsize=7)
+    above.set_xticks([*(float(segment.start) for segment in segments), motion.duration], names, fontsize=7)
     if len(names[-1]) > SHORT:  # within the figure
         above.get_xticklabels()[-1].set_horizontalalignment("right")
     above.tick_params(length=0, pad=1)

@@ -227,9 +227,8 @@ def smooth_path(knots: Array, corners: Array) -> Trajectory:
     """The natural cubic spline through points at s from 0 to 1, (points,); between two points a straight line."""
     from scipy.interpolate import CubicSpline
 
-    slopes = CubicSpline(knots, corners, bc_type="natural")(knots, 1)
     places = [Float(s) for s in knots]
-    states = np.stack([corners, slopes], axis=-1)
+    states = np.stack([corners, CubicSpline(knots, corners, bc_type="natural")(knots, 1)], axis=-1)
     tracks = ([tuple(map(Float, node)) for node in states[:, j]] for j in range(corners.shape[1]))
     return Trajectory.of(tuple(joined(track, places) for track in tracks))
 

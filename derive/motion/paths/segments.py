@@ -47,8 +47,7 @@ Timed = tuple[list[Expr], list[Joints]]  # when each of some segments begins, an
 
 
 def _run(hand: Hand, run: Sequence[Step], first: int, corners: Sequence[Corner], start: Expr) -> Timed:
-    step = run[0]
-    if step.profile is Profile.FASTEST:
+    if (step := run[0]).profile is Profile.FASTEST:
         found = hand.fastest(run, first, corners)
         joints: list[Joints] = [tuple(_moved(track, start, ONE) for track in pieces) for pieces in found]
         return [start, *(symbolic(pieces[0][-1].end) for pieces in joints)], joints

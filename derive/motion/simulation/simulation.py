@@ -80,8 +80,7 @@ def simulate(
     held = stage.law(float(times[0]), *start)
     parts = [_Stretch(times[:1], state[None], held[None], stage.plant, brought, pushed)]
     for (a, looks), (b, _) in pairwise(edges):
-        now = [other for other in stages if other.start <= a + SAME][-1]
-        if now is not stage:
+        if (now := [other for other in stages if other.start <= a + SAME][-1]) is not stage:
             # what is taken up or put down has the speed of the hand then
             here = state[None, :n], state[None, n : 2 * n], np.array([a])
             brought += float(now.plant.energy(*here)[0] - stage.plant.energy(*here)[0])
@@ -260,10 +259,9 @@ def stages_of(
                 push[each.joint] += evaluate(each.torque, values)
         actual = _numbers(true, (carried, plan.plant_payload))
         base = replace(added, values=true).carrying(carried, plan.plant_payload) if added else None
-        steps = held.given(actual) if held else None
         own = functions.given(actual)
         rows = rows_of(replace(robot, links=(), gravity=None), true, own) if robot.coupled else None
-        plant = Plant(own, viscous, coulomb, push, steps, base, rows)
+        plant = Plant(own, viscous, coulomb, push, held.given(actual) if held else None, base, rows)
         model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
         known_inertial = added.single(carried) if added else None
         stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))

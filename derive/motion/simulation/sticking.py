@@ -83,8 +83,7 @@ class Contact:
     def rates(self, t: float, state: Array) -> Array:
         """Derivatives of a state by time."""
         n, rates = self.way.size, np.zeros_like(state)
-        qd = state[n : 2 * n]
-        if qd @ qd < 4 * n * DIVERGED**2:
+        if (qd := state[n : 2 * n]) @ qd < 4 * n * DIVERGED**2:
             driven, qdd, friction = self.forces(t, state[:n], qd)
             rates[:n], rates[n : 2 * n] = qd, qdd
             rates[2 * n :] = self.plant.ledger(driven, friction, t, state[:n], (qd, qdd))

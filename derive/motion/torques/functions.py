@@ -46,8 +46,7 @@ class Functions:
         operations = max(sum(counts.values()) for counts in program.operations.values())
         compiled = calls * operations * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
-        self._parameters = program.parameters
-        self._inverse = program.inverse
+        self._parameters, self._inverse = program.parameters, program.inverse
         self._options = self._numbers(values)
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
