@@ -62,8 +62,7 @@ class LatexRun:
     @property
     def pages(self) -> int:
         """Pages of the document; 0 if none was written."""
-        match = _PAGES.search(self.text.replace("\n", ""))
-        return int(match.group(1)) if match else 0
+        return int(match.group(1)) if (match := _PAGES.search(self.text.replace("\n", ""))) else 0
 
 
 def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> LatexRun:

@@ -48,8 +48,7 @@ class PlanCells:
 
     def keys(self, path: KeyPath) -> tuple[str, ...]:
         """The keys of a mapping."""
-        node = self._document.find(path)
-        return tuple(node.entries) if isinstance(node, YamlMapping) else ()
+        return tuple(node.entries) if isinstance(node := self._document.find(path), YamlMapping) else ()
 
     def number(self, path: KeyPath, read: Read) -> Expression:
         """A cell whose symbols all have numbers, and whose value exists."""

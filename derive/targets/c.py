@@ -96,10 +96,8 @@ def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = Tr
     """A part whose entries lie ``lanes`` apart, or one after the other without a ``step``."""
     further = [read.array for read in part.reads if read.index]
     steps: list[str] = []
-    if step and (len(part.results) > 1 or any(array != "k" for array in further)):
-        steps.append("lanes")
-    if step and "k" in further:
-        steps.append("k_lanes")
+    steps += ["lanes"] if step and (len(part.results) > 1 or any(array != "k" for array in further)) else []
+    steps += ["k_lanes"] if step and "k" in further else []
 
     def _entry(array: str, index: int) -> str:  # ``qd[2 * lanes]``: entry 2 of this lane
         distance = "k_lanes" if array == "k" else "lanes"

@@ -102,8 +102,7 @@ def _python_function(
     kernel = write_kernel(function.tape, PYTHON, parameters)
     length = function.shape[-1] if function.shape else 1
     unpack = [_unpacking(entry_names(function, kind, joints), kind) for kind in kernel.arguments]
-    if kernel.constants:
-        unpack.append(_unpacking(kernel.constants, "k"))
+    unpack += [_unpacking(kernel.constants, "k")] if kernel.constants else []
     return {
         "name": function.name,
         "arguments": ", ".join(function.arguments),

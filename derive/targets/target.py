@@ -63,8 +63,7 @@ def case_context(tapes: Iterable[Tape]) -> dict[str, object]:
 
 def package_name(robot: Robot) -> str:
     """Name of a robot's folder, importable by Python."""
-    name = robot.name.replace("-", "_")
-    return name if name.isidentifier() else f"robot_{name}"
+    return name if (name := robot.name.replace("-", "_")).isidentifier() else f"robot_{name}"
 
 
 def shape_text(shape: tuple[int, ...]) -> str:

@@ -64,5 +64,4 @@ def template_folder() -> Traversable:
 
 
 def _read(name: str) -> str | None:
-    path = template_folder().joinpath(name)
-    return path.read_text(encoding="utf-8") if path.is_file() else None
+    return path.read_text(encoding="utf-8") if (path := template_folder().joinpath(name)).is_file() else None

@@ -146,8 +146,7 @@ class RobotPoses:
     @property
     def configuration(self) -> tuple[float, ...] | None:
         """The configuration that the robot file asks to draw [rad or m]."""
-        q = self.robot.figure.q
-        return None if q is None else self.numbers(q)
+        return None if (q := self.robot.figure.q) is None else self.numbers(q)
 
     def numbers(self, cells: Sequence[Expression]) -> tuple[float, ...]:
         """The values of cells with the numbers of the drawing."""

@@ -62,8 +62,7 @@ def arm_view(scene: Scene) -> View:
             here = np.linalg.norm(axis.origin - place) < 1e-3 * scene.size
             if here and all(axis.direction @ other < 0.999 for other in directions):
                 directions.append(axis.direction)
-        if directions:
-            stars.append(np.stack(directions))
+        stars += [np.stack(directions)] if directions else []
     segments = [np.stack([segment.start, segment.end]) for segment in scene.segments]
     return best_view(scene.places, stars, segments, scene.up)
 

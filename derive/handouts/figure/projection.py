@@ -105,8 +105,7 @@ def solid_faces(scene: Scene, scale: float, sizes: Sizes) -> tuple[list[Faces], 
         else:
             slide = _tube(center - axis * length, center + axis * length, 0.7 * sizes.tube, LINK)
             faces += [*prism(start, end, radius, PRISMATIC, sides=4), slide]
-        if _length(center - anchor) > 1e-6:
-            faces.append(_tube(anchor, center, 0.8 * sizes.tube, LINK))
+        faces += [_tube(anchor, center, 0.8 * sizes.tube, LINK)] if _length(center - anchor) > 1e-6 else []
         lines += [np.stack([start, end]), *_sides(start, end, radius, _perpendicular(axis))]
     for hand in (hand for hand in scene.hands if not hand.is_pin):
         parts, sides = _hand(hand, scale, sizes, centers[hand.joint])

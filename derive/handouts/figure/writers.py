@@ -77,8 +77,7 @@ def _pdf_operators(item: Path) -> str:
     """PDF operators: colours, width and dashes, the outline, and how it is painted."""
     points = [f"{_number(x * _PDF_POINT)} {_number(y * _PDF_POINT)}" for x, y in item.points]
     state = []
-    if item.fill is not None:
-        state.append(f"{_pdf_color(item.fill)} rg")
+    state += [f"{_pdf_color(item.fill)} rg"] if item.fill is not None else []
     if item.stroke is not None:
         state.append(f"{_pdf_color(item.stroke)} RG {_number(item.width * _PDF_POINT)} w")
         state.append("[3 2] 0 d" if item.dashed else "[] 0 d")

@@ -84,8 +84,7 @@ def breakable(equation: str) -> str:
             depth -= kind is _Kind.CLOSING
             mark = _mark(previous, after, kind, run + _FACTORS * (is_right and kind is _Kind.RELATION))
             is_right = is_right or kind is _Kind.RELATION
-        if mark:
-            written.append(f"{mark}{min(depth, _DEEPEST)} ")
+        written += [f"{mark}{min(depth, _DEEPEST)} "] if mark else []
         after, run = text, 0 if mark else run
         if kind is not _Kind.SPACE:
             written.append(text)

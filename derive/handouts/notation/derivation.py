@@ -264,8 +264,7 @@ def workspace_text(reach: Reach, write: Print) -> list[str]:
         size = f" ({' to '.join(f'{float(x):.4g}' for x in numbers if x is not None)} m)" if numbers else ""
         what = f"{shape(reach, bound)}, {write(bound.unknown)} is real"
         lines.append(f"   {comparison(bound, write, ' <= ')}{size}: {what}")
-    if reach.names:
-        lines += ["where", *(f"   {formula(line, write)}" for line in reach.names)]
+    lines += ["where", *(f"   {formula(line, write)}" for line in reach.names)] if reach.names else []
     if reach.is_whole:
         lines.append(f"{'up to ' * any(line.signs for line in reach.names)}{count} inside")
     else:

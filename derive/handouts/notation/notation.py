@@ -63,9 +63,8 @@ class Glyph:
     def power(self, exponent: Box) -> Box:
         """The symbol raised to a power."""
         head = self.head
-        if self.accent:
-            head = Box(f"{self.accent}{{{head.tex.rstrip()}}}", head.width)
-        return script(head, self.sub, exponent)
+        accented = Box(f"{self.accent}{{{head.tex.rstrip()}}}", head.width) if self.accent else head
+        return script(accented, self.sub, exponent)
 
 
 def natural(name: str) -> Glyph:
@@ -202,8 +201,7 @@ def _inertial(robot: Robot) -> dict[str, int]:
     found: dict[str, None] = {}
     for link in robot.links:
         cells = [link.mass, *(getattr(link.inertia, key) for key in INERTIA), link.armature]
-        if link.motor is not None:
-            cells += [link.motor.ratio, link.motor.mass, link.motor.inertia]
+        cells += [link.motor.ratio, link.motor.mass, link.motor.inertia] if link.motor is not None else []
         found.update(dict.fromkeys(name for cell in cells for name in names(cell)))
     return {name: index for index, name in enumerate(found)}
 

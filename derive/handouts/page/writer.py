@@ -160,10 +160,8 @@ def _formula(block: sheet.SheetFormula, _: Text) -> str:
         parts += [f"<p>{_words(_('With the abbreviations'))}</p>", _displays(block.named, _)]
         parts.append(f"<p>{_words(_('the entries are as follows.'))}</p>")
     parts += [_displays(rows.lines, _) for rows in block.rows if rows.lines]
-    if block.omitted:
-        parts += [f"<p>{_words(omitted_words(block, _))}</p>", _displays(block.omitted, _)]
-    if block.note:
-        parts.append(f"<p class=note>{_words(block.note)}</p>")
+    parts += [f"<p>{_words(omitted_words(block, _))}</p>", _displays(block.omitted, _)] if block.omitted else []
+    parts += [f"<p class=note>{_words(block.note)}</p>"] if block.note else []
     if written := tuple(block.entries()):
         entries = [
             {"name": html_text(unicode_name(e.name)), "latex": escape(e.latex), "python": escape(e.python)}
@@ -191,5 +189,4 @@ def _table(block: sheet.Table, _: Text) -> str:
 
 
 def _cell(tag: str, text: str) -> str:
-    inner = _words(text)
-    return f"<{tag}>{inner}</{tag[:2]}>" if inner.strip() else "<td></td>"
+    return f"<{tag}>{inner}</{tag[:2]}>" if (inner := _words(text)).strip() else "<td></td>"

@@ -109,8 +109,7 @@ def _partial_products(context: Context) -> Iterator[Block]:
     for end in range(1, last + 1):
         quantity = context.between(cuts[-1], end)
         longest = max(quantity.terms(*place) for place in quantity.places)
-        if end > cuts[-1] + 1 and longest > context.policy.factor_terms:
-            cuts.append(end - 1)
+        cuts += [end - 1] if end > cuts[-1] + 1 and longest > context.policy.factor_terms else []
     cuts.append(last)
     if len(cuts) == 2:
         return

@@ -114,8 +114,7 @@ def _speeds(context: Context, segments: Sequence[SegmentPeaks]) -> Block:
                     row.append(f"${decimal}$" if is_alone else f"${exact} = {decimal}$")
                 rows.append(tuple(row))
                 cells = ("", "")
-        if cells[0]:
-            rows.append((*cells, "", _("none moves"), ""))
+        rows += [(*cells, "", _("none moves"), "")] if cells[0] else []
     return Table(header, tuple(rows), long=len(rows) > 30)
 
 

@@ -73,8 +73,7 @@ class Context:
         """How the frame of a row of a tree is written: by its number, or by the name of a row without motion."""
         whole = self.whole.robot
         robot = whole if self.end in {"", *(end.name for end in whole.ends)} else self.robot  # the arm of a loop
-        number = tree.labels(robot).index(label)
-        return italic(str(number)) if number <= robot.n else upright(label)
+        return italic(str(number)) if (number := tree.labels(robot).index(label)) <= robot.n else upright(label)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -134,8 +133,7 @@ def poses_of(robot: Robot) -> RobotPoses | None:
 def formula(context: Context, laid_out: LaidOut, function: str = "", task: str = "") -> SheetFormula:
     """A laid-out quantity as a formula."""
     rows = [Rows(laid_out.lines)] if laid_out.lines else []
-    if laid_out.landscape:
-        rows.append(Rows(laid_out.landscape, landscape=True))
+    rows += [Rows(laid_out.landscape, landscape=True)] if laid_out.landscape else []
     python = PlainPrinter().doprint
     return SheetFormula(
         rows=tuple(rows),

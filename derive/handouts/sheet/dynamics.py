@@ -136,8 +136,7 @@ class DynamicsLayout:
                     symbol = self.symbols.christoffel(i, j, k)
                     square = (symbol, rates[j].power(two))
                     terms.append((1, square if j == k else (two, symbol, rates[j].box, rates[k].box)))
-            if entries.g.terms(i, 1):
-                terms.append((1, (self.symbols.component("g", i),)))
+            terms += [(1, (self.symbols.component("g", i),))] if entries.g.terms(i, 1) else []
             value = entries.friction(i)
             friction = self.layouter.printer.pieces(value) if value != 0 else []
             if terms and friction:

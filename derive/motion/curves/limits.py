@@ -209,8 +209,7 @@ class Limits:
             fastest, hardest = self.speed[j], self.acceleration[j]
             # In a time f times as long speeds are 1/f, accelerations 1/f^2: f >= v/v_max, f^2 >= a/a_max.
             needed = [(speed / fastest).expand()] if speed != 0 and fastest is not None else []
-            if acceleration != 0 and hardest is not None:
-                needed.append(sqrt(acceleration / hardest))
+            needed += [sqrt(acceleration / hardest)] if acceleration != 0 and hardest is not None else []
             for factor in needed:
                 if longest is None or float(factor) > float(longest) * (1 + 1e-12):
                     longest = factor

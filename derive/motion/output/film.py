@@ -39,8 +39,7 @@ def frames_of(motion: Motion, times: Array, q: Array) -> Array:
     robot, values = motion.plan.robot, (*motion.plan.robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
     frames = np.array([poses.frames([float(value) for value in row]) for row in q])
-    moving = motion.base
-    return frames if moving is None else moving(times, 0)[:, None] @ frames
+    return frames if (moving := motion.base) is None else moving(times, 0)[:, None] @ frames
 
 
 def ways_of(motion: Motion, times: Array, q: Array) -> list[Array]:

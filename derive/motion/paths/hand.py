@@ -318,8 +318,7 @@ def why_not(robot: Robot, pose: Array, values: Mapping[str, float]) -> str:
 
 def _size(value: Expr, known: Mapping[Expr, Expr]) -> float:
     """The number of an expression; not a number where it has no real one."""
-    found = value.xreplace(known).evalf()
-    return float(found) if found.is_real else nan
+    return float(found) if (found := value.xreplace(known).evalf()).is_real else nan
 
 
 def _beside(joints: Joints, arm: Arm, tracks: Joints) -> Joints:

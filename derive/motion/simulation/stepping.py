@@ -229,8 +229,7 @@ def held_arm(robot: Robot, values: Mapping[str, float], evaluations: float) -> H
     if evaluations * SAVED < COMPILING:
         return None
     bare = bare_robot(robot)
-    library = _compiled(bare)
-    return None if library is None else HeldArm(program_of(bare, NAMES), library, values)
+    return None if (library := _compiled(bare)) is None else HeldArm(program_of(bare, NAMES), library, values)
 
 
 class _Library:
