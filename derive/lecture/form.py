@@ -5,12 +5,11 @@ in `derive.algebra.contraction`; here candidates are planned by rules, counted, 
 Ties go to the rule that comes first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Self
 
 import sympy
 
@@ -43,7 +42,7 @@ class SymbolRoles:
     point_masses: bool = False  # whether no body has a moment of inertia
 
     @classmethod
-    def of(cls, robot: Robot) -> SymbolRoles:
+    def of(cls, robot: Robot) -> Self:
         """Symbols by which expressions are grouped; lengths in a moment of inertia are none: m of ``m*l**2/12``."""
         masses: set[str] = set()
         moments: list[Expression] = []
@@ -96,7 +95,7 @@ class LectureForm:
         homes, groups = {i: self.table.factors[i].joints[0] for i in self._sines}, sorted(domain.groups)
         self._outwards: list[Level] = [frozenset(i for i in homes if homes[i] in group) for group in groups]
 
-    def with_style(self, style: Style) -> LectureForm:
+    def with_style(self, style: Style) -> Self:
         """The form of another style over the same factors."""
         other = copy(self)
         other.style, other._dynamic_cache = style, {}

@@ -315,8 +315,7 @@ class _PlanReader:
         if (node := self._document.find(path)) is None:
             return None
         numbers, length = self._numbers, self._cells.length
-        place = path if isinstance(node, YamlScalar) else (*path, "mass")
-        mass = numbers.not_negative(place, "zero or more [kg]")
+        mass = numbers.not_negative(path if isinstance(node, YamlScalar) else (*path, "mass"), "zero or more [kg]")
         com = tuple(numbers.number((*path, "com", k), length) for k in range(3))
         inertia = tuple(numbers.not_negative((*path, "inertia", k), "zero or more [kg m^2]") for k in range(3))
         return Payload(mass, com, inertia, self._end(path, "a payload", end))

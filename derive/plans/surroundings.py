@@ -1,10 +1,9 @@
 """What else a plan says of the arm: other numbers of a simulated one, what pushes its joints, a base that moves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Self
 
 import numpy as np
 from sympy import Expr, Integer, Matrix, cos, eye, sin
@@ -85,7 +84,7 @@ class BaseCurve:
     transform: Matrix  # from the base of the robot file to the world, (4, 4), in the symbol `TIME`
 
     @classmethod
-    def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> BaseCurve:
+    def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> Self:
         """The transform of formulas."""
         # R = Rz(yaw) Ry(pitch) Rx(roll).
         turns = (about_axis(k, cos(angle), sin(angle), Integer(0), Integer(1)) for k, angle in enumerate(angles))

@@ -1,13 +1,12 @@
 """Generated functions as a module of this process: rendered, compiled if asked for, and imported."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
+from typing import Self
 
 from derive.errors import TargetError
 from derive.interrupts import TemporaryFolder
@@ -26,7 +25,7 @@ class ModuleSources:
     compiled: bool
 
     @classmethod
-    def of(cls, source: Source, *, compiled: bool) -> ModuleSources:
+    def of(cls, source: Source, *, compiled: bool) -> Self:
         """Those of ``model_native.py``, or of ``model_numpy.py``."""
         targets = [c.TARGET, native.TARGET] if compiled else [numpy.TARGET]
         files = {name: text for target in targets for name, text in target.render(source).items()}

@@ -157,8 +157,7 @@ def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodeP
             angle = node.operands[0]
             place = angles.index(angle)
             name = joints[angle] + 1 if angle in joints else f"a{place + 1}"
-            array = "sines" if node.op is Op.SINE else "cosines"
-            sines[i] = Read(f"{TRIGONOMETRIC[node.op]}{name}", array, place)
+            sines[i] = Read(f"{TRIGONOMETRIC[node.op]}{name}", "sines" if node.op is Op.SINE else "cosines", place)
     return (
         _part(tape, parameters, [Output(i, False) for i in constants], {}),
         _part(tape, parameters, [Output(i, False) for i in angles], constants),

@@ -4,10 +4,9 @@ The inverse kinematics is asked for poses whose point (the origin of the end eff
 at the place, with one orientation. Whether that orientation matters is tried at random configurations, not supposed.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -34,7 +33,7 @@ class Postures:
     reach: Reach  # the bounds of the inverse kinematics, and itself
 
     @classmethod
-    def of(cls, point: ArmPoint) -> Postures | None:
+    def of(cls, point: ArmPoint) -> Self | None:
         """The postures of an arm; None where more than three joints move the point, or some joint is given."""
         robot = replace(point.poses.robot, inverse=InverseOptions(POSE))
         if not 0 < len(point.moving) <= 3:

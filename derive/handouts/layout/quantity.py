@@ -160,8 +160,7 @@ class Layouter:
 def omitted(item: Item, word: str, *, comma: bool = False) -> Box:
     """An entry that is left to the code: its name and its number of terms."""
     count = magnitude(Fraction(item.terms), decimals=True, digits=9 if item.terms < MANY else 2, comma=comma)
-    unit = Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word))
-    return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, unit)
+    return concatenate(item.name, Box(" \\colon\\ ", 12.0), count, Box(f"\\text{{ {word}}}", 6.0 + 5.0 * len(word)))
 
 
 def _within(sizes: Sequence[int], longest: int, total: int) -> list[int]:

@@ -305,8 +305,7 @@ def shape(reach: Reach, bound: Bound) -> str:
     """What a bound leaves, in words: ``between two spheres``."""
     if bound.radii is None:
         return "on one side of a surface" if None in (bound.least, bound.most) else "between two surfaces"
-    around = {line.symbol for line in reach.names if line.signs}
-    if bound.quantity.free_symbols & around:
+    if bound.quantity.free_symbols & {line.symbol for line in reach.names if line.signs}:
         surfaces = "torus", "tori"
     else:
         flat = "circle" if reach.is_flat else "cylinder"

@@ -16,14 +16,12 @@ the base outwards, cosine before sine, then by parameter; multiples of pi last. 
 expression.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any
+from typing import Any, Self
 
 from sympy import pi
 
@@ -138,7 +136,7 @@ class Notation:
     options: NotationOptions = field(default_factory=NotationOptions)  # what the robot file or the reader chose
 
     @classmethod
-    def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Notation:
+    def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Self:
         """The notation of a robot; without options variables are written as in the robot file."""
         options = options or NotationOptions()
         movers = (*robot.variables, *robot.passive)
@@ -172,7 +170,7 @@ class Notation:
         """The symbol of a name."""
         return self.glyphs.get(name) or natural(name)
 
-    def with_terms(self, terms: Mapping[str, Glyph]) -> Notation:
+    def with_terms(self, terms: Mapping[str, Glyph]) -> Self:
         """The same notation with further symbols, for named intermediate terms."""
         return replace(self, glyphs={**self.glyphs, **terms})
 

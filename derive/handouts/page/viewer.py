@@ -118,13 +118,12 @@ def viewer(
         base_torques=playback.base_torques if playback else (),
     )
     symbols = ((html_symbol(notation.glyph(name).box.tex), value) for name, value in values.items())
-    pairs = (f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols)
     rows = _rows(robot, notation, ways)
     html = render(
         "page/viewer/viewer.html.jinja",
         rows=rows,
         _=html_messages(text),
-        assumed=text.listing(pairs),
+        assumed=text.listing(f"{symbol} = {text.number(f'{value:.4g}')}" for symbol, value in symbols),
         entries=range(4),
         ends=[end.name for end in robot.ends],
         has_ends=len(robot.ends) > 1,

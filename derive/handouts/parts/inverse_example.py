@@ -90,8 +90,7 @@ def reached(found: InverseKinematics, numbers: dict[Expr, float], q: Sequence[fl
     solutions = Solutions()
     with mpmath.workdps(DIGITS):
         given: Numbers = {symbol: mpmath.mpf(x) for symbol, x in zip(variables, q, strict=True)}
-        parameters: Numbers = {symbol: mpmath.mpf(x) for symbol, x in numbers.items()}
-        values = found.values_at(parameters, given)
+        values = found.values_at({symbol: mpmath.mpf(x) for symbol, x in numbers.items()}, given)
         for number, solution in enumerate(found.solutions, 1):
             by_formulas = solution.numbers(values)
             if by_formulas is not None and found.error(values, whole := {**given, **by_formulas}) < CLOSE:

@@ -87,8 +87,7 @@ def _construction(context: Context, axes: JointAxes) -> Iterator[Block]:
         )
         return
     moving = {place: axes.halves(i) for i, place in enumerate(context.places, 1)}
-    every = (moving.get(place, (_ZERO, _ZERO)) for place in range(context.whole.robot.n))
-    upper, lower = zip(*every, strict=True)
+    upper, lower = zip(*(moving.get(place, (_ZERO, _ZERO)) for place in range(context.whole.robot.n)), strict=True)
     summary = equated(context.symbols.of_end("J"), matrix([upper, lower]))
     if fits(summary, 2):
         yield context.answer("so that for this arm")

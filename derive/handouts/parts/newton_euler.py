@@ -203,13 +203,12 @@ class Recursion:
         i = joint.index
         w, wd, a = _motion(i)
         center, inertia = vector("a", f"c_{{{i}}}"), vector("I", i)
-        gyroscopic = concatenate(w, _TIMES, bracketed(inertia, w))
         return _lines(
             [
                 *self._motion_of_link(joint),
                 (center, [(1, a), *_rotational(w, wd, com(i))]),
                 (vector("F", i), [(1, concatenate(script(italic("m"), italic(i)), center))]),
-                (vector("N", i), [(1, concatenate(inertia, wd)), (1, gyroscopic)]),
+                (vector("N", i), [(1, concatenate(inertia, wd)), (1, concatenate(w, _TIMES, bracketed(inertia, w)))]),
             ]
         )
 

@@ -103,9 +103,8 @@ def highest(function: Callable[[Array], Array], times: Array, values: Array) -> 
 def _candidates(piece: AnyPiece, order: int) -> Iterator[Peak]:
     """Ends and stationary points of a derivative on a piece."""
     if isinstance(piece, Cosine):
-        way = (piece.values[1][0] - piece.values[0][0]) / 2
         # q' and q'' of (1 - cos(pi u))/2 are largest in the middle, and at the start.
-        value = way * (pi / piece.duration) ** order
+        value = (piece.values[1][0] - piece.values[0][0]) / 2 * (pi / piece.duration) ** order
         yield Peak(value, piece.start + (piece.duration / 2 if order == 1 else 0), True)
         return
     if isinstance(piece, Curve):

@@ -187,8 +187,7 @@ def followed(formula: Expr, duration: float) -> Expr:
         for message, time in _undefined(derivative, times):
             raise _refusal(message if what == "the formula" else f"{what} is not finite: {message}", time)
         if not np.isfinite(_numbers(derivative, times)).all():
-            at = int(np.argmin(np.isfinite(_numbers(derivative, times))))
-            raise _refusal(f"{what} is not finite", times[at])
+            raise _refusal(f"{what} is not finite", times[np.argmin(np.isfinite(_numbers(derivative, times)))])
         derivative = derivative.diff(TIME)
     return formula
 

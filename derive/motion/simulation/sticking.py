@@ -1,10 +1,9 @@
 """Dry friction that sticks: which joints slip and which stand, and when that changes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -28,7 +27,7 @@ class Contact:
     way: Array  # which way joints with dry friction slip, 1 or -1; 0 where they stand, or without dry friction, (n,)
 
     @classmethod
-    def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Contact | None:
+    def at(cls, plant: Plant, law: Law, t: float, q: Array, qd: Array) -> Self | None:
         """What slips after a time at which joints at rest have velocity zero; None where rounding leaves it open."""
         # A joint that is at rest stands where friction can hold it, and slips against its friction otherwise. Which of
         # them do depends on all: accelerations a = a(tau) - B^-1 p with -f_minus <= p <= f_plus, and p is at the bound

@@ -10,12 +10,10 @@ and the moment of the base at the origin of frame 0, v and omega its velocities 
 and the energies, by velocities alone, are told apart by any fault in either).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, Generic
+from typing import Any, Generic, Self
 
 import numpy as np
 
@@ -57,7 +55,7 @@ class OpenLinks:
     names: Mapping[int, tuple[str, ...]]  # of mass, centre of mass and inertia about it, by the joint of the link
 
     @classmethod
-    def of(cls, robot: Robot, payloads: Iterable[Payload | None]) -> OpenLinks:
+    def of(cls, robot: Robot, payloads: Iterable[Payload | None]) -> Self:
         """Open the links that carry payloads."""
         taken, stem = set(robot_symbols(robot)), "carried"
         while any(name.startswith(stem) for name in taken):
@@ -99,7 +97,7 @@ class OnBase(Generic[S]):
     weight: tuple[Vector[S], S]  # gravity in the same axes, and times the way to frame 0 from the world's origin
 
     @classmethod
-    def of(cls, chain: Chain[S], base: Sequence[Frame[S]], gravity: Vector[S]) -> OnBase[S]:
+    def of(cls, chain: Chain[S], base: Sequence[Frame[S]], gravity: Vector[S]) -> Self:
         """From the transform of the base, its rate and its second derivative, and from gravity in the world."""
         pose, rate, bend = base
         fixed = chain.base
@@ -159,7 +157,7 @@ class BaseTorques:
     base: BaseCurve  # the motion of its base
     duration: float  # how long it moves [s]; before and after it stands
 
-    def carrying(self, *payloads: Payload | None) -> BaseTorques:
+    def carrying(self, *payloads: Payload | None) -> Self:
         """Those of the arm whose links are as heavy as with what its ends carry."""
         if not any(payloads):
             return self

@@ -1,13 +1,11 @@
 """The generated functions of a robot as a motion needs them, compiled where that is worth it, and what joints do."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -43,8 +41,7 @@ class Functions:
         self.n = robot.dof
         bare = bare_robot(robot)
         program = program_of(bare, names, inverse=inverse)
-        operations = max(sum(counts.values()) for counts in program.operations.values())
-        compiled = calls * operations * SAVED > COMPILING
+        compiled = calls * max(sum(counts.values()) for counts in program.operations.values()) * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
         self._parameters, self._inverse = program.parameters, program.inverse
         self._options = self._numbers(values)
@@ -54,7 +51,7 @@ class Functions:
         numbers = {name: values[name] for name in self._parameters}
         return {"params": self._module.precompute(numbers)} if numbers else {}
 
-    def given(self, values: Mapping[str, float]) -> Functions:
+    def given(self, values: Mapping[str, float]) -> Self:
         """The same functions with other numbers."""
         other = copy(self)
         other._options = self._numbers(values)
