@@ -24,8 +24,7 @@ from derive.version import __version__
 CLOSED_FORMS = ("link-jacobians", "energies", "christoffel", "coriolis", "skew", "gravity", "motion", "newton-euler")
 OF_CHAINS = ("singularities", "newton-euler")  # what a sentence stands for on the sheet of a tree
 OF_OWN_VARIABLES = (*OF_CHAINS, "inverse")  # and another one on that of coupled joints
-# About one end effector: a tree with several ends has them for each of these, one end after the other.
-OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")
+OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")  # about one end effector: a tree has them for each end
 
 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:

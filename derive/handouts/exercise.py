@@ -23,8 +23,7 @@ _SYMBOLS_OF_A_LINE = 6  # by hand
 _SYMBOLS_OF_A_POINT = 6
 _MOST_POINTS = 10
 
-# Parts with data, which an exercise keeps though nothing is asked there.
-_GIVEN = frozenset({"figure", "table", "convention", "parameters"})
+_GIVEN = frozenset({"figure", "table", "convention", "parameters"})  # parts with data, which an exercise keeps
 
 
 @dataclass(frozen=True, slots=True)

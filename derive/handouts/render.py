@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     from derive.handouts.page.viewer import Viewer
 
 
-# Forms of the handout; the values are the endings of their files.
-Format = StrEnum("Format", {"TEX": "tex", "PDF": "pdf", "HTML": "html"})
+Format = StrEnum("Format", {"TEX": "tex", "PDF": "pdf", "HTML": "html"})  # by the endings of their files
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,8 +33,7 @@ class PrintedFactor(NamedTuple):
     argument: Expression | None  # the expression behind a symbol, root, inverse or constant angle
 
 
-# A term on its way: generator exponents, factors already written, coefficient.
-Row = tuple[dict[int, int], Monomial, Fraction]
+Row = tuple[dict[int, int], Monomial, Fraction]  # a term on its way: generator exponents, factors written, coefficient
 
 
 class _Group(NamedTuple):
@@ -141,8 +140,7 @@ def common_factor(monomials: Iterable[Monomial]) -> Monomial:
     common = dict(next(iterator))
     for monomial in iterator:
         here = dict(monomial)
-        common = {f: min(e, here[f]) for f, e in common.items() if f in here}
-        if not common:
+        if not (common := {f: min(e, here[f]) for f, e in common.items() if f in here}):
             break
     return tuple(sorted(common.items()))
 

@@ -96,9 +96,8 @@ def _number(e: Expr, arguments: list[Real]) -> Real:
     if e.is_Mul:
         return mpmath.fprod(arguments)
     if e.is_Pow:
-        found = mpmath.power(*arguments)
         # a complex number: the quantity has no real value here
-        if isinstance(found, mpmath.mpc):
+        if isinstance(found := mpmath.power(*arguments), mpmath.mpc):
             raise ValueError("root of a negative number")
         return found
     # a sum is compared with its largest term, a sine with 1: below the noise it is a zero that rounding hides

@@ -90,8 +90,7 @@ class _Vocabulary:
         if match is None or not variables:
             allowed = "allowed: symbols and joint variables of the robot, velocities, tokens such as c1, s12, qd1"
             raise UnknownNameError(f"unknown name {quoted(name)}", allowed=allowed, remedy=self._hint(name))
-        renamed = [_RENAME[match[1]](variable) for variable in variables]
-        if len(renamed) > 1:
+        if len(renamed := [_RENAME[match[1]](variable) for variable in variables]) > 1:
             raise CheckError(f"{name} can be read in two ways, {' or '.join(renamed[:2])}", remedy="write one of them")
         return Name(renamed[0])
 

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 _BUILT_IN = "plans/built_in"
 
-# How far a joint goes in a new plan, where its limits let it: a revolute one [rad], a prismatic one [m].
-STRIDE = {True: math.pi / 4, False: 0.2}
+STRIDE = {True: math.pi / 4, False: 0.2}  # of a joint in a new plan: a revolute one [rad], a prismatic one [m]
 _NEW = """\
 # Motion plan. What it asks of the joints:  derive move {name}.yaml       All outputs:  derive move --help
 robot: {robot}

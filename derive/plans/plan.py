@@ -76,8 +76,7 @@ def load_plan(path: str | Path) -> Plan:
 
 def plan_from_bytes(data: bytes, source: str) -> Plan:
     """Read a plan from the bytes of a file."""
-    root = read_tree(data, source)
-    if not isinstance(root, YamlMapping):
+    if not isinstance(root := read_tree(data, source), YamlMapping):
         allowed = "allowed: keys such as robot, points, path"
         raise RobotFileError("this is not a motion plan", allowed=allowed, location=Location(source))
     document = Document(root, source, hashlib.sha256(data).hexdigest(), "the plan")
@@ -202,8 +201,7 @@ class _PlanReader:
             def _three(key: str, read: Read) -> Vector:
                 return tuple(self._numbers.number((*place, key, k), read) for k in range(3))
 
-            given = [key for key in ("rpy", "zyz") if self._document.find((*place, key)) is not None]
-            if len(given) > 1:
+            if len(given := [key for key in ("rpy", "zyz") if self._document.find((*place, key)) is not None]) > 1:
                 raise self._document.error(place, "both rpy and zyz", "allowed: one of the two", "remove one")
             angles = _three(given[0], self._cells.angle) if given else None
             pose = Pose(_three("p", self._cells.length), angles, given == ["zyz"])

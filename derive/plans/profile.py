@@ -24,8 +24,7 @@ KEPT = 4096  # how many parts of formulas a process keeps as functions
 Profile = StrEnum("Profile", ("CUBIC", "QUINTIC", "SEPTIC", "TRAPEZOIDAL", "HARMONIC", "SPLINE", "FASTEST"))
 
 
-# How many values a polynomial from point to point is given at each end.
-VALUES = {Profile.CUBIC: 2, Profile.QUINTIC: 3, Profile.SEPTIC: 4}
+VALUES = {Profile.CUBIC: 2, Profile.QUINTIC: 3, Profile.SEPTIC: 4}  # at each end of a polynomial from point to point
 # Largest speed and acceleration from 0 to 1 in one second, from rest to rest.
 UNIT_PEAKS: dict[Profile, tuple[Expr, Expr]] = {
     Profile.CUBIC: (Rational(3, 2), Rational(6)),

@@ -31,8 +31,7 @@ from derive.targets.target import Target, package_name
 from derive.verification.verify import Report, verify
 from derive.version import __version__
 
-# Called with the robot's name and a stage: derive, compile, verify, done or failed.
-Progress = Callable[[str, str], None]
+Progress = Callable[[str, str], None]  # of a robot's name and a stage: derive, compile, verify, done or failed
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,8 +52,7 @@ _MARKDOWN = {
 _MARKDOWN_START = re.compile(r"[-+=>]|([0-9]+)(?=[.)])")
 _MARKDOWN_LINK = re.compile(r"(?i)(?<=www)\.|:(?=//)|@|(?<=mailto):")
 
-# First letters of the pairs that end or open a C comment or begin a trigraph.
-_C_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")
+_C_PAIR = re.compile(r"\*(?=/)|/(?=\*)|\?(?=\?)")  # pairs that end or open a C comment or begin a trigraph
 _MATLAB_NAME_LENGTH = 63  # characters of a name that MATLAB tells apart
 # Keywords, Octave's among them, that have underscores.
 _MATLAB_KEYWORDS = frozenset({"end_try_catch", "end_unwind_protect", "unwind_protect", "unwind_protect_cleanup"})

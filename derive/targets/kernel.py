@@ -77,8 +77,7 @@ class Language:
 
 
 PYTHON = Language("{name} = {value}", double_minus=True)  # Python: floats, arrays and CasADi expressions alike
-# JavaScript: numbers, with ``sin``, ``cos``, ``sqrt``, ``sign`` and the like taken from ``Math``.
-JAVASCRIPT = Language("const {name} = {value};")
+JAVASCRIPT = Language("const {name} = {value};")  # numbers, with ``sin``, ``cos``, ``sign`` and the like of ``Math``
 # MATLAB and Octave: rows of numbers, one for each configuration; ``less``, ``select`` and a real ``root`` are ours.
 OCTAVE = Language("{name} = {value};", times=".*", over="./", names=ALL_NAMES | _MATLAB_NAMES)
 # C: doubles, with ``sin``, ``cos``, ``sqrt`` and ``fabs`` of <math.h> and a ``sign`` and the like of our own.

@@ -181,8 +181,7 @@ def _elimination(elimination: Elimination) -> str:
 
 def _unpacking(names: Sequence[str], source: str) -> str:
     """A statement that names the entries of a tuple or array, broken as a formatter would."""
-    lines = textwrap.wrap(", ".join(names) + ",", LINE_WIDTH)
-    if len(lines) == 1:
+    if len(lines := textwrap.wrap(", ".join(names) + ",", LINE_WIDTH)) == 1:
         return f"{lines[0][:-1]} = {source}" if len(names) > 1 else f"({lines[0]}) = {source}"
     return "\n".join(["(", *(f"        {line}" for line in lines), f"    ) = {source}"])
 

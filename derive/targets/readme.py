@@ -70,8 +70,7 @@ def render(source: Source) -> dict[str, str]:
         "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
-        # the cell grammar keeps formulas free of markup
-        "base": [(name, rounded) for name, (rounded, _) in written.items()],
+        "base": [(name, rounded) for name, (rounded, _) in written.items()],  # which the grammar keeps free of markup
         "digits": DIGITS if any(rounded != exact for rounded, exact in written.values()) else None,
         "free": free,
         "example": ", ".join(["0.1"] * robot.dof),

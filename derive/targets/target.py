@@ -91,7 +91,6 @@ def joint_bounds(robot: Robot) -> dict[str, tuple[float | None, ...]]:
     """Largest speeds [rad/s or m/s] and torques [N m or N] of joints by their constant, where some joint has one."""
     found = {}
     for key in ("speed", "torque"):
-        cells = [getattr(joint, key) for joint in robot.variables]
-        if any(cells):
+        if any(cells := [getattr(joint, key) for joint in robot.variables]):
             found[f"{key.upper()}_LIMITS"] = tuple(None if cell is None else evaluate(cell, {}) for cell in cells)
     return found

@@ -32,8 +32,7 @@ _SOFT, _STIFF = 1e-12, 1e3  # least damping, and that with which a step is too s
 Picture = StrEnum("Picture", {"SECTION": "section", "TOP": "top view", "SIDE": "side view", "SPACE": "space"})
 
 
-# Coordinates in the frame of the axis that a picture shows as they are.
-_ROWS = {Picture.TOP: [0, 1], Picture.SIDE: [0, 2], Picture.SPACE: [0, 1, 2]}
+_ROWS = {Picture.TOP: [0, 1], Picture.SIDE: [0, 2], Picture.SPACE: [0, 1, 2]}  # coordinates that are shown as they are
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,8 +54,7 @@ class RobotPoses:
         pending = [cell for matrix in (robot.base, robot.tool) for row in matrix for cell in row] + values
         pending += [cell for joint in joints for cell in (joint.d, joint.a)]
         while pending:
-            node = pending.pop()
-            if isinstance(node, Call) and node.function in ("sin", "cos", "tan"):
+            if isinstance(node := pending.pop(), Call) and node.function in ("sin", "cos", "tan"):
                 angles |= set(names(node))
             pending += children(node)
         self._loops, self._closed = linkage(self.robot), tuple[Expression, ...]()

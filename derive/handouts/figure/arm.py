@@ -28,8 +28,7 @@ _MARGIN = 3.0
 _ROOM = 36.0  # room for axes and labels at each side of the arm, as a first guess [pt]
 _TRIES = 6
 _SHORT = 15.0  # a shorter length has its name beside it and no dimension line [pt]
-# Distances of a dimension line from what it measures, the best first [pt].
-_OFFSETS = (14.0, -14.0, 20.0, -20.0, 28.0, -28.0, 38.0, -38.0)
+_OFFSETS = (14.0, -14.0, 20.0, -20.0, 28.0, -28.0, 38.0, -38.0)  # of a dimension line, the best first [pt]
 _MOST_NAMES = 8  # joints up to which every joint variable is written beside its joint
 
 
@@ -46,8 +45,7 @@ def arm_drawing(robot: Robot, data: DataPrinter, frames: Frames, title: str = ""
     for _ in range(_TRIES):  # arrows and labels do not shrink with the arm: a smaller scale until all fits
         items = _Stage(robot, data, scene, view, scale).drawn()
         left, bottom, right, top = bounds(items)
-        excess = max((right - left + 2 * _MARGIN) / WIDTH, (top - bottom + 2 * _MARGIN) / HEIGHT)
-        if excess <= 1.0:
+        if (excess := max((right - left + 2 * _MARGIN) / WIDTH, (top - bottom + 2 * _MARGIN) / HEIGHT)) <= 1.0:
             break
         scale *= 0.97 / excess
     return moved(items if excess <= 1.0 else resized(items, 0.999 / excess), _MARGIN, title)
@@ -180,6 +178,7 @@ _TALLEST = min(HEIGHT, 230.0)
 _ARROWS_ROOM = 40.0  # room for arrows and numbers at both sides [pt]
 _JOINT = 2.4  # radius of the dot of a joint [pt]
 _ARROW = 24.0
+Points = Sequence[Point]
 _SAME = 1e-6  # lines closer to each other than this part of the arm's size are one
 
 
@@ -225,9 +224,7 @@ def branches_drawing(robot: Robot, frames: Sequence[Frames], names: Sequence[str
     return moved(paper.items, 3.0, title)
 
 
-def _draw_arms(
-    paper: Paper, lines: Sequence[Sequence[Point]], dots: Sequence[Sequence[Point]], texts: Sequence[str]
-) -> None:
+def _draw_arms(paper: Paper, lines: Sequence[Points], dots: Sequence[Points], texts: Sequence[str]) -> None:
     for index, (places, centers) in enumerate(zip(lines, dots, strict=True)):
         color, dashed = COLORS[index % len(COLORS)], index >= len(COLORS)
         paper.draw(Path(tuple(places), stroke=color, width=1.5, dashed=dashed))
@@ -257,7 +254,7 @@ def _draw_ends(paper: Paper, view: View, scene: Scene, pose: Array, scale: float
             paper.arrow(start, tip, AXIS_COLORS[letter], 0.9)
 
 
-def _along(line: Sequence[Point], parts: int) -> list[Point]:
+def _along(line: Points, parts: int) -> list[Point]:
     return [
         ((1 - k / parts) * a[0] + k / parts * b[0], (1 - k / parts) * a[1] + k / parts * b[1])
         for a, b in pairwise(line)

@@ -307,8 +307,7 @@ def plane_normal(scenes: Sequence[Scene]) -> Array | None:
 
 def view_along(normal: Array, up: tuple[float, float, float]) -> View:
     """A plane as it is."""
-    height = float(normal @ np.array(up))
-    if abs(height) > 0.99:
+    if abs(height := float(normal @ np.array(up))) > 0.99:
         return View(math.radians(-90.0), math.radians(_TOP), up)
     second, _, first = View(0.0, 0.0, up).rows  # horizontal, at azimuths of 90 and 0 degrees
     return View(math.atan2(float(normal @ second), float(normal @ first)), math.asin(height), up)

@@ -188,8 +188,7 @@ def _axes(robot: Robot, poses: Array, near: float) -> tuple[FrameAxis, ...]:
     ends, labels = tree.ends(robot), tree.labels(robot)
     numbered = [(number, poses[number]) for number in _numbers(robot)]
     for k, end in enumerate(ends, -len(ends)):
-        if not np.allclose(poses[k], poses[labels.index(end.after)], atol=1e-9):
-            numbered.append((k, poses[k]))
+        numbered += [] if np.allclose(poses[k], poses[labels.index(end.after)], atol=1e-9) else [(k, poses[k])]
     found: list[FrameAxis] = []
     for index, pose in numbered:
         for letter in range(3):

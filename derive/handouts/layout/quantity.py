@@ -36,9 +36,7 @@ class SheetPolicy:
     matrix_terms: int = 300  # longest quantity that can be a matrix: no page is wide enough for more
     compact_terms: int = 60  # longest quantity that is printed multiplied out where a form in named terms exists
     factor_terms: int = 8  # longest entry of a partial product of transforms, where T itself is too long
-    # Most joints for which the closed form of the dynamics is derived for the sheet. It grows about fivefold with
-    # each joint, and of eight joints hardly an entry would be printed.
-    closed_form_joints: int = 7
+    closed_form_joints: int = 7  # with each joint the dynamics grow fivefold: of eight hardly an entry would be printed
     named_products: int = 60  # most velocity products per equation of motion written out in named terms
 
 
@@ -140,8 +138,7 @@ class Layouter:
         """Indices of the entries that are printed upright, and of longer ones on a page turned on its side."""
         policy = self.policy
         sizes = [len(equation_lines([equation])) for equation in equations]
-        upright = _within(sizes, policy.entry_lines, policy.quantity_lines)
-        if len(upright) == len(equations):
+        if len(upright := _within(sizes, policy.entry_lines, policy.quantity_lines)) == len(equations):
             return upright, []
         rest = set(range(len(equations))) - set(upright)
         wide = [len(equation_lines([e], LANDSCAPE_WIDTH)) if k in rest else 0 for k, e in enumerate(equations)]

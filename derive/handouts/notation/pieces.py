@@ -121,8 +121,7 @@ def minus(box: Box) -> Box:
     return Box(f"-{box.tex}", MINUS_WIDTH + box.width)
 
 
-# Whether a new line may start before a piece, and with what.
-Break = IntEnum("Break", {"NEVER": 0, "BINARY": 1, "FACTOR": 2, "COMMA": 3})
+Break = IntEnum("Break", {"NEVER": 0, "BINARY": 1, "FACTOR": 2, "COMMA": 3})  # with what a line may start at a piece
 
 
 class TexPiece(NamedTuple):

@@ -231,8 +231,7 @@ class DataPrinter:
 
     def symbol(self, name: str, number: Expression) -> Cell:
         """The number of a symbol as the robot file has it, with its unit where that is not the SI unit."""
-        unit = symbol_unit(self.robot, name) if self.robot.units.parameters else Unit.SI
-        if unit is Unit.LENGTH:
+        if (unit := symbol_unit(self.robot, name) if self.robot.units.parameters else Unit.SI) is Unit.LENGTH:
             return (*self.length(number), TexPiece(self._metres))
         return self.angle(number) if unit is Unit.ANGLE else self.value(number)
 

@@ -66,13 +66,11 @@ class Playback:
     base: tuple[tuple[Formula, ...], ...] = ()  # transform of a base that moves, 4 x 4; nothing where it stands
     base_rates: tuple[tuple[tuple[Formula, ...], ...], ...] = ()  # both its derivatives, where torques are known
     # What its motion adds to the torques, for each thing that the tool carries, as JavaScript: statements in ``q``,
-    # ``qd`` and ``base``, the upper three rows of the transform of the base, of its rate and of its second derivative;
-    # then a result for each joint.
+    # ``qd`` and ``base``, upper rows of the transform, of its rate and second derivative; then a result for each joint.
     base_torques: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...] = ()
     # By the names of `QUANTITIES` the lowest and the highest value allowed to each joint; None for none.
     bounds: Mapping[str, Sequence[tuple[float | None, float | None]]] = field(default_factory=dict)
-    # Limits that are exceeded, where they are so most: which of `QUANTITIES`, index of the joint, when [s], and what it
-    # is then [rad or m, per s, per s^2, N m or N].
+    # Limits that are exceeded, where they are so most: which of `QUANTITIES`, index of the joint, when [s], the value.
     exceeded: tuple[tuple[str, int, float, float], ...] = ()
     run: PlayedRun | None = None  # a simulation, which is played instead; None for the motion as it is wanted
     places: int = 0  # of a motion that is too long for a page, how many of its places the pieces join; 0 for all
@@ -124,8 +122,7 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
         times = [*(piece.start for piece in run), run[-1].start + run[-1].duration]
         lengths = [piece.duration for piece in run]
         grid = (times, None if lengths == [b - a for a, b in pairwise(times)] else lengths)
-        if grid not in grids:
-            grids.append(grid)
+        grids += [grid] if grid not in grids else []
         k = len(run[0].values) // 2
         values = [*run[0].values[:k], *(value for piece in run for value in piece.values[k:])]
         entries.append(["chain", grids.index(grid), *values])

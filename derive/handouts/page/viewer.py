@@ -289,8 +289,7 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
         x, y, z = (0.0 if abs(part) < _SMALL else float(sign * part) for part in across)  # without what rounding left
         normal = x, y, z
     if robot.inverse != InverseOptions():
-        axes = [axis for axis in "xyz" if axis in robot.inverse.task]
-        if len(axes) < 2:
+        if len(axes := [axis for axis in "xyz" if axis in robot.inverse.task]) < 2:
             return None
         missing = next((k for k, axis in enumerate("xyz") if axis not in axes), None)
         x, y, z = (float(k == missing) for k in range(3))

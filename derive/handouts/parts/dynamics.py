@@ -141,8 +141,7 @@ def energies(context: Context) -> Iterator[Block]:
         items = []
         for body in bodies(context.robot):
             link = tree.bodies(context.robot)[body.index - 1]
-            mass = link.motor.mass if body.is_rotor and link.motor is not None else link.mass
-            if mass != ZERO:
+            if (link.motor.mass if body.is_rotor and link.motor is not None else link.mass) != ZERO:
                 position = context.entries.body_position(body.index, body.is_rotor)
                 items.append((body.symbol("p"), position, Group.body(body.place, 3)))
         yield Steps(_("Centres of mass in the world"), tuple(body_formulas(context, items)))

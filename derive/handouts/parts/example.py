@@ -24,8 +24,7 @@ from derive.robot.robot import Robot
 from derive.robot.tree import massless
 from derive.workspace.poses import middle
 
-# Joint angles in sixths of pi, and again from the first: generic, so that few entries vanish.
-ANGLES = (1, 2, -1, 3, -2, 4)
+ANGLES = (1, 2, -1, 3, -2, 4)  # of joints in sixths of pi, and again from the first: generic: few entries vanish
 _DISPLACEMENT = Number(Fraction(1, 10))  # of prismatic joints [m]
 _DIGITS = 5  # significant digits in print
 copied = "{:.12g}".format  # a number to be copied, with twelve digits: beyond them machines differ

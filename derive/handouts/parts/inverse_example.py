@@ -36,8 +36,7 @@ _UNIT, _CELL, _ROOM = 30.0, 50.0, 400.0  # width of a unit, of a number with its
 _LEAST = 1e-9  # two configurations closer to each other than this are one [rad or m]
 
 
-# What reaches a pose: joint variables [rad or m], angles in (-pi, pi], by the number of the branch, from 1.
-Solutions = dict[int, tuple[float, ...]]
+Solutions = dict[int, tuple[float, ...]]  # joint variables [rad or m], angles in (-pi, pi], by number of the branch
 
 
 def example(context: Context, found: InverseKinematics) -> Iterator[Block]:
@@ -150,8 +149,7 @@ def _position(context: Context, value: float, joint: Joint) -> Box:
 
 
 def _number(context: Context, value: float, places: int = _PLACES) -> Box:
-    shown = f"{value:.{places}f}"
-    if not float(shown):
+    if not float(shown := f"{value:.{places}f}"):
         shown = shown.removeprefix("-")
     return Box(shown.replace(".", DECIMAL_COMMA) if context.notation.comma else shown, _DIGIT * len(shown) + _DIGIT)
 

@@ -97,8 +97,7 @@ def _spared(blocks: tuple[sheet.Block, ...], test: Test, limit: int, text: Text)
             rows = tuple(rows for rows in block.rows if not test(rows))
             sentence = text("The longest entries are left out to keep within the page limit (%(pages)s).", pages=limit)
             shown = replace(block, rows=rows, note=f"{block.note} {sentence}".strip(), blanks=())
-        if not kept or shown != kept[-1]:
-            kept.append(shown)
+        kept += [shown] if not kept or shown != kept[-1] else []
     return tuple(kept)
 
 

@@ -46,9 +46,7 @@ class Context:
         self.poses, self.policy = poses, policy
         robot = self.robot = entries.robot
         self.whole, self.end, self.places = whole or self, end, places or tuple(range(robot.n))
-        # Whether the convention is the standard one, in which joint i moves about z of frame i-1.
-        self.is_standard = robot.convention is Convention.STANDARD
-        # Whether the closed form of the dynamics is derived: it has links, few joints.
+        self.is_standard = robot.convention is Convention.STANDARD  # in which joint i moves about z of frame i-1
         self.has_closed_dynamics = robot.has_dynamics and robot.n <= policy.closed_form_joints
         self.steps = options.derivation is Derivation.STEPS  # whether intermediate steps are shown
         notation = Notation.of(robot, options.notation, comma=text.comma)

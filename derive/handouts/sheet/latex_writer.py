@@ -28,8 +28,7 @@ def latex(document: sheet.Document, text: Text) -> str:
     words = ([word[k : k + long] for k in range(0, len(word), long)] for word in document.title.split())
     sections: list[dict[str, Any]] = []
     for part in document.sections:
-        is_short = len(part.blocks) == 1 and isinstance(part.blocks[0], sheet.Paragraph)
-        if is_short and sections:
+        if (is_short := len(part.blocks) == 1 and isinstance(part.blocks[0], sheet.Paragraph)) and sections:
             # no page ends behind the last display before a sentence in a section of its own, which is never alone then
             before, display, last = "\n".join(sections[-1]["blocks"]).rpartition(_DISPLAY)
             sections[-1]["blocks"] = [before + _with_next(display + last)]

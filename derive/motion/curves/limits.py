@@ -27,8 +27,7 @@ _SAMPLES = 2001  # times at which formulas are looked at
 _WITHIN = 17  # times within a bracket at which functions are looked at, again and again in an eighth of it
 _ROUNDS = 5  # how often
 MORE = 1e-12  # what is larger between two times by less, relative to it, is not told from what it is at them
-# Places of a polynomial of floats at which it is looked at before its extremes are computed.
-_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+_PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # at which a polynomial is looked at before its extremes are computed
 _SAME = 1e-9  # values that differ by less, relative to themselves, are one; the earliest counts
 _NEAR = 0.8  # of the largest value: what a polynomial has to reach at these places for its extremes to be computed
 

@@ -161,8 +161,7 @@ PLACES = 4001  # times at which formulas are looked at; zeros between two are fo
 NOTHING = 1e-12  # relative to the largest value: what is smaller is zero
 ROWS = 200_000  # most rows of a file
 BYTES = 100_000_000  # most bytes of a file
-# Units that a column may name after its variable, ``q1 [deg]``; without one it is rad or m.
-UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
+UNITS = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}  # of a column, as in ``q1 [deg]``; else rad or m
 
 
 def curves_of(formulas: Sequence[Expr], duration: Expr) -> Trajectory:
@@ -244,8 +243,7 @@ def read_recording(path: Path, robot: Robot) -> Trajectory:
     def _refused(found: str, allowed: str, *place: int) -> RobotFileError:
         return RobotFileError(found, allowed=f"allowed: {allowed}", location=Location(source, *place))
 
-    data = file_bytes(path, BYTES)
-    if len(data) > BYTES:
+    if len(data := file_bytes(path, BYTES)) > BYTES:
         raise _refused(f"more than {BYTES} bytes", f"at most {BYTES} bytes and {ROWS} rows")
     try:
         lines = list(csv.reader(data.decode("utf-8-sig").splitlines()))

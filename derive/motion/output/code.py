@@ -304,8 +304,7 @@ def verify_code(motion: Motion, texts: Mapping[str, str], prefix: str, compiler:
     for name, got in values.items():
         errors = relative_errors(np.where(got == expected, 0.0, got - expected), scale)
         place = np.unravel_index(int(errors.argmax()), errors.shape)
-        worst = max(worst, float(errors[place]))
-        if worst > TOLERANCE:
+        if (worst := max(worst, float(errors[place]))) > TOLERANCE:
             what = ("q", "qd", "qdd")[int(place[0])]
             found = f"{what}{place[2] + 1} of {name} is {got[place]!r} instead of {expected[place]!r}"
             raise VerificationError(f"{found} at {times[place[1]]:.17g} s", remedy=REMEDY)

@@ -30,8 +30,7 @@ from derive.targets.kernel import JAVASCRIPT
 
 DRAWN = 361  # times at which curves are drawn on paper
 PARTS = ("table", "parameters")  # what of the robot's own handout stands on the page
-# What the page calls the operations of formulas.
-OPERATIONS: dict[type[Expr], str] = {Add: "add", Mul: "multiply", Pow: "power", Abs: "abs"}
+OPERATIONS: dict[type[Expr], str] = {Add: "add", Mul: "multiply", Pow: "power", Abs: "abs"}  # as the page calls them
 OPERATIONS |= {function: function.__name__ for function in (sin, cos, tan, sign, atan2, atan)}
 SAMPLES = 1001  # times at which the ranges of the joints are looked for
 # Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half. Of a longer

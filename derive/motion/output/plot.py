@@ -26,8 +26,7 @@ Mark = tuple[int, float, float]  # a joint, and the time and the value of its pe
 Curves = tuple[Array, Array]  # times, and the values of all joints at them
 LEAST = 0.02  # peaks below this part of the largest one are not marked
 CONSTANT = 1e-6  # by which part of itself a curve without a peak varies at most
-# What is behind a number, so that curves do not strike it through.
-CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3}
+CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3}  # behind numbers that curves run over
 SMALL = 1e-4  # largest number of a panel below which those beside its axis are written with powers of ten
 LETTER, HEIGHT, BESIDE = 4.7, 7.0, 3.0  # of a number beside a peak: width of a letter, height, and distance [pt]
 # Of joints, told apart with colour-blind eyes and on grey paper.
@@ -49,8 +48,7 @@ ROWS = (
     ("torque", "N m", "N"),
 )
 ERROR = ("error", "rad", "m")  # what happens less what is wanted, of simulations, which have no accelerations
-# How what is wanted is drawn beside what happens.
-REFERENCE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.7}
+REFERENCE: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.7}  # of what is wanted beside what happens
 
 
 def plot_bytes(motion: Motion, suffix: str, run: Run | None = None) -> bytes:

@@ -88,8 +88,7 @@ class FastestMotion:
         # In a time longer by a factor speeds fall by it, accelerations by its square: doubled until all bounds hold.
         slower, more = nodes, SPARE
         while (over := float(self._excess(slower).max())) > 0:
-            more = max(2 * more, over / 4)
-            if more > 1:
+            if (more := max(2 * more, over / 4)) > 1:
                 raise self._refused(ends)
             slower = nodes.slower(1 + more)
         return slower
@@ -291,8 +290,7 @@ def grid_of(path: Trajectory, knots: Array) -> Array:
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             low, high = (middle, high) if path(middle)[1][j] * slopes[i, j] > 0 else (low, middle)
-        if not fixed or np.abs(np.array(fixed) - low).min() > NOISE:
-            fixed.append(low)
+        fixed += [low] if not fixed or np.abs(np.array(fixed) - low).min() > NOISE else []
     # Points of the path and turns take the places of the grid that are nearest to them.
     inner = grid[1:-1]
     nearest = {int(np.abs(inner - place).argmin()) for place in fixed}

@@ -87,8 +87,7 @@ class Hand:
         corner, arm = list(before or (ZERO,) * self._plan.robot.dof), self._arm(point.end)
         start = arm.q(corner)
         pose, branches = self._pose(point, arm), self.branches.get(name, ())
-        found = arm.functions.nearest(pose, start, branches)
-        if not np.isfinite(found).all():
+        if not np.isfinite(found := arm.functions.nearest(pose, start, branches)).all():
             inverse = f"'inverse[{point.end}]'" if point.end else "inverse"
             remedy = f"derive show {self._plan.robot.source} {inverse} says what a pose must satisfy"
             with_branch = f" within its limits with branch {quoted(point.branch, 80)}" if point.branch else ""
@@ -230,8 +229,7 @@ class Hand:
         names = self._arm(point.end).names
         ways = (functions.nearest(pose, here, (k,)) - here for k in range(len(names)))
         gaps = (np.abs(np.where(turns, np.sin(way / 2), way)).max() for way in ways)
-        found = next((k for k, gap in enumerate(gaps) if gap <= ARRIVED), None)
-        if found in self.branches[name]:
+        if (found := next((k for k, gap in enumerate(gaps) if gap <= ARRIVED), None)) in self.branches[name]:
             return
         # An arm changes its branch in singular configurations alone: the message says which one was nearest.
         nearest = int(np.argmin([follower.regularity(row) for row in q]))

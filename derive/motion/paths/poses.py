@@ -37,8 +37,7 @@ SINGULAR = 1e-6  # smallest singular value of J, relative to the largest, below 
 TERMS = 24  # of the power series of a and b, which are exact to rounding up to a whole turn
 VANISHING = 0.25  # of what a factor is elsewhere: below it a singularity is near
 PROBES = 8  # configurations at which the rank of J is looked at
-# Rows of a twist that a row of a task asks for.
-ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}
+ROWS = {"x": (0,), "y": (1,), "z": (2,), "phi": (5,), "orientation": (3, 4, 5)}  # of a twist, by what a task asks for
 
 
 def rotation_vector(rotation: Array) -> Array:

@@ -169,8 +169,7 @@ def _run(parts: Sequence[_Stretch], divergence: Divergence | None) -> Run:
 #
 # Control laws: Siciliano et al., Robotics, 2009, 8.5.1 (PD with gravity), 8.5.2 (computed torque: inverse dynamics).
 
-# Calls of a simulated second, about, by how friction is treated.
-RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}
+RATES = {"none": 200.0, "smooth": 4000.0, "exact": 2000.0}  # calls of a simulated second, about, by friction
 MOST_LOOKS = 1_000_000  # of a sampled controller
 CALLS_PER_LOOK = 30.0  # calls from one look of a sampled controller to the next, about
 Reference = Callable[[float], tuple[Array, Array, Array]]  # position, velocity and acceleration wanted at a time

@@ -28,8 +28,7 @@ SHORT = 0.1  # time in which no solver takes many steps [s]
 ASIDE = 1e-6  # by how much a state is moved to see how its rates change
 DEAD = 1e-4  # of the sine of an angle of a loop, or the like: beyond, joints are on a branch that variables cannot tell
 DIVERGED = 1e4  # speed beyond which a simulation is given up [rad/s or m/s]
-# Generated functions of a plant.
-PLANT = frozenset({"forward_dynamics", "inertia_matrix", "kinetic_energy", "potential_energy"})
+PLANT = frozenset({"forward_dynamics", "inertia_matrix", "kinetic_energy", "potential_energy"})  # of a plant
 Law = Callable[[float, Array, Array], Array]  # torques of the motors at a time, position and velocity
 
 
@@ -118,8 +117,7 @@ def integrated(
     error = {"rtol": TOLERANCE, "atol": TOLERANCE, "max_step": longest}
     with np.errstate(all="ignore"):
         found = scipy.solve_ivp(rates, span, state, method, times, events=events, **error)
-    got = np.array(found.y).T.reshape(-1, state.size)
-    if len(got) == len(times):
+    if len(got := np.array(found.y).T.reshape(-1, state.size)) == len(times):
         return got, None, None
     # The caller goes on from a change; a solver that gave up by itself counts as divergence where it stopped.
     if margin is not None and len(found.t_events[1]):
