@@ -1,12 +1,12 @@
-"""The other convention from Python, as a function and as a method of a robot."""
+"""The other convention and formats of other programs from Python, as functions and as methods of a robot."""
 
 from pathlib import Path
 
 import pytest
 
 import derive
-from derive.api.convert import convert, possible
-from derive.errors import OutputError
+from derive.api.convert import convert, export, possible
+from derive.errors import DeriveError, OutputError, RobotFileWarning
 
 
 def test_a_robot_is_converted_and_written(tmp_path: Path) -> None:
@@ -60,3 +60,31 @@ def test_a_robot_by_name_gets_links_that_exist_and_a_robot_file() -> None:
     assert again.remarks == ()
     assert "# 1 of 4 links changed; base parameters and torques stay the same\n# link 2 changed by" in found.text
     assert found.text.startswith("# Source: report on the SCARA")
+
+
+def test_the_text_is_returned_and_written_once(tmp_path: Path) -> None:
+    path = tmp_path / "kr5.csv"
+    text = export("kuka-kr5", "csv", path)
+    assert path.read_text() == text
+    with pytest.raises(OutputError, match="exists already"):
+        export("kuka-kr5", "csv", path)
+    assert export("kuka-kr5", "csv", path, force=True) == text
+
+
+def test_what_a_format_cannot_say_is_a_warning_and_numbers_of_symbols_are_typed() -> None:
+    with pytest.warns(RobotFileWarning) as told:
+        text = derive.export("puma560-corke", "urdf")
+    bodies, armature, *_ = (str(one.message) for one in told)
+    assert "links entry 3, inertia: physically inconsistent" in bodies
+    assert armature.startswith("puma560-corke: URDF cannot say the armature of q1")
+    assert derive.load("puma560-corke").to_urdf() == text
+    arm = derive.load("anthropomorphic-arm")
+    assert '"0.25 0 0"' in export(arm, "urdf", values={"a2": 0.5, "a3": "1/4"})
+    with pytest.raises(DeriveError, match=r"no 'a4' in anthropomorphic-arm; allowed: a2, a3"):
+        export(arm, "urdf", values={"a4": 1})
+
+
+def test_a_robot_writes_itself_for_mujoco_with_possible_bodies() -> None:
+    pytest.importorskip("clarabel")
+    robot = derive.load("puma560-corke")
+    assert robot.to_mjcf(inertia="possible") == export(robot, "mjcf", inertia="possible")

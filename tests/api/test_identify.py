@@ -1,13 +1,16 @@
-"""Identification from Python: files, and what is refused before anything is written."""
+"""Identification and motions for it from Python: files, and what is refused before anything is written."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 import derive
+from derive.api.excite import excite
 from derive.api.identify import identify
 from derive.errors import DeriveError, OutputError
 from tests.identification.logs import PUMA, REAL, simulated
+from tests.identification.test_excitation import arm
 
 pytest.importorskip("pyarrow")
 LOG = simulated(REAL, 800)[0]
@@ -43,3 +46,24 @@ def test_wrong_options_are_refused(options: dict[str, object], message: str, tmp
 def test_torques_are_taken_as_they_are_where_that_is_asked_for() -> None:
     found = identify(PUMA, LOG, columns={"tau": "-tau*"}, method="possible", trust_torques=True)
     assert (found.residuals > 0.3 * found.torques).any()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"speed": "1,2"}, "2 values of speed; allowed: one, or one for each of q1, q2, q3"),
+        ({"speed": -1}, "speed -1 of q1; allowed: above zero"),
+        ({"speed": "fast"}, "'fast'"),
+        ({"harmonics": 1}, "1 harmonics; allowed: 2 to 20"),
+        ({"period": 0}, "a period of 0 s; allowed: a time above zero"),
+        ({"sample": 1}, "samples every 1 s; allowed: 0.0001 to 0.5 s"),
+        ({"criterion": "best"}, "criterion best; allowed: determinant, condition"),
+        ({"noise": "0%"}, "noise 0%; allowed: N m or N, or per cent such as 1%"),
+        ({"position": "90,90,50"}, "no room for q3"),
+        ({"floor": 2.0}, "no position of arm found with all frames above the floor, z = 2 m; give a lower --floor"),
+        ({"torque": "9,3.5,99"}, "q2 of arm found too weak to hold it anywhere; give a larger --torque"),
+    ],
+)
+def test_wrong_options(options: dict[str, object], message: str) -> None:
+    with pytest.raises(DeriveError, match=re.escape(message)):
+        excite(arm(), **options)  # type: ignore[arg-type]

@@ -38,7 +38,7 @@ def assert_true(file: dict[str, Any], page: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("page", FILE["pages"], ids=lambda page: page["id"])
-@pytest.mark.first(150)
+@pytest.mark.first(50)
 def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 
@@ -161,26 +161,6 @@ def test_what_is_wrong_for_all_and_stands_between_them_is_not_compared() -> None
     assert not wrong
     assert "wrong for planar-2r-perugia and for planar-3r; which is meant is not certain" in unread[0]
     assert three == (["J[1,3]"], [], ())
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["planar-3r", "--latex", "x = a_1 c_1"], "several robots for one formula"),
-        (["planar-2r-perugia", "--latex", "{notes}"], "two robots are called 'planar-2r-perugia'"),
-        (["planar-3r", "--latex", "{empty}"], "no mathematics between"),
-    ],
-)
-def test_what_cannot_be_divided_gets_one_message(
-    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "notes.md").write_text(NOTES)
-    (tmp_path / "empty.md").write_text("# No formula\nhere\n")
-    files = {"{notes}": str(tmp_path / "notes.md"), "{empty}": str(tmp_path / "empty.md")}
-    assert main(["check", "planar-2r-perugia", *(files.get(a, a) for a in arguments)]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
 
 
 def test_the_command_tells_and_writes_the_verdicts_for_each_robot(

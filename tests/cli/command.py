@@ -22,6 +22,13 @@ gravity: [0, -g, 0]
 links:
   - {mass: m1, com: [l1 - a1, 0, 0], inertia: {zz: I1}}
 """
+PLANAR = """\
+name: planar
+convention: standard
+joints:
+  - {type: revolute, a: 0.5}
+  - {type: revolute, a: 0.4, limits: [-pi/2, pi/2]}
+"""
 
 
 @dataclass(frozen=True)

@@ -46,17 +46,6 @@ def test_a_formula_that_cannot_be_read_ends_with_2_and_its_place(folder: Path) -
     assert "broken.yaml:8:" in done.stderr
 
 
-UNUSABLE = (
-    "missing.yaml", ".", "scara-perugia", "x --quantity T", "",
-    "right.yaml --report right.yaml/report.md", "planar-2r-perugia --latex missing.tex",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("arguments", UNUSABLE)
-def test_unusable_arguments_end_with_2(folder: Path, arguments: str) -> None:
-    refused("check", *arguments.split(), folder=folder)
-
-
 def test_the_report_as_json_and_as_a_page_for_a_colleague(folder: Path) -> None:
     done = derive("check", "wrong.yaml", "right.yaml", "--json", "--report", "errata.md", folder=folder)
     report, _ = json.loads(done.stdout)
@@ -184,20 +173,6 @@ def test_of_a_latex_file_the_displays_are_compared_and_the_rest_is_listed(folder
     assert skipped.startswith("homework.tex:4:")
     assert "not compared" in skipped
     assert count == "homework.tex: 1 equal (1 in the same form), 0 wrong; 1 not compared"
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["x = 1", "--lines", "3"], "--lines and --section choose a part of a document; give a file"),
-        (["notes.md", "--lines", "b-3"], "'b-3' is not a range of lines such as 20-80"),
-    ],
-)
-def test_what_is_no_part_of_a_document_is_refused(options: list[str], message: str, folder: Path) -> None:
-    (folder / "notes.md").write_text("# Arm\n$x = a_1 c_1$\n")
-    done = derive("check", "planar-2r-perugia", "--latex", *options, folder=folder)
-    assert done.status == 2
-    assert message in done.stderr
 
 
 LATEX = (

@@ -13,31 +13,6 @@ from derive.errors import RobotFileError, VerificationError
 from tests.cli.command import derive_process, environment, is_one_message, refused
 from tests.robot.hostile import HOSTILE
 
-WRONG = {
-    "unknown command": ("frobnicate",),
-    "unknown option": ("list", "--frobnicate"),
-    "abbreviated option": ("list", "--js"),
-    "unknown quantity": ("show", "scara-perugia", "Q"),
-    "index out of range": ("show", "scara-perugia", "A[9]"),
-    "index zero": ("show", "scara-perugia", "A[0]"),
-    "no dynamics": ("show", "thumb", "B"),
-    "folder as robot": ("show", ".", "T"),
-    "missing file": ("build", "missing.yaml"),
-    "no jobs": ("build", "scara-perugia", "--jobs", "0"),
-    "path as name": ("new", "../arm"),
-    "capital name": ("new", "Arm"),
-    "no joints": ("new", "arm", "--joints", "0"),
-    "too many joints": ("new", "arm", "--joints", "65"),
-    "control characters": ("show", "a\x1b[31mb\nc", "T"),
-}
-
-
-@pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
-def test_wrong_input_is_refused_in_one_line_with_status_2(arguments: tuple[str, ...], tmp_path: Path) -> None:
-    outcome = refused(*arguments, folder=tmp_path)
-    assert outcome.stdout == ""
-    assert list(tmp_path.iterdir()) == []
-
 
 def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
     robot = "\N{GREEK SMALL LETTER ALPHA}.yaml"
@@ -45,6 +20,7 @@ def test_output_on_an_ascii_terminal_is_escaped(tmp_path: Path) -> None:
     assert outcome.status == 2
     assert is_one_message(outcome.stderr), outcome.stderr
     assert "\\u03b1.yaml" in outcome.stderr
+    refused("show", "a\x1b[31mb\nc", "T", folder=tmp_path)
 
 
 def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:

@@ -109,30 +109,3 @@ def test_a_configuration_is_computed(folder: Path) -> None:
     default = (folder / "pendulum.tex").read_text()
     handout(folder, "-q=-1/4", "--parts", "example", "--force")
     assert (folder / "pendulum.tex").read_text() != default
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--parts", "inerta"], ["inerta", "newton-euler", "did you mean 'inertia'"]),
-        (["--parts", ","], ["allowed"]),
-        (["--notation", "angel=q"], ["angel", "did you mean 'angle'"]),
-        (["--notation", "inertia=X"], ["X", "B, M, D"]),
-        (["--lang", "klingon"], ["klingon", "en", "it", "pt"]),
-        (["--derivation", "proofs"], ["proofs", "steps"]),
-        (["--fragment", "inerta"], ["inerta", "did you mean 'inertia'"]),
-        (["--fragment", "B[2,2]"], ["rows 1 to 1"]),
-        (["--fragment", "B", "--pdf"], ["--fragment with --pdf"]),
-        (["-o", "x.tex"], ["-o x.tex works only with --fragment", "name a folder"]),
-        (["-o", "-"], ["-o - works only with --fragment", "name a folder"]),
-        (["--width", "84mm"], ["--width works only with --fragment"]),
-        (["--fragment", "B", "--width", "wide"], ["width 'wide'", "such as 84mm"]),
-        (["--pages", "many"], ["many", "a whole number such as 20"]),
-        (["-q", "1,2"], ["joint values are needed, 2 given"]),
-        (["--out", "arm.yaml"], ["arm.yaml"]),
-    ],
-)
-def test_what_cannot_be_is_refused_in_one_line(options: list[str], words: list[str], folder: Path) -> None:
-    outcome = refused("handout", "arm.yaml", *options, folder=folder)
-    assert all(word in outcome.stderr for word in words)
-    assert names(folder) == set()

@@ -53,16 +53,6 @@ def test_a_wrong_plan_is_one_message_at_its_place_and_nothing_is_written(
     assert not (tmp_path / "run.csv").exists()
 
 
-def test_no_such_plan_and_options_that_do_not_belong_together(tmp_path: Path) -> None:
-    message = "'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name from derive list --plans"
-    assert message in refused("move", "scara-pick", folder=tmp_path).stderr
-    plan = written(PENDULUM, tmp_path)
-    for options in ("--format latex", "--show --json", "--csv - --json"):
-        refused("move", plan, *options.split(), folder=tmp_path)
-    assert "is a folder" in derive("move", plan, "--csv", ".", folder=tmp_path).stderr
-    assert "two contents" in derive("move", plan, "--csv", "a.svg", "--plot", "a.svg", folder=tmp_path).stderr
-
-
 def test_no_move_is_accepted_and_a_limit_that_is_exceeded_is_a_line_and_status_1(tmp_path: Path) -> None:
     done = derive("move", written(PENDULUM.replace("to: b", "to: a"), tmp_path), folder=tmp_path)
     assert done.status == 0
@@ -109,7 +99,6 @@ def test_the_part_of_the_handout_is_a_sheet_in_a_language(tmp_path: Path) -> Non
     assert "valore efficace" in text
     assert r"a \ensuremath{\rightarrow} b" in text
     assert text.count(r"\begin{picture}") == 1
-    assert derive("move", plan, "--part", "sheet.doc", folder=tmp_path).status == 2
 
 
 def test_json_names_the_files_that_were_written(tmp_path: Path) -> None:
@@ -152,5 +141,3 @@ def test_new_copies_a_built_in_plan_and_overwrites_nothing(tmp_path: Path) -> No
     assert derive("new", "mine", "--from", "skeleton-reach", folder=tmp_path).status == 0
     assert "robot: skeleton-root" in (tmp_path / "mine.yaml").read_text()
     assert derive("new", "mine", "--from", "skeleton-reach", folder=tmp_path).status == 2
-    assert "--joints with --plan" in derive("new", "x", "--plan", "thumb", "--joints", "2", folder=tmp_path).stderr
-    assert derive("new", "X!", "--plan", "thumb", folder=tmp_path).status == 2

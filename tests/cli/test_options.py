@@ -15,7 +15,7 @@ import pytest
 from derive.cli.main import COMMANDS, main, whole_parser
 from derive.cli.terminal import OLD, SHARED, file_or_stdout
 from derive.version import __version__
-from tests.cli.command import derive, refused
+from tests.cli.command import derive
 from tests.interpreters import printed_by
 from tests.places import ROOT
 
@@ -65,6 +65,7 @@ def test_old_names_mean_the_new_ones_and_are_not_shown(command: str) -> None:
 
 
 @pytest.mark.parametrize("at", ["-q 0.5,-0.5", "-q=-0.5,0.5", "-q-0.5,0.5", "-q -0.5,0.5", "--at -0.5,0.5", "--at=0,1"])
+@pytest.mark.first(3)
 def test_joint_values_are_read_however_they_are_given(at: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     values = re.sub(r"(-q|--at)[ =]?", "", at).replace(" ", ",").split(",")
@@ -86,56 +87,6 @@ def test_examples_of_help_are_commands_that_parse(command: str) -> None:
     for program, name, *arguments in found:
         assert (program, name) == ("derive", command)
         assert argparse.ArgumentParser.parse_known_args(PARSERS[command], arguments)[1] == []
-
-
-@pytest.mark.parametrize(
-    ("typed", "meant"),
-    [
-        ("shwo", "show"),
-        ("biuld", "build"),
-        ("help shwo", "show"),
-        ("list --jsn", "--json"),
-        ("show puma560-corke p --fromat text", "--format"),
-        ("plot puma560-corke --ot a.svg", "--out"),
-        ("plot puma560-corke --forec -o a.svg", "--force"),
-        ("show puma560-corke p --format latx", "latex"),
-        ("export kuka-kr5 --format urfd", "urdf"),
-        ("export kuka-kr5 --to mjfc", "mjcf"),
-        ("build thumb --effort quik", "quick"),
-        ("build thumb --target numpi", "numpy"),
-        ("convert thumb --convention modifed", "modified"),
-        ("convert puma560-corke --inertia posible", "possible"),
-        ("handout thumb --lang eng", "en"),
-        ("handout thumb --parts tabel", "table"),
-        ("show thumb inverse --task positon", "position"),
-        ("show puma560-crke p", "puma560-corke"),
-        ("show puma560-corke potentail", "potential"),
-        ("move scara-pick-and-plce", "scara-pick-and-place"),
-        ("completion bsh", "bash"),
-    ],
-)
-def test_a_slip_is_answered_with_what_was_meant(typed: str, meant: str, tmp_path: Path) -> None:
-    done = refused(*typed.split(), folder=tmp_path)
-    assert done.stdout == ""
-    assert re.search(rf"did you mean '?{re.escape(meant)}'?\?", done.stderr), done.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("typed", "message"),
-    [
-        ("--quiet list", "no option '--quiet' before the command; see 'derive --help'"),
-        ("--vers", "no option '--vers'; did you mean '--version'?"),
-        ("completion tcsh", "no shell 'tcsh'; allowed: bash, zsh, fish; see"),
-        ("plot thumb -o", "-o/--out: expected one argument"),
-        ("show -thumb p", "no option '-thumb'"),
-        ("new a b", "'b' is an argument too many; see 'derive new --help'"),
-    ],
-)
-def test_what_is_not_understood_is_named_as_what_it_is(typed: str, message: str, tmp_path: Path) -> None:
-    done = refused(*typed.split(), folder=tmp_path)
-    assert done.stdout == ""
-    assert message in done.stderr
 
 
 @pytest.mark.parametrize("arguments", ["", "help", "help help"])

@@ -141,6 +141,7 @@ FIGURES = ["plot arm.yaml -o", "move scara-pick-and-place --plot", "move scara-p
 
 
 @pytest.mark.parametrize("typed", FIGURES)
+@pytest.mark.first(1)
 def test_the_null_device_is_free_for_figures_too(typed: str, folder: Path) -> None:
     pytest.importorskip("matplotlib")
     before = contents(folder)

@@ -43,27 +43,6 @@ def test_the_report_states_the_configuration_and_assumed_lengths(
     assert "q1 = -1.571 rad" in capsys.readouterr().out
 
 
-WRONG = {
-    "too few values": ("-q", "1", "-o", "a.svg"),
-    "too many values": ("-q", "1,2,3", "-o", "a.svg"),
-    "empty value": ("-q", "1,", "-o", "a.svg"),
-    "name as value": ("-q", "1,a1", "-o", "a.svg"),
-    "no number": ("-q", "1,1/0", "-o", "a.svg"),
-    "root of a negative number": ("-q", "1,sqrt(-1)", "-o", "a.svg"),
-    "unknown suffix": ("-o", "a.eps"),
-    "no suffix": ("-o", "a"),
-    "no output": (),
-    "configuration and workspace": ("-q", "1,2", "--workspace", "-o", "a.svg"),
-    "size": ("--size", "nan", "-o", "a.svg"),
-}
-
-
-@pytest.mark.parametrize("arguments", WRONG.values(), ids=WRONG.keys())
-def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(arguments: tuple[str, ...], tmp_path: Path) -> None:
-    refused("plot", "planar-2r-perugia", *arguments, folder=tmp_path)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("without", ["matplotlib", "matplotlib --workspace", "shapely --workspace"])
 def test_a_figure_without_its_packages_says_how_to_install_them(
     without: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -10,7 +10,7 @@ import yaml
 from derive.cli import style
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from tests.cli.command import accepted, derive, refused
+from tests.cli.command import accepted, derive
 
 GRAVITY = "g[1] = ml1*g*l1*c1 + mm2*g*a1*c1 + ml2*g*(a1*c1 + l2*c12)"
 ARM = """\
@@ -87,29 +87,6 @@ def test_the_examples_of_the_help_are_right_and_the_report_may_be_json(folder: P
     assert [(e["quantity"], e["outcome"]) for e in report["examples"]] == [("g[1]", "same form")]
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["planar-2r-perugia"],
-        ["planar-2r-perugia", "--example", "a1*c1 + a2*c12"],
-        ["planar-2r-perugia", "--example", "= a1*c1 + a2*c12"],
-        ["planar-2r-perugia", "--example", "p = a1*c1 + a2*c12"],
-        ["planar-2r-perugia", "--example", "a_1 c_1 + a_2 c_{12}"],
-        ["planar-2r-perugia", "--example", "p_x = a_1 c_1 + z c_{12}"],
-        ["planar-2r-perugia", "--example", "missing.tex"],
-        ["planar-2r-perugia", "--example", "nothing[1] = a1*c1 + a2*c12"],
-        ["planar-2r-perugia", "--example", "p[1] = a1*c1 + zz*c12"],
-        ["planar-2r-perugia", "--example", "p[1] = a1*(c1 + "],
-        ["planar-2r-perugia", "scara-perugia", "--example", "p[1] = a1*c1 + a2*c12"],
-        ["no-such-robot", "--example", "p[1] = a1*c1 + a2*c12"],
-        [],
-    ],
-)
-def test_what_cannot_be_read_ends_with_one_message(folder: Path, arguments: list[str]) -> None:
-    done = refused("style", *arguments, folder=folder)
-    assert done.stdout == ""
-
-
 def test_a_handout_is_set_as_the_notes_are(folder: Path) -> None:
     printed = [
         derive("handout", "planar-2r-perugia", "--fragment", "g", *chosen, folder=folder).stdout
@@ -118,4 +95,3 @@ def test_a_handout_is_set_as_the_notes_are(folder: Path) -> None:
     assert printed[0] != printed[1] == printed[2]
     done = derive("handout", "planar-2r-perugia", "--parts", "gravity", "--style-from", "notes.yaml", folder=folder)
     assert "style of notes.yaml: gravity: body; as printed: 1 of 1 formula, " in done.stdout
-    assert derive("handout", "planar-2r-perugia", "--style-from", "missing.yaml", folder=folder).status == 2

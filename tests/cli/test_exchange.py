@@ -1,4 +1,4 @@
-"""``derive import`` as it is typed."""
+"""``derive convert``, ``derive export`` and ``derive import``: the file or its text, and what is said about it."""
 
 import json
 from pathlib import Path
@@ -6,9 +6,60 @@ from unittest import mock
 
 import pytest
 
+from derive.cli import export
 from derive.errors import install_extra
-from tests.cli.command import accepted, derive, refused
+from derive.exchange.formats import FORMS
+from derive.robot.robot import Robot
+from tests.cli.command import PENDULUM, accepted, derive, refused
 from tests.exchange.urdfs import HALF, J, body, urdf
+
+
+def test_the_file_is_written_and_the_report_says_what_has_moved(tmp_path: Path) -> None:
+    typed, moved = ("convert", "planar-2r-perugia", "-o", "mdh.yaml"), "Trans(x, a2) of row 2 is in the tool now"
+    done = derive(*typed, "--convention", "modified", folder=tmp_path)
+    assert (done.status, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == ["mdh.yaml: 2 joints (RR), modified", f"  {moved}"]
+    found = json.loads(derive(*typed, "--force", "--json", folder=tmp_path).stdout)
+    assert found == {"file": "mdh.yaml", "convention": "modified", "report": [moved], "remarks": []}
+    assert Robot.load(tmp_path / "mdh.yaml").convention == "modified"
+
+
+def test_the_text_goes_to_standard_output_and_back_again(tmp_path: Path) -> None:
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    there = derive("convert", "pendulum.yaml", folder=tmp_path)
+    (tmp_path / "there.yaml").write_text(there.stdout)
+    back = derive("convert", "there.yaml", "--name", "swing", folder=tmp_path)
+    robot = Robot.from_text(back.stdout)
+    assert (there.status, back.status, robot.name, robot.title) == (0, 0, "swing", "swing")
+    assert robot.joints == Robot.from_text(PENDULUM).joints
+    assert robot.links == Robot.from_text(PENDULUM).links
+
+
+def test_the_file_is_written_remarks_are_told_and_every_format_is_offered(tmp_path: Path) -> None:
+    done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", folder=tmp_path)
+    assert (done.status, done.stdout) == (0, "puma.urdf\n")
+    assert "derive: warning: puma560-corke: URDF cannot say the armature of q1, q2, q3, q4, q5, q6" in done.stderr
+    assert (tmp_path / "puma.urdf").read_text().startswith("<?xml")
+    assert tuple(FORMS) == export.FORMATS
+
+
+@pytest.mark.parametrize("to", export.FORMATS)
+def test_every_format_goes_to_standard_output(to: str, tmp_path: Path) -> None:
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    values = ("--values", "a1=0.5,l1=1/4", "--values", "g=9.81, m1=2, I1=0.1")
+    done = accepted("export", "pendulum.yaml", "--to", to, *values, folder=tmp_path)
+    assert "pendulum" in done.stdout
+    assert "0.5" in done.stdout
+
+
+def test_the_report_for_scripts_holds_what_the_format_cannot_say(tmp_path: Path) -> None:
+    done = derive("export", "puma560-corke", "--to", "urdf", "-o", "puma.urdf", "--json", folder=tmp_path)
+    report = json.loads(done.stdout)
+    assert (report["file"], report["format"]) == ("puma.urdf", "urdf")
+    assert [remark["line"] for remark in report["remarks"]] == [31]  # of the robot file: a link that no body can be
+    assert report["report"]
+    assert all(f"derive: warning: puma560-corke: {line}" in done.stderr for line in report["report"])
+
 
 ARM = urdf(
     [
@@ -70,29 +121,6 @@ def test_all_tips_get_files(folder: Path) -> None:
     assert [robot["tip"] for robot in report["robots"]] == ["left", "right"]
     assert "planar" in report["refused"]["head"]
     assert sorted(path.name for path in (folder / "arms").iterdir()) == ["torso-left.yaml", "torso-right.yaml"]
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["none.urdf"],
-        ["arm.urdf", "--tip", "nothing"],
-        ["arm.urdf", "--chain", "l0"],
-        ["arm.urdf", "--chain", "l0..tool", "--tip", "tool"],
-        ["arm.urdf", "--all", "--tip", "tool"],
-        ["arm.urdf", "--convention", "craig"],
-        ["arm.urdf", "--snap", "much"],
-        ["arm.urdf", "--inertia", "better"],
-        ["arm.urdf", "--arg", "name"],
-        ["arm.urdf", "-o", "."],
-        ["."],
-    ],
-)
-def test_wrong_input_is_one_message_and_writes_nothing(folder: Path, arguments: list[str]) -> None:
-    before = sorted(folder.iterdir())
-    done = refused("import", *arguments, folder=folder)
-    assert not done.stdout
-    assert sorted(folder.iterdir()) == before
 
 
 def test_without_lxml_the_message_says_what_to_install(folder: Path) -> None:
