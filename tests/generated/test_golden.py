@@ -1,18 +1,18 @@
-"""The committed models are what a build makes now, and stand alone."""
+"""The committed models are what a build makes now, stand alone, and `make verify-generated` finds what is wrong in them."""
 
 import os
 import subprocess
 import sys
 from datetime import date
 from pathlib import Path
-
 import numpy as np
 import pytest
-
 from derive.publish.build import folder_of
 from derive.robot.load import catalogue_names
 from derive.robot.robot import Robot
 from tests.places import ROOT
+import shutil
+from tests.generated import verify
 
 GENERATED = ROOT / "generated"
 
@@ -25,7 +25,6 @@ def test_every_robot_of_the_catalogue_has_its_folder_and_no_other_is_there() -> 
 # Instruction sets that NumPy uses here and can do without.
 WIDE = " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", ()))
 OTHER_MACHINES = {
-    "another order of hashes": {"PYTHONHASHSEED": "4711", "LC_ALL": "C.UTF-8", "COLUMNS": "200"},
     "an old processor in Turkey": {
         "PYTHONHASHSEED": "1",
         "NPY_DISABLE_CPU_FEATURES": WIDE,
@@ -37,6 +36,7 @@ OTHER_MACHINES = {
         "HOME": "/nowhere",
         "USER": "nobody",
     },
+    "another order of hashes": {"PYTHONHASHSEED": "4711", "LC_ALL": "C.UTF-8", "COLUMNS": "200"},
 }
 
 
@@ -50,6 +50,7 @@ OTHER_MACHINES = {
     ],
 )
 @pytest.mark.parametrize("machine", OTHER_MACHINES.values(), ids=OTHER_MACHINES.keys())
+@pytest.mark.first(1)
 def test_another_machine_makes_the_same_bytes(machine: dict[str, str], robot: str) -> None:
     command = [sys.executable, "-m", "derive", "build", robot, "--check", "--out", str(GENERATED)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **machine}
@@ -71,3 +72,34 @@ def test_a_model_imports_neither_derive_nor_sympy(module: str, further: tuple[st
     script = f"import sys, scara_perugia.{module}; sys.exit(any(m in sys.modules for m in {forbidden}))"
     done = subprocess.run([sys.executable, "-c", script], cwd=GENERATED, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
+
+
+FOLDER = "planar_2r_perugia"
+
+
+@pytest.fixture
+def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    shutil.copytree(verify.GENERATED / FOLDER, tmp_path / FOLDER)
+    monkeypatch.setattr(verify, "GENERATED", tmp_path)
+    return tmp_path / FOLDER
+
+
+def test_a_committed_folder_is_right(copy: Path) -> None:
+    line, right = verify.verified("planar-2r-perugia")
+    assert right, line
+    assert "numpy, casadi" in line
+
+
+def test_a_folder_that_was_edited_is_found(copy: Path) -> None:
+    """A sign in the code, which no hash protects from being committed."""
+    path = copy / "model_numpy.py"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("s1 = sin(q1)", "s1 = -sin(q1)"), encoding="utf-8")
+    line, right = verify.verified("planar-2r-perugia")
+    assert not right
+    assert "of model_numpy.py differs" in line
+
+
+def test_a_missing_folder_is_found(copy: Path) -> None:
+    shutil.rmtree(copy)
+    assert not verify.verified("planar-2r-perugia")[1]

@@ -12,7 +12,8 @@ import sympy
 
 from derive.handouts.assemble import context_of
 from derive.handouts.figure.scene import arm_scene
-from derive.handouts.parts.closure import closure
+from derive.handouts.notation.notation import Notation
+from derive.handouts.parts.closure import closure, closure_lines, closure_parts
 from derive.handouts.parts.example import configuration
 from derive.handouts.sheet.document import Figure, SheetFormula
 from derive.inverse.loops import without_parallelograms
@@ -128,3 +129,16 @@ def test_the_page_moves_passive_joints_and_says_where_loops_are_open(text: str, 
     figure.set([3.0])
     assert figure.page.locator(".viewer-open").is_visible() == (text == STIFF)
     figure.close()
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank"])
+def test_a_branch_is_told_as_the_formula_that_the_sign_of_the_file_takes(name: str) -> None:
+    robot = Robot.load(name)
+    model = Model(robot)
+    lines = closure_lines(model.closure, "text", Notation.of(robot))
+    (part,) = closure_parts(model.closure)
+    assert any(line.startswith("branch of the file: ") and "+-" not in line for line in lines)
+    assert part["by"] == "revolute"
+    assert len(part["branch"]) == 1
+    assert part["no_value_where_zero"]
+    assert "2 solutions (complete)" in lines

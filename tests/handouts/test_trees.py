@@ -91,6 +91,7 @@ def test_bodies_add_up_to_the_inertia_matrix(seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", TREES)
+@pytest.mark.first(1)
 def test_the_table_says_what_each_row_follows(name: str) -> None:
     robot = Robot.load(name)
     sheet = sections(robot)

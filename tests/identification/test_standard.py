@@ -78,6 +78,7 @@ def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) 
 
 
 @pytest.mark.parametrize("robot", cases(), ids=lambda robot: robot.name)
+@pytest.mark.first(5)
 def test_the_nearest_robot_has_the_base_parameters_and_reads_back(robot: Robot) -> None:
     unknowns = Unknowns(robot, ("viscous", "coulomb"))
     wanted = unknowns.prior + 0.02 * np.random.default_rng(2).normal(size=len(unknowns.prior)) * np.abs(unknowns.prior)

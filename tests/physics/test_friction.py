@@ -24,7 +24,7 @@ BODIES = "{mass: 1, armature: 1, friction: {viscous: b, coulomb: [p, m]}}, {mass
 ARM = robot_of_rows("P | P alpha: pi/2", f"links: [{BODIES}]")
 
 
-@pytest.mark.parametrize("seed", seeds(24, usual=6))
+@pytest.mark.parametrize("seed", seeds(24, usual=3))
 def test_torques_are_pinocchios_with_the_friction_of_the_way_in_which_each_joint_moves(seed: int) -> None:
     drawn = random_robot(random.Random(seed), 1 + seed % 4)
     plain, (ahead, back) = Robot.from_text(drawn.text), np.random.default_rng(seed).uniform(0, 2, (2, drawn.n))

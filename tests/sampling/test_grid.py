@@ -15,7 +15,7 @@ from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, Numeri
 
 
 @pytest.mark.parametrize("arm", [UR5E, PUMA, PLANAR, SCARA, ELBOW], ids=lambda arm: arm.name)
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 def test_no_configuration_leads_beyond_box_and_ball_and_some_lead_close(arm: NumericArm) -> None:
     ranges = joint_ranges(RobotPoses(arm.robot))
     least, most, radius = extent(NumericChain.of(arm.robot), ranges, [0, 1, 2])

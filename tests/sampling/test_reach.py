@@ -54,6 +54,7 @@ def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, st
     ("step", "turns", "pairs"), [(0.11, (5, 2), 60), pytest.param(0.05, (16, 6), 2600, marks=pytest.mark.sweep)]
 )
 @ARMS
+@pytest.mark.first(1)
 def test_postures_and_their_worth_are_those_of_numbers(
     arm: NumericArm, step: float, turns: tuple[int, int], pairs: int
 ) -> None:

@@ -142,7 +142,7 @@ def solver(request: pytest.FixtureRequest) -> Iterator[Solver]:
         yield Solver(model, numpy, q, numpy.call("forward_kinematics", [q], parameters), places, parameters)
 
 
-@pytest.mark.first(5)
+@pytest.mark.first(4)
 def test_branches_are_those_of_numpy_and_lead_to_their_poses(solver: Solver) -> None:
     """CasADi's functions do not look elsewhere where joints are free; whatever they find leads there."""
     poses, given = solver.poses, solver.q[:, solver.places]
@@ -196,7 +196,7 @@ def test_no_branch_exists_at_what_is_no_number_or_out_of_any_reach(language: str
 
 
 @pytest.mark.parametrize("language", languages("numpy", "native", "c", "octave", "javascript"))
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 def test_solutions_that_stand_alone_beside_infinitely_many_are_listed(language: str) -> None:
     case = random_arm("5dof", 17)
     robot = case.robot()

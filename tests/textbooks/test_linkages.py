@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ SAME = 0.85
 every = pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 
 
+@cache
 def report(path: Path) -> FileReport:
     return check_file(corpus_from_bytes(path.read_bytes(), str(path)))
 

@@ -240,6 +240,7 @@ def turns_everywhere(*ways: Limits) -> bool:
 
 
 @pytest.mark.parametrize("ways", [*product((FULL, HALF, LESS), (FULL, BEYOND, LESS), (FULL, HALF))])
+@pytest.mark.first(6)
 def test_a_wrist_is_complete_if_brute_force_finds_every_orientation(ways: tuple[Limits, Limits, Limits]) -> None:
     cells = [
         f"R alpha: {alpha}, limits: [{low}, {high}]"

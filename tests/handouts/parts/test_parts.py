@@ -37,7 +37,7 @@ from derive.robot.options.handout import Derivation, FigureOptions, HandoutOptio
 from derive.robot.robot import Robot
 from derive.workspace.poses import RobotPoses
 from tests.handouts.reading import REACHED, changed, lines, part, words
-from tests.random_robots import chains, random_robot
+from tests.random_robots import chains, random_robot, sampled
 from tests.rows import robot_of_rows
 
 KINEMATICS = {
@@ -64,7 +64,7 @@ def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
     return tuple(blocks_of(Section(part, part, tuple(PARTS[part](context)))))
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("robot", sampled(ROBOTS, ("planar-2r-perugia", "anthropomorphic-arm")))
 @pytest.mark.parametrize("part", PARTS)
 def test_steps_add_to_the_result_and_take_nothing_away(part: str, robot: str) -> None:
     result, stepwise = (blocks(part, robot, derivation) for derivation in (Derivation.RESULT, Derivation.STEPS))

@@ -37,6 +37,7 @@ def orthogonal(d3: float, d4: float, r2: float) -> Robot:
 @pytest.mark.parametrize(
     ("name", "count"), [("planar-3r", 2), ("scara-perugia", 2), ("anthropomorphic-arm", 4), ("puma560-corke", 8)]
 )
+@pytest.mark.first(3)
 def test_arms_of_textbooks_have_as_many_aspects_as_solutions_each_in_its_own(name: str, count: int) -> None:
     found = aspects(name)
     assert (found.count, found.inverse.count, found.shared, found.is_cuspidal) == (count, count, 0, False)

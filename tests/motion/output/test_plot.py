@@ -71,6 +71,7 @@ def numbers(axes: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize(("text", "simulated"), [(SIX, False), (SIX, True), (PICK_AND_PLACE, False)])
+@pytest.mark.first(1)
 def test_numbers_of_peaks_lie_in_their_panels_and_cover_nothing(figures: list[Any], text: str, simulated: bool) -> None:
     motion = Motion.from_text(text.replace("SAMPLE", "0.02"))
     plot_bytes(motion, ".svg", motion.simulate() if simulated else None)

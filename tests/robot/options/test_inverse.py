@@ -1,10 +1,14 @@
-"""Task and given joints of the inverse kinematics, in a robot file."""
+"""Task and given joints of the inverse kinematics, in a robot file; thresholds of closed forms stand in one place."""
+
+from dataclasses import asdict
 
 import pytest
 
 from derive.errors import QuantityError, RobotFileError
 from derive.robot.options.inverse import POSE, ROWS, TASKS, InverseOptions, chosen_given, chosen_task
+from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
+from derive.targets.templating import template_folder
 from tests.refusals import one_message
 
 ARM = """
@@ -60,3 +64,17 @@ def test_rows_of_a_task_are_sorted_and_names_are_those_of_joints() -> None:
     assert chosen_given(["b", "a"], ["a", "b", "c"]) == ("a", "b")
     with pytest.raises(QuantityError, match="already"):
         chosen_task(["phi", "orientation"], 6)
+
+
+def test_the_text_of_a_threshold_is_its_value():
+    for name, value in asdict(POLICY).items():
+        read = tuple(map(float, POLICY.texts[name].split(", ")))
+        assert (read if isinstance(value, tuple) else read[0]) == value
+    assert POLICY.texts["orthogonal"] == "1e-6"
+
+
+def test_no_template_repeats_a_threshold():
+    own = [POLICY.texts[name] for name in ("far", "reproduced", "elsewhere", "double")]
+    for path in template_folder().rglob("*.jinja"):
+        text = path.read_text(encoding="utf-8")
+        assert not [value for value in own if value in text], path.name

@@ -39,7 +39,7 @@ def projected(outside: Reference, name: str, s: Array, given: Sequence[Array]) -
     return np.asarray(value)
 
 
-@pytest.mark.parametrize("seed", seeds(100, 8, 100))
+@pytest.mark.parametrize("seed", seeds(100, 4, 100))
 def test_every_function_is_that_of_the_joints_projected(seed: int) -> None:
     drawn = random_tree(random.Random(seed), 1 + seed % 9)
     drawn = replace(drawn, table=replace(drawn.table, joints=tuple(replace(j, sign=1) for j in drawn.table.joints)))

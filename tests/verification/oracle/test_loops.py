@@ -146,7 +146,7 @@ class Outside:
 
 @pytest.mark.parametrize("seed", seeds(40, 2, 20))
 @pytest.mark.parametrize("name", MECHANISMS)
-@pytest.mark.first(5)
+@pytest.mark.first(3)
 def test_all_joints_accelerate_as_under_pinocchios_constraints(name: str, seed: int) -> None:
     """Joined frames stay so to second order, and what holds them does no work, also where Pinocchio has no joint."""
     outside, step = Outside(name, seed), 1e-4
